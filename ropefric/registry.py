@@ -1,0 +1,91 @@
+"""Named collections of declared objects: one file declares one object, and everyone else finds it by name."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from typing import Protocol, TypeVar
+
+from ropefric.errors import UnknownNameError
+
+__all__ = ["Named", "Registry", "did_you_mean"]
+
+
+class Named(Protocol):
+    """Anything with a name of its own."""
+
+    @property
+    def name(self) -> str:
+        """The name it is found by."""
+        ...
+
+
+T = TypeVar("T", bound=Named)
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return `did you mean 'x'?` for the known word closest to `word`, or the list of what is known.
+
+    Examples
+    --------
+    >>> did_you_mean("warp_deg", ["wrap_deg", "radius_mm"])
+    "did you mean 'wrap_deg'?"
+    >>> did_you_mean("zzz", ["b", "a"])
+    'known: a, b'
+    """
+    names = sorted(known)
+    folded = {name.lower(): name for name in names}
+    close = get_close_matches(word.lower(), folded, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean '{folded[close[0]]}'?"
+    return f"known: {', '.join(names)}" if names else "none is known"
+
+
+class Registry(Mapping[str, T]):
+    """An ordered, read-only mapping from name to declared object, whose misses say what was meant.
+
+    Parameters
+    ----------
+    kind : str
+        What the objects are, in words, for messages: "outlier rule".
+    members : iterable
+        The objects; each has a `name`.
+
+    Raises
+    ------
+    ValueError
+        If two members have the same name.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> rules = Registry("outlier rule", [SimpleNamespace(name="two-sigma"), SimpleNamespace(name="none")])
+    >>> list(rules)
+    ['two-sigma', 'none']
+    >>> rules["two-sgima"]
+    Traceback (most recent call last):
+    ...
+    ropefric.errors.UnknownNameError: unknown outlier rule 'two-sgima' Fix: did you mean 'two-sigma'?
+    """
+
+    def __init__(self, kind: str, members: Iterable[T]) -> None:
+        self.kind = kind
+        self._members: dict[str, T] = {}
+        for member in members:
+            if member.name in self._members:
+                raise ValueError(f"two members of the {kind} registry are called {member.name!r}")
+            self._members[member.name] = member
+
+    def __getitem__(self, name: str) -> T:
+        try:
+            return self._members[name]
+        except KeyError:
+            fix = did_you_mean(str(name), self._members)
+            raise UnknownNameError(f"unknown {self.kind} {name!r}", fix=fix) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._members
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._members)
+
+    def __len__(self) -> int:
+        return len(self._members)

@@ -1,0 +1,1 @@
+"""One recording -> the break-away force F_A: reading, calibrating, smoothing, picking."""

@@ -1,0 +1,118 @@
+"""What is known about the break-away of one recording."""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import nan
+
+__all__ = ["ADVICE", "Breakaway", "Phase", "Status"]
+
+
+class Status(StrEnum):
+    """What became of a recording."""
+
+    OK = "ok"
+    NO_BREAKAWAY = "no-breakaway"
+    NO_PEAK = "no-peak"
+    SATURATED = "saturated"
+    TOO_SHORT = "too-short"
+    UNREADABLE = "unreadable"
+
+
+ADVICE: dict[Status, str] = {
+    Status.OK: "The static peak was found.",
+    Status.NO_BREAKAWAY: (
+        "The rope never slipped while the recording ran: the force was still rising, or was held. "
+        "Raise the motor torque further or record for longer."
+    ),
+    Status.NO_PEAK: (
+        "The rope slides, but no static peak stands out of the sliding force. There may be none for this pair; "
+        "or it lies in a gap or between two samples: sample faster, or let the rope dwell before the pull."
+    ),
+    Status.SATURATED: (
+        "The converter sat at its limit where the peak should be, so the peak is at least that high and unknown. "
+        "Use a larger force cell or a lower end tension."
+    ),
+    Status.TOO_SHORT: "There are too few usable samples to tell loading from sliding. Record for longer.",
+    Status.UNREADABLE: "The file could not be read; see the problem listed with it.",
+}
+"""What each status means and what to do about it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phase:
+    """A stretch of a recording: idle, loading, break-away, sliding, held or unloading.
+
+    Attributes
+    ----------
+    name : str
+        What happens in it.
+    start_s, end_s : float
+        Its limits [s].
+    """
+
+    name: str
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Breakaway:
+    """The break-away force of one trial and what supports it; NaN where there is no such number.
+
+    Attributes
+    ----------
+    status : Status
+        `ok` means `peak_N` may be used; every other status says why not.
+    detail : str
+        What is particular to this recording, with numbers and units.
+    peak_N : float
+        Static peak F_A of the smoothed trace [N]; for a `held` recording the mean of the plateau.
+    peak_raw_N : float
+        The same before smoothing [N], isolated spikes left out.
+    peak_time_s : float
+        When [s].
+    peak_std_N : float
+        Standard uncertainty [N] of picking: noise left after smoothing and the window's bias.
+    two_line_N : float
+        F_A from lines fitted to both sides of the peak, free of the window's bias [N].
+    bias_N : float
+        First-order bias of `peak_N` by smoothing [N]; negative: `peak_N` reads low.
+    kinetic_N, kinetic_std_N : float
+        Mean and sample standard deviation of the force while sliding [N].
+    window_s : float
+        Width of the moving average [s].
+    noise_std_N : float
+        Noise of one sample [N].
+    loading_rate_N_s : float
+        Slope of the loading just before the peak [N/s].
+    phases : tuple of Phase
+        What happened when.
+    notes : tuple of str
+        What was met on the way: spikes left out, gaps bridged.
+
+    Examples
+    --------
+    >>> Breakaway(status=Status.NO_PEAK).advice[:16]
+    'The rope slides,'
+    """
+
+    status: Status
+    detail: str = ""
+    peak_N: float = nan
+    peak_raw_N: float = nan
+    peak_time_s: float = nan
+    peak_std_N: float = nan
+    two_line_N: float = nan
+    bias_N: float = nan
+    kinetic_N: float = nan
+    kinetic_std_N: float = nan
+    window_s: float = nan
+    noise_std_N: float = nan
+    loading_rate_N_s: float = nan
+    phases: tuple[Phase, ...] = field(default=())
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def advice(self) -> str:
+        """Return what the status means and what to do."""
+        return ADVICE[self.status]

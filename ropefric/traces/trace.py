@@ -1,0 +1,113 @@
+"""A force recording: what every reader hands over and every later step works on."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import DataError
+
+if TYPE_CHECKING:
+    from ropefric.traces.calibration import Calibration, Saturation
+
+__all__ = ["BoolArray", "FloatArray", "ForceTrace", "IntArray", "frozen_array"]
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+def frozen_array(values: npt.ArrayLike) -> FloatArray:
+    """Return values as a read-only float64 array that nobody else can write to.
+
+    Integers become floats here, once: `scipy.ndimage.uniform_filter1d` answers integer input with truncated
+    integers.
+
+    Examples
+    --------
+    >>> frozen_array([1, 2]).flags.writeable
+    False
+    """
+    array = np.array(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ForceTrace:
+    """One force recording in SI units.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (n,)
+        Time stamps [s], finite and strictly increasing; not necessarily uniform.
+    force_N : ndarray, shape (n,)
+        Force [N]; NaN where a sample is missing.
+    name : str
+        What the recording is called in messages.
+    source : str
+        The file it came from, as its owner wrote it.
+    counts : ndarray of int64, shape (n,), optional
+        Raw ADC counts, where the force was computed from them; kept so that a better calibration can be applied
+        later.
+    calibration : Calibration, optional
+        How `force_N` came from `counts`.
+    saturation : Saturation, optional
+        Where the ADC sat at its ceiling or floor.
+    notes : tuple of str
+        What was mended on the way in: repeated time stamps, gaps.
+
+    Raises
+    ------
+    DataError
+        If the arrays disagree in length, are empty, or time does not strictly increase.
+
+    Examples
+    --------
+    >>> trace = ForceTrace(time_s=[0.0, 0.1, 0.2], force_N=[0, 1, 2], name="run07")
+    >>> trace.force_N.dtype, trace.sampling_rate_Hz
+    (dtype('float64'), 10.0)
+    """
+
+    time_s: FloatArray
+    force_N: FloatArray
+    name: str = "trace"
+    source: str = ""
+    counts: IntArray | None = None
+    calibration: "Calibration | None" = None
+    saturation: "Saturation | None" = None
+    notes: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        time_s, force_N = frozen_array(self.time_s), frozen_array(self.force_N)
+        object.__setattr__(self, "time_s", time_s)
+        object.__setattr__(self, "force_N", force_N)
+        if time_s.ndim != 1 or time_s.shape != force_N.shape:
+            raise DataError(
+                f"{self.name}: {time_s.shape} time stamps for {force_N.shape} force samples",
+                code="RF201",
+                path=self.source,
+                fix="check which columns the import profile names",
+            )
+        if time_s.size == 0:
+            raise DataError(f"{self.name}: no samples", code="RF201", path=self.source)
+        if not np.isfinite(time_s).all() or (np.diff(time_s) <= 0).any():
+            raise DataError(
+                f"{self.name}: time does not strictly increase",
+                code="RF202",
+                path=self.source,
+                fix="mend the time stamps with ropefric.traces.clock.mend_clock first",
+            )
+
+    @property
+    def sampling_rate_Hz(self) -> float:
+        """Return the median sampling rate [Hz]; 0 for a single sample."""
+        if self.time_s.size < 2:
+            return 0.0
+        # The mean step is exact for uniform stamps and costs nothing; a gap would spoil it, so check.
+        step_s = float(self.time_s[-1] - self.time_s[0]) / (self.time_s.size - 1)
+        steps_s = np.diff(self.time_s)
+        if float(steps_s.max()) > 1.5 * step_s:
+            step_s = float(np.median(steps_s))
+        return float(f"{1.0 / step_s:.12g}")

@@ -1,0 +1,128 @@
+"""The house: imports go downward, libraries stay in their rooms, files stay small, importing stays light."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "ropefric"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+MAX_LINES = 300
+
+LEVELS = {
+    "errors": 0, "glossary": 0, "quantities": 0, "registry": 0,
+    "traces": 1, "friction": 1,
+    "trials": 2, "rig": 2, "systems": 2,
+    "fitting": 3,
+    "scenes": 4,
+    "pipeline": 5, "accuracy": 5,
+    "plotting": 6,
+    "report": 7,
+    "cli": 8,
+}  # fmt: skip
+# The package's own face and its `python -m` door stand outside the house: they may look at everything.
+DOORS = {"__init__", "__main__"}
+
+ONLY_IN = {"lmfit": "fitting", "matplotlib": "plotting", "pint": "quantities", "typer": "cli", "rich": "cli"}
+
+
+def room_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported_names(path: Path) -> Iterator[str]:
+    """Every imported module, function-level imports included; `from a import b` gives both a and a.b."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            yield str(node.module)
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_every_module_has_a_level_and_imports_only_downward(path):
+    room = room_of(path)
+    if room in DOORS:
+        return
+    assert room in LEVELS, f"{room} has no level"
+    for name in imported_names(path):
+        parts = name.split(".")
+        if parts[0] != "ropefric" or len(parts) == 1 or parts[1] == "__version__":
+            continue
+        other = parts[1]
+        assert other in LEVELS, f"{path.name} imports {name}, which has no level"
+        same_room = other == room or LEVELS[other] == LEVELS[room] == 0  # the ground floor is one room
+        assert same_room or LEVELS[other] < LEVELS[room], f"{path.name} imports upward: {name}"
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_libraries_stay_in_their_rooms_and_files_stay_small(path):
+    for name in imported_names(path):
+        library = name.split(".")[0]
+        if library in ONLY_IN:
+            assert room_of(path) == ONLY_IN[library], f"{path.name} imports {library}"
+    assert path.name != "utils.py"
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= MAX_LINES
+
+
+def graph() -> dict[str, set[str]]:
+    names = {".".join(p.relative_to(ROOT).with_suffix("").parts): p for p in MODULES}
+    edges = {}
+    for module, path in names.items():
+        targets = set()
+        for name in imported_names(path):
+            targets |= {name, f"{name}.__init__"} & names.keys()
+        edges[module] = targets - {module}
+    return edges
+
+
+def test_there_is_no_import_cycle():
+    edges = graph()
+    done, path = set(), []
+
+    def visit(module):
+        assert module not in path, f"cycle: {' -> '.join([*path, module])}"
+        if module in done:
+            return
+        path.append(module)
+        for target in edges[module]:
+            visit(target)
+        path.pop()
+        done.add(module)
+
+    for module in edges:
+        visit(module)
+
+
+def test_top_level_is_fixed():
+    allowed = {
+        "pyproject.toml",
+        "ropefric",
+        "data",
+        "fits",
+        "tests",
+        "notebooks",
+        "README.md",
+        "LICENSE",
+        "CHANGELOG.md",
+    }
+    tracked = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False
+    ).stdout.splitlines()
+    tops = {line.split("/")[0] for line in tracked}
+    assert not {top for top in tops - allowed if not top.startswith(".")}
+
+
+def test_import_stays_light():
+    code = (
+        "import sys, ropefric\n"
+        "heavy = {'pandas', 'matplotlib', 'lmfit', 'scipy', 'pint', 'pydantic', 'typer'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)

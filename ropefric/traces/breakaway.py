@@ -25,12 +25,12 @@ ADVICE: dict[Status, str] = {
         "Raise the motor torque further or record for longer."
     ),
     Status.NO_PEAK: (
-        "The rope slides, but no static peak stands out of the sliding force. There may be none for this pair; "
-        "or it lies in a gap or between two samples: sample faster, or let the rope dwell before the pull."
+        "The rope slides, but no static peak stands out of the sliding force. There may be none for this "
+        "pair; or it lies in a gap or between two samples: sample faster, or let the rope dwell before the pull."
     ),
     Status.SATURATED: (
-        "The converter sat at its limit where the peak should be, so the peak is at least that high and unknown. "
-        "Use a larger force cell or a lower end tension."
+        "The converter sat at its limit where the peak should be, so the peak is at least that high and "
+        "unknown. Use a larger force cell or a lower end tension."
     ),
     Status.TOO_SHORT: "There are too few usable samples to tell loading from sliding. Record for longer.",
     Status.UNREADABLE: "The file could not be read; see the problem listed with it.",

@@ -49,8 +49,8 @@ class ForceTrace:
     source : str
         The file it came from, as its owner wrote it.
     counts : ndarray of int64, shape (n,), optional
-        Raw ADC counts, where the force was computed from them; kept so that a better calibration can be applied
-        later.
+        Raw ADC counts, where the force was computed from them; kept so that a better calibration can be
+        applied later.
     calibration : Calibration, optional
         How `force_N` came from `counts`.
     saturation : Saturation, optional

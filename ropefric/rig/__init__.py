@@ -1,1 +1,1 @@
-"""Room under construction."""
+"""A virtual test rig: recordings and campaigns whose truth is known."""

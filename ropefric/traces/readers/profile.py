@@ -94,6 +94,8 @@ class RawRecording:
         The columns the profile's channels name, by channel name, float64, NaN where a cell is empty.
     units : mapping of str to str
         Unit per channel as far as file or profile tell, "" where unknown.
+    first_line : int
+        1-based file line of the first sample, if sample i stands in line `first_line + i`; 0 where unknown.
     """
 
     name: str
@@ -101,3 +103,4 @@ class RawRecording:
     sample: str
     columns: Mapping[str, npt.NDArray[np.float64]]
     units: Mapping[str, str]
+    first_line: int = 0

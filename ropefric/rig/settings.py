@@ -1,0 +1,166 @@
+"""What the virtual rig is built of and how it is driven: the settings every recording is drawn from."""
+
+import math
+from dataclasses import dataclass, field, fields
+
+from ropefric.errors import InputError
+from ropefric.registry import Registry
+from ropefric.traces.chain import Adc, ForceCell
+
+__all__ = ["HELD_BENCH", "Bench", "Range"]
+
+Range = tuple[float, float]
+"""Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bench:
+    """The PRTH test bench: load cell at the rope's fixed end, weights at the other, a motor on the wheel.
+
+    A pair is a range; each recording draws its own value from it, uniformly.
+
+    Attributes
+    ----------
+    sampling_rate_Hz : float
+        Samples per second.
+    adc : Adc
+        The converter.
+    cells : tuple of ForceCell
+        The force cells at hand, smallest first.
+    cell_use : float
+        A cell is used up to this fraction of its full scale; beyond it the next larger one is taken.
+    rope_stiffness_N_m, cell_stiffness_N_m : float
+        Stiffness of the free rope and of the smallest cell [N/m]; they act in series.
+    moving_mass_kg : float
+        Mass that snaps back at break-away [kg].
+    stiffness_factor, damping_ratio : Range
+        Free rope lengths differ: factor on the stiffness [-]. Damping ratio of the snap [-].
+    trial_scatter, condition_scatter : float
+        Relative standard deviation of the static friction from trial to trial, and from condition to
+        condition [-].
+    idle_s, hang_s, dwell_s, load_s, slide_s, off_s, release_s : Range
+        Duration [s] of: unloaded idle, hanging of the weights, dwell, motor ramp, sliding, the end after the
+        motor is off, and the time constant of its release.
+    pretension, bounce, bounce_Hz : Range
+        Force after hanging the weights as a fraction of the end tension; overshoot as a fraction of that;
+        frequency of the bounce [Hz].
+    soft_start, micro_slip, micro_slip_loss : Range
+        Fraction of the ramp with a soft start; fraction at its end in which the slip arc grows; fraction of
+        the slope lost there.
+    kinetic_ratio, tooth_height, tooth_Hz : Range
+        Kinetic over static force; height of a stick-slip tooth as a fraction of the drop from static to
+        kinetic; teeth per second.
+    kinetic_drift : float
+        Largest relative drift of the kinetic level while sliding, either way.
+    zero_counts, noise_counts : Range
+        Zero offset of the unloaded cell and standard deviation of white noise [counts].
+    zero_drift_counts, hum_counts, hum_Hz : float
+        Zero drift over the recording, either way, and amplitude of mains hum [counts]; its frequency [Hz].
+    gain_error : float
+        Relative gain error of the transmitter, the same in every recording.
+
+    Raises
+    ------
+    InputError
+        If a range is reversed or negative, or a rate, stiffness or mass is not positive.
+
+    Examples
+    --------
+    >>> Bench().cell_for(300.0).name, Bench().cell_for(900.0).name
+    ('K1', 'K5')
+    >>> round(Bench().natural_frequency_Hz(1.0))
+    145
+    """
+
+    sampling_rate_Hz: float = 3000.0
+    adc: Adc = field(default_factory=Adc)
+    cells: tuple[ForceCell, ...] = (
+        ForceCell(name="K1", full_scale_N=1000.0),
+        ForceCell(name="K5", full_scale_N=5000.0),
+    )
+    cell_use: float = 0.8
+    rope_stiffness_N_m: float = 1.0e5
+    cell_stiffness_N_m: float = 1.0e7
+    moving_mass_kg: float = 0.12
+    stiffness_factor: Range = (0.5, 2.0)
+    damping_ratio: Range = (0.25, 0.5)
+    trial_scatter: float = 0.017
+    condition_scatter: float = 0.0
+    idle_s: Range = (0.3, 0.6)
+    hang_s: Range = (0.1, 0.25)
+    dwell_s: Range = (0.3, 0.8)
+    load_s: Range = (1.0, 2.0)
+    slide_s: Range = (0.7, 1.1)
+    off_s: Range = (0.2, 0.3)
+    release_s: Range = (0.02, 0.06)
+    pretension: Range = (0.7, 1.0)
+    bounce: Range = (0.05, 0.25)
+    bounce_Hz: Range = (4.0, 10.0)
+    soft_start: Range = (0.05, 0.2)
+    micro_slip: Range = (0.02, 0.1)
+    micro_slip_loss: Range = (0.0, 0.4)
+    kinetic_ratio: Range = (0.75, 0.93)
+    tooth_height: Range = (0.1, 0.8)
+    tooth_Hz: Range = (5.0, 25.0)
+    kinetic_drift: float = 0.02
+    zero_counts: Range = (6.0, 15.0)
+    noise_counts: Range = (0.3, 1.0)
+    zero_drift_counts: float = 0.2
+    hum_counts: float = 0.0
+    hum_Hz: float = 50.0
+    gain_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if item.type == Range and not 0.0 <= value[0] <= value[1] < math.inf:
+                raise InputError(
+                    f"{item.name} = {value} is not a range: lower and upper limit, neither negative",
+                    key=item.name,
+                )
+        for key in ("sampling_rate_Hz", "rope_stiffness_N_m", "cell_stiffness_N_m", "moving_mass_kg"):
+            if not 0.0 < getattr(self, key) < math.inf:
+                raise InputError(f"{key} = {getattr(self, key)} is not a positive number", key=key)
+        if not self.cells:
+            raise InputError("the bench has no force cell", key="cells")
+
+    @property
+    def sample_s(self) -> float:
+        """Return the time between two samples [s]."""
+        return 1.0 / self.sampling_rate_Hz
+
+    def cell_for(self, lift_force_N: float) -> ForceCell:
+        """Return the smallest cell that measures a lift force with headroom, or the largest there is."""
+        for cell in self.cells:
+            if lift_force_N <= self.cell_use * cell.full_scale_N:
+                return cell
+        return self.cells[-1]
+
+    def cell_named(self, name: str) -> ForceCell:
+        """Return the cell of that name.
+
+        Raises
+        ------
+        UnknownNameError
+            If the bench has none such.
+        """
+        return Registry("force cell", self.cells)[name]
+
+    def natural_frequency_Hz(self, stiffness_factor: float) -> float:
+        """Return the frequency at which the rope snaps back, √(k/m)/2π with rope and cell in series [Hz]."""
+        rope_N_m = stiffness_factor * self.rope_stiffness_N_m
+        series_N_m = 1.0 / (1.0 / rope_N_m + 1.0 / self.cell_stiffness_N_m)
+        return math.sqrt(series_N_m / self.moving_mass_kg) / (2.0 * math.pi)
+
+
+HELD_BENCH = Bench(
+    sampling_rate_Hz=50.0,
+    adc=Adc(bits=12),
+    cells=(ForceCell(name="K50", full_scale_N=50.0), ForceCell(name="K500", full_scale_N=500.0)),
+    idle_s=(1.5, 2.5),
+    load_s=(2.0, 5.0),
+    dwell_s=(8.0, 15.0),
+    slide_s=(1.0, 3.0),
+    zero_counts=(10.0, 30.0),
+)
+"""A hand-held spring-scale test, for protocol `held`: slack side measured, 50 Hz, 12 bit, cells of 50 and 500 N."""

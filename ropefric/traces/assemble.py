@@ -1,0 +1,202 @@
+"""From columns as they are in a file to a force trace in SI."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.quantities import unit_factor
+from ropefric.registry import did_you_mean
+from ropefric.traces.clock import mend_clock
+from ropefric.traces.counts import as_counts
+from ropefric.traces.readers.derived import evaluate_derived
+from ropefric.traces.readers.profile import ImportProfile, RawRecording
+from ropefric.traces.trace import FloatArray, ForceTrace, IntArray
+
+if TYPE_CHECKING:
+    from ropefric.traces.calibration import Calibration
+
+__all__ = ["SI_UNITS", "assemble_trace", "si_factor"]
+
+SI_UNITS = (
+    "N", "m", "s", "Pa", "V", "rad", "kg", "Hz", "m^2", "m/s", "m/s^2", "N*m", "N/m", "kg/m", "A", "W", "m^3", "",
+)  # fmt: skip
+"""Units that channels beside time and force may come to; temperatures are not among them."""
+
+_FIXED = {"time": "s", "force": "N"}
+_EXAMPLE = {"time": "ms", "force": "kN"}
+
+
+def si_factor(channel: str, unit: str, *, path: str = "") -> float:
+    """Return the factor that turns a channel's numbers into SI.
+
+    `time` comes to seconds, `force` to newtons, `counts` stays as it is; any other channel comes to the SI
+    unit of its own dimension, and is taken as a bare number where it has no unit.
+
+    Parameters
+    ----------
+    channel : str
+        Name of the channel.
+    unit : str
+        Its unit as file or profile give it.
+    path : str
+        The recording, for messages.
+
+    Raises
+    ------
+    DataError
+        RF106, if the unit is missing or of another kind than time or force need, or is not known.
+
+    Examples
+    --------
+    >>> si_factor("time", "ms"), si_factor("pressure", "bar"), si_factor("area", "mm^2")
+    (0.001, 100000.0, 1e-06)
+    >>> si_factor("time", "")
+    Traceback (most recent call last):
+    ...
+    ropefric.errors.DataError: [import.channels] time: the time has no unit...
+    """
+    fixed = _FIXED.get(channel)
+    if channel == "counts" or unit == fixed or (fixed is None and not unit):
+        return 1.0
+    if fixed and not unit:
+        raise _unit_error(channel, f"the {channel} has no unit", path)
+    reason, hint = f"unknown unit '{unit}'", ""
+    for si_unit in (fixed,) if fixed else SI_UNITS:
+        try:
+            return unit_factor("percent" if unit == "%" else unit, si_unit, name=channel)
+        except InputError as error:
+            if fixed or error.fix.startswith("write '"):  # a mistyped unit
+                reason, hint = error.problem.message.removeprefix(f"{channel}: "), error.fix
+    raise _unit_error(channel, reason, path, hint)
+
+
+def _unit_error(channel: str, reason: str, path: str, hint: str = "") -> DataError:
+    example = f'{channel} = {{ column = 1, unit = "{_EXAMPLE.get(channel, "mm")}" }}'
+    return DataError(
+        reason,
+        code="RF106",
+        path=path,
+        key=f"[import.channels] {channel}",
+        fix=f"{hint or 'give the unit'}, for example {example}",
+    )
+
+
+def assemble_trace(
+    raw: RawRecording, profile: ImportProfile, *, calibration: "Calibration | None" = None
+) -> ForceTrace:
+    """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated.
+
+    Parameters
+    ----------
+    raw : RawRecording
+        What a reader found.
+    profile : ImportProfile
+        For the derived channels, the constants, and the sampling rate where there is no time channel.
+    calibration : Calibration, optional
+        Turns channel `counts` into force where there is no channel `force`; its raw counts stay with the
+        trace, −1 where a sample is missing.
+
+    Returns
+    -------
+    ForceTrace
+        Force [N] over time [s], NaN where a sample is missing; `notes` say what was mended.
+
+    Raises
+    ------
+    DataError
+        RF105 without a time or a force, RF106 for units, RF109 for formulas, RF201 and RF202 for an empty
+        recording or a clock beyond mending, RF210 for counts without calibration, RF211 for counts that are
+        no counts.
+
+    Examples
+    --------
+    >>> raw = RawRecording(
+    ...     name="run07.csv",
+    ...     source="run07.csv",
+    ...     sample="",
+    ...     columns={"time": np.array([0.0, 10.0]), "force": np.array([0.5, 0.75])},
+    ...     units={"time": "ms", "force": "kN"},
+    ... )
+    >>> trace = assemble_trace(raw, ImportProfile())
+    >>> trace.time_s, trace.force_N
+    (array([0.  , 0.01]), array([500., 750.]))
+    """
+    channels = _to_si(raw)
+    if profile.derived:
+        channels = evaluate_derived(profile.derived, channels, profile.constants, path=raw.source)
+    if "force" not in channels and "counts" not in channels:
+        raise _no_force(raw, channels)
+    others = [values for name, values in channels.items() if name != "time"]
+    keep, time_s, notes = mend_clock(
+        _time(raw, channels, profile), others, name=raw.name, source=raw.source, first_line=raw.first_line
+    )
+    if "force" in channels:
+        return ForceTrace(
+            time_s=time_s, force_N=channels["force"][keep], name=raw.name, source=raw.source, notes=notes
+        )
+    if calibration is None:
+        raise DataError(
+            f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons",
+            code="RF210",
+            path=raw.source,
+            key="counts",
+            fix="name the cell in trials.csv and [adc] in campaign.toml",
+        )
+    try:
+        counts: IntArray = as_counts(channels["counts"][keep])
+        force_N, saturation = calibration.apply(counts)
+    except RopefricError as error:
+        raise _in_file(error, raw) from None
+    return ForceTrace(
+        time_s=time_s,
+        force_N=force_N,
+        name=raw.name,
+        source=raw.source,
+        counts=counts,
+        calibration=calibration,
+        saturation=saturation,
+        notes=notes,
+    )
+
+
+def _to_si(raw: RawRecording) -> dict[str, FloatArray]:
+    channels = {}
+    for name, values in raw.columns.items():
+        factor = si_factor(name, raw.units.get(name, ""), path=raw.source)
+        channels[name] = values if factor == 1.0 else values * factor
+    return channels
+
+
+def _time(raw: RawRecording, channels: Mapping[str, FloatArray], profile: ImportProfile) -> FloatArray:
+    if "time" in channels:
+        return channels["time"]
+    rate_Hz = profile.sampling_rate_Hz
+    if rate_Hz is None or not np.isfinite(rate_Hz) or rate_Hz <= 0:
+        raise DataError(
+            f"{raw.name} has no time channel and no usable sampling rate",
+            code="RF105",
+            path=raw.source,
+            key="[import.channels] time",
+            fix='name the time column, time = { column = 1, unit = "s" }, or set [import] sampling_rate = "3 kHz"',
+        )
+    # Divided, not added up: sample i is at exactly i / rate.
+    return np.arange(next(iter(channels.values())).size, dtype=np.float64) / rate_Hz
+
+
+def _no_force(raw: RawRecording, channels: Mapping[str, FloatArray]) -> DataError:
+    return DataError(
+        f"{raw.name} has no channel 'force' or 'counts', only {', '.join(channels) or 'none'}",
+        code="RF105",
+        path=raw.source,
+        key="[import.channels] force",
+        fix=f"name its column or derive it; {did_you_mean('force', channels)}",
+    )
+
+
+def _in_file(error: RopefricError, raw: RawRecording) -> DataError:
+    problem = error.problem
+    return DataError(
+        problem.message, code=problem.code, path=raw.source, key=problem.key or "counts", fix=problem.fix
+    )

@@ -1,0 +1,219 @@
+"""Time stamps that repeat, jitter, run backwards or stop: mended or refused by a stated rule."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ropefric.errors import DataError
+from ropefric.traces.trace import BoolArray, FloatArray
+
+__all__ = ["GAP_STEPS", "MAX_REPEATED_SHARE", "mend_clock"]
+
+GAP_STEPS = 5.0
+"""A step longer than this many median steps is a gap [-]."""
+
+MAX_REPEATED_SHARE = 0.01
+"""Up to this share of the samples, repeated stamps are single faults; beyond it they are rounding or refused [-]."""
+
+_MAX_GROUP = 3.0
+_ON_LATTICE = 1e-3
+
+
+def mend_clock(
+    time_s: FloatArray,
+    others: Sequence[FloatArray] = (),
+    *,
+    name: str = "trace",
+    source: str = "",
+    first_line: int = 0,
+) -> tuple[slice | BoolArray, FloatArray, tuple[str, ...]]:
+    """Return which samples to keep, their strictly increasing time, and what was mended.
+
+    The rule, in this order:
+
+    1. A row without any value is dropped and noted. A row with values but without a stamp is refused.
+    2. A stamp earlier than the one before it is refused: whether the clock was reset or the rows are out of
+       order, nobody can tell where the samples belong.
+    3. If every row that repeats a stamp repeats all values of the row before too, rows were written twice:
+       the copies are dropped and noted.
+    4. Repeated stamps with other values, up to 1 % of the samples: the first is kept, the others dropped and
+       noted.
+    5. More than that, but as a rounded clock would print them (all steps are multiples of the smallest one,
+       no stamp is shared by more than three times the average number of samples): the samples of each stamp
+       are spread evenly over the time to the next stamp, at most a median step, and noted. No sample moves
+       by more than one step of the printed clock.
+    6. Anything else that repeats is refused.
+
+    Jitter is left as it is, and so is the time of the first sample. Steps above five median steps are noted
+    as gaps.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+        Time stamps [s] as recorded.
+    others : sequence of ndarray, shape (n,)
+        The recording's other channels, needed to tell empty and repeated rows.
+    name, source, first_line
+        What messages call the recording, its file, and the file line of the first sample (0: unknown).
+
+    Returns
+    -------
+    keep : slice or ndarray of bool, shape (n,)
+        Samples to keep; `slice(None)` for all.
+    time_s : ndarray, shape (m,)
+        Their time [s], strictly increasing.
+    notes : tuple of str
+        What was mended; empty for a clean clock.
+
+    Raises
+    ------
+    DataError
+        RF202, naming the first sample that breaks the rule, its line and times; RF201 if no row has a value.
+
+    Examples
+    --------
+    >>> keep, time_s, notes = mend_clock(np.array([0.0, 0.1, 0.2, 0.3]))
+    >>> keep, notes
+    (slice(None, None, None), ())
+    >>> keep, time_s, notes = mend_clock(np.array([0.0, 0.0, 0.1, 0.1, 0.2, 0.2]))
+    >>> time_s
+    array([0.  , 0.05, 0.1 , 0.15, 0.2 , 0.25])
+    """
+    steps_s = np.diff(time_s)
+    # Where all steps are positive, only the ends can be anything but finite.
+    if (steps_s > 0).all() and np.isfinite(time_s[:1]).all() and np.isfinite(time_s[-1:]).all():
+        return slice(None), time_s, _gap_notes(time_s, steps_s)
+    place = _Place(name, source, first_line)
+    keep, notes = _filled_rows(time_s, others, place)
+    index = np.flatnonzero(keep)  # of the samples kept, in the recording
+    steps_s = np.diff(time_s[index])
+    if (steps_s < 0).any():
+        raise _backwards(time_s, index, steps_s, place)
+    if (steps_s == 0).any():
+        twice = np.concatenate(([False], steps_s == 0))
+        for channel in others:
+            before, after = channel[index][:-1], channel[index][1:]
+            twice[1:] &= (before == after) | (np.isnan(before) & np.isnan(after))
+        # In an idle stretch even rounded stamps meet equal values; copies are copies only if all of them are.
+        if others and twice.sum() == np.count_nonzero(steps_s == 0):
+            notes.append(f"{_samples(int(twice.sum()))} written twice; the copies were dropped")
+            index = index[~twice]
+    mended_s = time_s[index]
+    repeated = np.concatenate(([False], np.diff(mended_s) == 0))
+    n_repeated = int(repeated.sum())
+    if n_repeated > MAX_REPEATED_SHARE * index.size:
+        mended_s = _spread(mended_s, repeated, index, place)
+        notes.append(f"{_samples(n_repeated)} with a rounded time stamp; spread evenly between the stamps")
+    elif n_repeated:
+        notes.append(f"{_samples(n_repeated)} with a repeated time stamp; only the first of each was kept")
+        index, mended_s = index[~repeated], mended_s[~repeated]
+    keep = np.zeros(time_s.size, dtype=np.bool_)
+    keep[index] = True
+    return keep, mended_s, (*notes, *_gap_notes(mended_s, np.diff(mended_s)))
+
+
+class _Place:
+    """Where a sample stands, for messages."""
+
+    def __init__(self, name: str, source: str, first_line: int) -> None:
+        self.name, self.source, self.first_line = name, source, first_line
+
+    def error(self, index: int, message: str, *, code: str = "RF202", fix: str = "") -> DataError:
+        line = self.first_line + index if self.first_line else None
+        return DataError(
+            f"{self.name}: sample {index + 1} {message}",
+            code=code,
+            path=self.source,
+            line=line,
+            key="time",
+            fix=fix,
+        )
+
+
+def _filled_rows(
+    time_s: FloatArray, others: Sequence[FloatArray], place: _Place
+) -> tuple[BoolArray, list[str]]:
+    stamped = np.isfinite(time_s)
+    unstamped = ~stamped & np.isinf(time_s)
+    for channel in others:
+        unstamped |= ~stamped & ~np.isnan(channel)
+    if not others:
+        unstamped = ~stamped
+    if unstamped.any():
+        raise place.error(
+            int(np.argmax(unstamped)),
+            "has values but no time stamp",
+            fix='remove the row, or leave the time channel out and set [import] sampling_rate = "3 kHz"',
+        )
+    n_empty = int(np.count_nonzero(~stamped))
+    if n_empty == time_s.size:
+        raise place.error(0, "and all others are empty: there is no value in the recording", code="RF201")
+    return stamped, [f"{n_empty} empty rows dropped"] if n_empty else []
+
+
+def _backwards(
+    time_s: FloatArray, index: np.ndarray[tuple[int], np.dtype[np.intp]], steps_s: FloatArray, place: _Place
+) -> DataError:
+    at = int(np.argmax(steps_s < 0))
+    before, after = int(index[at]), int(index[at + 1])
+    n_back = int(np.count_nonzero(steps_s < 0))
+    if n_back == 1:
+        why = "the clock was reset or wrapped once; cut the file there into two recordings"
+    else:
+        why = f"this happens {n_back} times; sort the rows by time"
+    return place.error(
+        after,
+        f"has time {time_s[after]:.9g} s after {time_s[before]:.9g} s: time runs backwards",
+        fix=f'{why}, or leave the time channel out and set [import] sampling_rate = "3 kHz"',
+    )
+
+
+def _spread(
+    time_s: FloatArray,
+    repeated: BoolArray,
+    index: np.ndarray[tuple[int], np.dtype[np.intp]],
+    place: _Place,
+) -> FloatArray:
+    """Return rounded stamps with the samples of each spread over the time to the next."""
+    starts = np.flatnonzero(~repeated)
+    sizes = np.diff(starts, append=time_s.size)
+    stamps_s = time_s[starts]
+    steps_s = np.diff(stamps_s)
+    longest = int(np.argmax(sizes))
+    if steps_s.size:
+        ticks = steps_s / steps_s.min()
+        on_lattice = bool((np.abs(ticks - np.round(ticks)) <= _ON_LATTICE * np.round(ticks)).all())
+    if not steps_s.size or not on_lattice or sizes[longest] > _MAX_GROUP * sizes.mean() + 1:
+        raise place.error(
+            int(index[starts[longest]]),
+            f"shares its time stamp {stamps_s[longest]:.9g} s with {_samples(int(sizes[longest]) - 1)}; "
+            f"{int(repeated.sum())} of {time_s.size} stamps repeat, and not as rounding would repeat them",
+            fix='leave the time channel out and set [import] sampling_rate = "3 kHz"',
+        )
+    median_s = float(np.median(steps_s))
+    lengths_s = np.minimum(np.append(steps_s, median_s), median_s)
+    rank = np.arange(time_s.size) - np.repeat(starts, sizes)
+    spread_s = np.asarray(time_s + rank * np.repeat(lengths_s / sizes, sizes), dtype=np.float64)
+    stuck = np.diff(spread_s) <= 0
+    if stuck.any():
+        raise place.error(
+            int(index[int(np.argmax(stuck)) + 1]), "cannot be told from the one before it by its time stamp"
+        )
+    return spread_s
+
+
+def _gap_notes(time_s: FloatArray, steps_s: FloatArray) -> tuple[str, ...]:
+    # The median is at least the minimum, so this cheap test can only say "perhaps".
+    if steps_s.size < 2 or steps_s.max() <= GAP_STEPS * steps_s.min():
+        return ()
+    gaps = np.flatnonzero(steps_s > GAP_STEPS * np.median(steps_s))
+    if not gaps.size:
+        return ()
+    longest = int(gaps[np.argmax(steps_s[gaps])])
+    gap_s, after_s = steps_s[longest], time_s[longest]
+    number = f"{gaps.size} gap{'s' if gaps.size > 1 else ''}"
+    return (f"{number} in time; the longest is {gap_s:.4g} s after {after_s:.6g} s",)
+
+
+def _samples(n: int) -> str:
+    return f"{n} sample{'s' if n != 1 else ''}"

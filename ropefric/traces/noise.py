@@ -1,0 +1,150 @@
+"""How much of a recording is noise, and what is only a spike."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropefric.traces.trace import FloatArray, IntArray
+
+__all__ = ["Cleaned", "noise_std", "remove_spikes", "resolution"]
+
+MAX_SAMPLES_FOR_NOISE = 8192
+MAX_SPIKE_SAMPLES = 2
+MAX_DROPOUT_SAMPLES = 40
+SPIKE_SIGMAS = 8.0
+NEIGHBOURS = 5
+
+
+def _windows(values: FloatArray) -> FloatArray:
+    """At most `MAX_SAMPLES_FOR_NOISE` second differences, from stretches spread over the recording."""
+    if values.size <= MAX_SAMPLES_FOR_NOISE:
+        return np.diff(values, 2)
+    n_stretches, length = 64, MAX_SAMPLES_FOR_NOISE // 64
+    starts = np.linspace(0, values.size - length, n_stretches).astype(np.intp)
+    index = starts[:, None] + np.arange(length)
+    return np.diff(values[index], 2, axis=1).ravel()
+
+
+def resolution(values: FloatArray) -> float:
+    """Return the smallest step between neighbouring samples, 0 for a constant signal.
+
+    For a converter's output this is the force of one count.
+
+    Examples
+    --------
+    >>> resolution(np.array([0.0, 0.5, 0.5, 2.0]))
+    0.5
+    """
+    steps = np.abs(np.diff(values[:MAX_SAMPLES_FOR_NOISE]))
+    steps = steps[steps > 1e-9 * np.abs(values[:MAX_SAMPLES_FOR_NOISE]).max(initial=0.0)]
+    return float(steps.min()) if steps.size else 0.0
+
+
+def noise_std(values: FloatArray) -> float:
+    """Return the standard deviation of the white noise on a signal that is smooth between corners.
+
+    From the median of the absolute second differences, which straight lines do not touch and a few corners, slips
+    and spikes do not move: σ = 1.4826 median|x_{i-1} − 2 x_i + x_{i+1}| / √6. A coarse converter hides noise
+    smaller than its step, so the result is never below step/√12.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Finite samples.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> bool(abs(noise_std(np.linspace(0, 50, 5000) + rng.normal(0, 0.2, 5000)) / 0.2 - 1) < 0.05)
+    True
+    """
+    if values.size < 4:
+        return 0.0
+    sigma = 1.4826 * float(np.median(np.abs(_windows(values)))) / np.sqrt(6.0)
+    return max(sigma, resolution(values) / np.sqrt(12.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cleaned:
+    """A signal without its isolated spikes and frozen stretches.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n,)
+        The signal, bad samples replaced by the straight line between their good neighbours.
+    bad : ndarray of int
+        Indices of the samples that were replaced.
+    """
+
+    values: FloatArray
+    bad: IntArray
+
+
+def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
+    """Return a signal without spikes of one or two samples and without short dropouts.
+
+    A spike leaves the signal in one step, stays away for at most two samples and comes back to where the signal
+    went on; its step is larger than eight times the noise and larger than four times any step next to it, which a
+    narrow static peak, climbed in several steps, is not. A dropout is a stretch of up to 40 identical samples that
+    leaves and rejoins the signal the same way.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Finite samples.
+    noise : float
+        Standard deviation of the noise, same unit.
+
+    Examples
+    --------
+    >>> remove_spikes(np.array([0.0, 0.1, 0.0, 50.0, 0.1, 0.0, 0.1, 0.0]), 0.1).bad.tolist()
+    [3]
+    """
+    steps = np.diff(values)
+    jumps = np.flatnonzero(np.abs(steps) > SPIKE_SIGMAS * noise)
+    bad: list[int] = []
+    last_bad = -1
+    # A trace whose noise is far from white jumps everywhere: then nothing stands out, and nothing is removed.
+    if jumps.size <= max(50, values.size // 20):
+        for jump in jumps:
+            start = int(jump) + 1  # first sample of the excursion
+            if start > last_bad:
+                stop = _excursion_end(values, steps, start, noise)
+                if stop:
+                    bad.extend(range(start, stop))
+                    last_bad = stop - 1
+    if not bad:
+        return Cleaned(values=values, bad=np.empty(0, dtype=np.int64))
+    index = np.array(bad, dtype=np.int64)
+    good = np.ones(values.size, dtype=bool)
+    good[index] = False
+    cleaned = values.copy()
+    cleaned[index] = np.interp(index, np.flatnonzero(good), values[good])
+    return Cleaned(values=cleaned, bad=index)
+
+
+def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: float) -> int:
+    """Return the first sample after an excursion that begins at `start`, or 0 if it is none."""
+    out = float(steps[start - 1])
+    frozen = start
+    while frozen < values.size and values[frozen] == values[start] and frozen - start < MAX_DROPOUT_SAMPLES:
+        frozen += 1
+    lengths = [*range(1, MAX_SPIKE_SAMPLES + 1)]
+    if frozen - start > MAX_SPIKE_SAMPLES:
+        lengths.append(frozen - start)
+    for length in lengths:
+        stop = start + length
+        if stop >= values.size:
+            # A last sample that jumps away cannot be told from the first one of something new: leave it out.
+            return stop if stop == values.size and length <= MAX_SPIKE_SAMPLES else 0
+        back = float(steps[stop - 1])
+        around = np.concatenate(
+            (steps[max(0, start - 1 - NEIGHBOURS) : start - 1], steps[stop : stop + NEIGHBOURS])
+        )
+        usual = float(np.abs(around).max(initial=0.0))
+        rejoins = abs(values[stop] - values[start - 1]) <= max(
+            6.0 * noise, (length + 1) * usual, 0.2 * abs(out)
+        )
+        if out * back < 0 and rejoins and min(abs(out), abs(back)) > 4.0 * usual:
+            return stop
+    return 0

@@ -1,0 +1,172 @@
+"""One recording, one break-away: the static peak just before the rope slides."""
+
+import numpy as np
+
+from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.loading import climb_to, flattened
+from ropefric.traces.outcome import kinetic, peak_result, phases_of
+from ropefric.traces.peak import Neighbourhood, measure_peak
+from ropefric.traces.prepare import Prepared, failed, prepare, too_short
+from ropefric.traces.protocols.protocol import Protocol
+from ropefric.traces.settings import PickSettings
+from ropefric.traces.sliding import Sliding, sliding_after
+from ropefric.traces.slips import DROP_SIGMAS, is_slip
+from ropefric.traces.static_break import first_static_break
+from ropefric.traces.trace import ForceTrace
+from ropefric.traces.verdict import (
+    is_quiet,
+    saturation_detail,
+    unresolved_detail,
+    was_let_down,
+    without_break,
+)
+
+__all__ = ["PROTOCOL", "pick_breakaway"]
+
+
+def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
+    """Return the break-away of a recording in which the load is raised once until the rope slides.
+
+    Parameters
+    ----------
+    trace : ForceTrace
+        The recording.
+    settings : PickSettings
+        Window, part of the recording, smallest step, ending.
+
+    Returns
+    -------
+    tuple of one Breakaway
+        With status `ok`, `no-breakaway`, `no-peak`, `saturated` or `too-short`.
+
+    Examples
+    --------
+    >>> t = np.arange(0, 4, 0.001)
+    >>> F = np.where(t < 1, 0.0, np.where(t < 3, 100 * (t - 1), 160 + 4 * np.sin(60 * t)))
+    >>> result, = pick_breakaway(ForceTrace(time_s=t, force_N=F), PickSettings())
+    >>> result.status.value, round(result.peak_N, 1), round(result.kinetic_N)
+    ('ok', 199.9, 160)
+    """
+    prepared = prepare(trace, settings)
+    if prepared is None:
+        return (too_short(trace, settings),)
+    rise_N = float(prepared.view.force_N.max() - prepared.view.force_N[0])
+    if rise_N <= 2 * smallest_drop_N(prepared, settings):
+        return (failed(Status.NO_BREAKAWAY, _flat_detail(prepared, rise_N), prepared),)
+    if settings.ending == "separation":
+        return (_before_separation(trace, prepared, settings),)
+    return (_before_sliding(trace, prepared, settings),)
+
+
+def smallest_drop_N(prepared: Prepared, settings: PickSettings) -> float:
+    """Return the smallest drop of the block means that may be more than noise [N]."""
+    return max(DROP_SIGMAS * prepared.view.noise_N, 0.5 * (settings.min_step_N or 0.0))
+
+
+def _flat_detail(prepared: Prepared, rise_N: float) -> str:
+    if float(prepared.view.force_N[0] - prepared.view.force_N.min()) > 10 * max(rise_N, prepared.noise_N):
+        return 'the force only goes down: a pull that reads negative needs [import.derived] force = "-…"'
+    return (
+        f"the force rises by {rise_N:.3g} N only, with {prepared.noise_N:.3g} N of noise on a sample: "
+        "the recording shows no loading"
+    )
+
+
+def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
+    """Find the static peak of a recording that goes on to slide."""
+    view = prepared.view
+    block = first_static_break(view, smallest_drop_N(prepared, settings))
+    if saturated := saturation_detail(trace, prepared, block):
+        return failed(Status.SATURATED, saturated, prepared)
+    if block is None:
+        return without_break(prepared)
+    sliding = sliding_after(view, block)
+    if sliding is None:
+        return _fell_away(prepared, block)
+    if not is_slip(view, block) and flattened(view.force_N, climb_to(view.force_N, block)):
+        return without_break(prepared, block)
+    return _no_slip(prepared, block, sliding, settings) or _measured(prepared, block, sliding, settings)
+
+
+def _no_slip(prepared: Prepared, block: int, sliding: Sliding, settings: PickSettings) -> Breakaway | None:
+    """Say what a break means that is no static peak; None if it is one."""
+    if was_let_down(prepared, block, sliding):
+        detail = (
+            f"the force is let down from {prepared.view.force_N[block]:.4g} N to a quiet {sliding.level_N:.4g} N: "
+            "the motor stopped before the rope slipped"
+        )
+        return failed(Status.NO_BREAKAWAY, detail, prepared)
+    unresolved = unresolved_detail(prepared, block, sliding, settings)
+    if not unresolved:
+        return None
+    if is_quiet(prepared, block, sliding):
+        detail = (
+            f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
+        )
+        return failed(Status.NO_BREAKAWAY, detail, prepared)
+    return _no_peak(prepared, block, sliding, unresolved)
+
+
+def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
+    """Find the highest force of a recording that ends with the rope or specimen coming off."""
+    force_N = prepared.view.force_N
+    block = int(np.argmax(force_N))
+    if saturated := saturation_detail(trace, prepared, block):
+        return failed(Status.SATURATED, saturated, prepared)
+    after_N = float(force_N[block:].min())
+    if float(force_N[block]) - after_N <= smallest_drop_N(prepared, settings):
+        return without_break(prepared)
+    return _measured(prepared, block, None, settings)
+
+
+def _fell_away(prepared: Prepared, block: int) -> Breakaway:
+    """Say what a force means that falls back without a stretch of sliding."""
+    before = without_break(prepared, block)
+    if before.status is Status.NO_PEAK:
+        return before
+    view = prepared.view
+    detail = (
+        f"the force falls from {view.force_N[block]:.4g} N at {view.time_s[block]:.4g} s without a stretch of "
+        "sliding: motor stopped, or rope off. If these recordings end in a pull-off, set [protocol] ending = "
+        '"separation".'
+    )
+    return failed(Status.NO_BREAKAWAY, detail, prepared)
+
+
+def _no_peak(prepared: Prepared, block: int, sliding: Sliding, detail: str) -> Breakaway:
+    kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
+    return Breakaway(
+        status=Status.NO_PEAK,
+        detail=detail,
+        kinetic_N=kinetic_N,
+        kinetic_std_N=kinetic_std_N,
+        noise_std_N=prepared.noise_N,
+        phases=phases_of(prepared, block, sliding),
+        notes=prepared.notes,
+    )
+
+
+def _measured(prepared: Prepared, block: int, sliding: Sliding | None, settings: PickSettings) -> Breakaway:
+    view, n = prepared.view, prepared.force_N.size
+    fallen = sliding.first if sliding else min(block + 2, view.force_N.size - 1)
+    where = Neighbourhood(
+        loading=view.first_sample(climb_to(view.force_N, block).start),
+        first=view.first_sample(block - 1),
+        stop=view.last_sample(min(fallen - 1, block + 1), n) + 1 if fallen > block else n,
+        fallen=view.last_sample(fallen, n),
+    )
+    peak = measure_peak(
+        prepared.time_s,
+        prepared.force_N,
+        where,
+        noise_std_N=prepared.noise_N,
+        window_s=settings.window_s,
+    )
+    return peak_result(prepared, peak, settings, sliding=sliding, phases=phases_of(prepared, block, sliding))
+
+
+PROTOCOL = Protocol(
+    name="breakaway",
+    description="one load ramp a recording; F_A is the static peak before sliding",
+    pick=pick_breakaway,
+)

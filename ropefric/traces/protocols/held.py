@@ -1,0 +1,148 @@
+"""One recording, several plateaus: the rope is loaded, held and let go, and the held force is what counts.
+
+With the sensor on the slack side and a known weight on the tight side, the plateau is the end tension F_B at which
+the weight F_A is just held (Euler, rope_wheel eq. 2).
+"""
+
+from collections import deque
+
+import numpy as np
+
+from ropefric.traces.breakaway import Breakaway, Phase, Status
+from ropefric.traces.prepare import Prepared, failed, prepare, too_short
+from ropefric.traces.protocols.protocol import Protocol
+from ropefric.traces.settings import PickSettings
+from ropefric.traces.trace import FloatArray, ForceTrace
+
+__all__ = ["PROTOCOL", "pick_plateaus"]
+
+LOADED = 0.5
+UNLOADED = 0.25
+"""A load cycle begins above and ends below these parts of the largest force."""
+BAND = 0.01
+"""A plateau stays within this part of its force, either way, and the noise."""
+SHORTEST = 0.1
+"""A plateau lasts at least this part of its cycle; less is a rest on the way up."""
+STEPS = 1000
+
+
+def pick_plateaus(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
+    """Return the plateau of every load cycle of a recording.
+
+    Parameters
+    ----------
+    trace : ForceTrace
+        The recording.
+    settings : PickSettings
+        Part of the recording; the window does not matter, a plateau is its own average.
+
+    Returns
+    -------
+    tuple of Breakaway
+        One per load cycle, in order of time: `ok` with the mean of the second half of the longest plateau in
+        `peak_N`, its sample standard deviation in `peak_std_N` and the plateau's middle in `peak_time_s`; or
+        `no-breakaway` where a cycle has no plateau.
+
+    Examples
+    --------
+    >>> t = np.arange(0, 60, 0.02)
+    >>> F = np.interp(np.mod(t, 30), [0, 2, 8, 25, 26, 30], [0, 0, 5, 5, 0, 0])
+    >>> plateaus = pick_plateaus(ForceTrace(time_s=t, force_N=F), PickSettings())
+    >>> [round(plateau.peak_N, 2) for plateau in plateaus]
+    [5.0, 5.0]
+    """
+    prepared = prepare(trace, settings)
+    if prepared is None:
+        return (too_short(trace, settings),)
+    force_N, size = _coarse(prepared)
+    base_N, top_N = float(force_N.min()), float(np.quantile(force_N, 0.98))
+    if top_N - base_N <= 10 * prepared.noise_N:
+        detail = f"the force changes by {top_N - base_N:.3g} N only: the rope was never loaded"
+        return (failed(Status.NO_BREAKAWAY, detail, prepared),)
+    cycles = _cycles(force_N, base_N + LOADED * (top_N - base_N), base_N + UNLOADED * (top_N - base_N))
+    band_N = 2 * BAND * (top_N - base_N) + 4 * prepared.noise_N / np.sqrt(size)
+    return tuple(
+        _plateau(
+            prepared, slice(start * size, stop * size), _longest_level(force_N[start:stop], band_N), size
+        )
+        for start, stop in cycles
+    )
+
+
+def _coarse(prepared: Prepared) -> tuple[FloatArray, int]:
+    """Means over about a thousandth of the recording: a plateau is long, and its search goes step by step."""
+    size = max(1, prepared.force_N.size // STEPS)
+    n = prepared.force_N.size // size
+    return prepared.force_N[: n * size].reshape(n, size).mean(axis=1), size
+
+
+def _cycles(force_N: FloatArray, loaded_N: float, unloaded_N: float) -> list[tuple[int, int]]:
+    """Stretches that rise above `loaded_N` and last until the force is below `unloaded_N`."""
+    cycles: list[tuple[int, int]] = []
+    start = -1
+    for i, force in enumerate(force_N.tolist()):
+        if start < 0 and force > loaded_N:
+            start = i
+        elif start >= 0 and force < unloaded_N:
+            cycles.append((start, i))
+            start = -1
+    if start >= 0:
+        cycles.append((start, force_N.size))
+    return cycles
+
+
+def _longest_level(force_N: FloatArray, band_N: float) -> tuple[int, int]:
+    """Return the longest stretch whose largest and smallest force differ by no more than `band_N`."""
+    values = force_N.tolist()
+    highest: deque[int] = deque()
+    lowest: deque[int] = deque()
+    best, start = (0, 0), 0
+    for i, value in enumerate(values):
+        while highest and values[highest[-1]] <= value:
+            highest.pop()
+        while lowest and values[lowest[-1]] >= value:
+            lowest.pop()
+        highest.append(i)
+        lowest.append(i)
+        while values[highest[0]] - values[lowest[0]] > band_N:
+            start += 1
+            while highest[0] < start:
+                highest.popleft()
+            while lowest[0] < start:
+                lowest.popleft()
+        if i + 1 - start > best[1] - best[0]:
+            best = (start, i + 1)
+    return best
+
+
+def _plateau(prepared: Prepared, cycle: slice, level: tuple[int, int], size: int) -> Breakaway:
+    first, stop = cycle.start + level[0] * size, cycle.start + level[1] * size
+    held = prepared.force_N[first:stop]
+    begin_s, end_s = float(prepared.time_s[first]), float(prepared.time_s[max(first, stop - 1)])
+    if held.size < max(2, SHORTEST * (cycle.stop - cycle.start)):
+        detail = f"the load from {prepared.time_s[cycle.start]:.4g} s on was never held: no plateau"
+        return failed(Status.NO_BREAKAWAY, detail, prepared)
+    # A rope creeps after it was pulled; in the second half of the plateau it has settled.
+    settled = held[held.size // 2 :]
+    mean_N = float(settled.mean())
+    return Breakaway(
+        status=Status.OK,
+        detail=f"held from {begin_s:.4g} s until {end_s:.4g} s",
+        peak_N=mean_N,
+        peak_raw_N=mean_N,
+        peak_time_s=0.5 * (begin_s + end_s),
+        peak_std_N=float(settled.std(ddof=1)),
+        bias_N=0.0,
+        window_s=end_s - begin_s,
+        noise_std_N=prepared.noise_N,
+        phases=(Phase(name="held", start_s=begin_s, end_s=end_s),),
+        notes=prepared.notes,
+    )
+
+
+PROTOCOL = Protocol(
+    name="held",
+    description="load cycles held by hand or weight; every plateau of a recording is a trial",
+    pick=pick_plateaus,
+    measures="plateau",
+)

@@ -1,0 +1,102 @@
+"""One recording, many trials: every tooth of slow stick-slip is a break-away of its own."""
+
+import numpy as np
+
+from ropefric.traces.breakaway import Breakaway, Phase, Status
+from ropefric.traces.outcome import peak_result
+from ropefric.traces.peak import Neighbourhood, measure_peak
+from ropefric.traces.prepare import Prepared, prepare
+from ropefric.traces.protocols.breakaway import pick_breakaway, smallest_drop_N
+from ropefric.traces.protocols.protocol import Protocol
+from ropefric.traces.settings import PickSettings
+from ropefric.traces.sliding import Sliding, sliding_after
+from ropefric.traces.slips import FAST_BLOCKS, fast_drop_N, slips
+from ropefric.traces.static_break import first_static_break
+from ropefric.traces.trace import ForceTrace
+
+__all__ = ["PROTOCOL", "pick_teeth"]
+
+SAME_KIND = 0.3
+"""A fall smaller than this part of the first slip is no tooth but the creep of one."""
+
+
+def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
+    """Return every tooth of a recording, the first break-away first.
+
+    Parameters
+    ----------
+    trace : ForceTrace
+        The recording.
+    settings : PickSettings
+        Window, part of the recording, smallest step.
+
+    Returns
+    -------
+    tuple of Breakaway
+        One per tooth, all `ok`, in order of time; or a single one that says why there is none.
+
+    Examples
+    --------
+    >>> t = np.arange(0, 3, 0.001)
+    >>> F = np.where(t < 0.5, 0.0, np.where(t < 1.5, 200 * (t - 0.5), 180 + 100 * np.mod(t - 1.5, 0.25)))
+    >>> teeth = pick_teeth(ForceTrace(time_s=t, force_N=F), PickSettings())
+    >>> [round(tooth.peak_N) for tooth in teeth]
+    [200, 205, 205, 205, 205, 205]
+    """
+    (first,) = pick_breakaway(trace, settings)
+    prepared = prepare(trace, settings)
+    if first.status is not Status.OK or prepared is None:
+        return (first,)
+    view = prepared.view
+    block = first_static_break(view, smallest_drop_N(prepared, settings))
+    sliding = None if block is None else sliding_after(view, block)
+    if block is None or sliding is None:
+        return (first,)
+    smallest_N = max(SAME_KIND * fast_drop_N(view.force_N, block), settings.min_step_N or 0.0)
+    stretch = view.force_N[sliding.first : sliding.stop + FAST_BLOCKS]
+    found = sorted(
+        sliding.first + tooth
+        for tooth, fall_N in slips(stretch, view.noise_N, most=stretch.size)
+        if fall_N >= smallest_N
+    )
+    teeth = [first]
+    bottom = sliding.first
+    for tooth in found:
+        edge = _edge(view.force_N, bottom, tooth)
+        if edge > bottom:
+            teeth.append(_tooth(prepared, bottom, edge, sliding, settings))
+        bottom = edge + 1 + int(np.argmin(view.force_N[edge + 1 : edge + FAST_BLOCKS + 1]))
+    return tuple(teeth)
+
+
+def _edge(force_N: np.ndarray, bottom: int, tooth: int) -> int:
+    """Return the highest block just before a fall that was located to a few blocks."""
+    first = max(bottom, tooth - 2)
+    return first + int(np.argmax(force_N[first : tooth + 3]))
+
+
+def _tooth(prepared: Prepared, bottom: int, edge: int, sliding: Sliding, settings: PickSettings) -> Breakaway:
+    view, n = prepared.view, prepared.force_N.size
+    fallen = edge + 1 + int(np.argmin(view.force_N[edge + 1 : edge + FAST_BLOCKS + 1]))
+    where = Neighbourhood(
+        loading=view.first_sample(bottom),
+        first=view.first_sample(edge - 1),
+        stop=view.last_sample(min(fallen - 1, edge + 1), n) + 1,
+        fallen=view.last_sample(fallen, n),
+    )
+    peak = measure_peak(
+        prepared.time_s,
+        prepared.force_N,
+        where,
+        noise_std_N=prepared.noise_N,
+        window_s=settings.window_s,
+    )
+    loading = Phase(name="loading", start_s=float(view.time_s[bottom]), end_s=float(view.time_s[edge]))
+    return peak_result(prepared, peak, settings, sliding=sliding, phases=(loading,))
+
+
+PROTOCOL = Protocol(
+    name="stick-slip",
+    description="slow stick-slip; every tooth of a recording is a trial",
+    pick=pick_teeth,
+)

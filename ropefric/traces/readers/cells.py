@@ -1,0 +1,184 @@
+"""What a number in a text file looks like, and the slow, exact way to read a column."""
+
+import csv
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropefric.errors import DataError
+from ropefric.traces.readers.source import Source
+from ropefric.traces.trace import FloatArray
+
+__all__ = ["NAN_TEXTS", "CellStyle", "bad_cell", "is_blank_line", "is_number", "parse_rows", "split_line"]
+
+NAN_TEXTS = ("nan", "NaN", "NAN", "Nan", "-nan", "-NaN")
+"""Cell texts that mean "no value" in every file, beside the empty cell."""
+
+_NUMBER = {
+    mark: re.compile(rf"[+-]?(?:\d+{re.escape(mark)}?\d*|{re.escape(mark)}\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+    for mark in ".,"
+}
+_NAMED_MISSING = (
+    "na",
+    "n/a",
+    "#n/a",
+    "null",
+    "none",
+    "-",
+    "--",
+    "---",
+    "?",
+    "missing",
+    "error",
+    "over",
+    "ovl",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellStyle:
+    """How cells are divided and written.
+
+    Attributes
+    ----------
+    separator : str
+        One character; " " stands for any run of blanks.
+    decimal : str
+        "." or ",".
+    missing : tuple of str
+        Texts that mean "no value".
+    """
+
+    separator: str = ","
+    decimal: str = "."
+    missing: tuple[str, ...] = ()
+
+    @property
+    def no_value(self) -> frozenset[str]:
+        """Return every cell text that stands for "no value"."""
+        return frozenset(("", *NAN_TEXTS, *(text.strip() for text in self.missing)))
+
+
+def split_line(line: str, separator: str) -> list[str]:
+    """Return a line's cells without blanks and quotes around them.
+
+    Examples
+    --------
+    >>> split_line('"12,47"; 3', ";")
+    ['12,47', '3']
+    """
+    if separator == " ":
+        return [cell.strip('"') for cell in line.split()]
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(separator)]
+    try:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=separator != "\t"), [])
+    except csv.Error:
+        cells = line.split(separator)
+    return [cell.strip() for cell in cells]
+
+
+def is_blank_line(line: str, separator: str) -> bool:
+    r"""Return whether a line holds nothing, not even an empty cell.
+
+    Examples
+    --------
+    >>> is_blank_line("  ", ";"), is_blank_line(" ; ", ";"), is_blank_line("\t", "\t")
+    (True, False, False)
+    """
+    return not line.strip(" " if separator == "\t" else " \t")
+
+
+def is_number(cell: str, decimal: str) -> bool:
+    """Return whether a cell is a finite number with this decimal mark, written in plain digits.
+
+    Examples
+    --------
+    >>> is_number("12,47", ","), is_number("12,47", "."), is_number("1_000", "."), is_number("inf", ".")
+    (True, False, False, False)
+    """
+    return _NUMBER[decimal].fullmatch(cell) is not None
+
+
+def parse_rows(
+    lines: Iterator[tuple[int, str]],
+    columns: Sequence[int],
+    names: Sequence[str],
+    style: CellStyle,
+    source: Source,
+) -> list[FloatArray]:
+    """Return columns of text lines, cell by cell: the definition that the fast way must agree with.
+
+    Parameters
+    ----------
+    lines : iterator of (int, str)
+        File line number and text; blank lines are passed over.
+    columns : sequence of int
+        0-based column numbers.
+    names : sequence of str
+        All columns' names, for messages.
+    style : CellStyle
+        How cells are written.
+    source : Source
+        The file, for messages.
+
+    Raises
+    ------
+    DataError
+        RF102 for the first cell that is no finite number, naming line, column and text.
+    """
+    no_value, found = style.no_value, []
+    for number, line in lines:
+        if is_blank_line(line, style.separator):
+            continue
+        cells = split_line(line, style.separator)
+        row = []
+        for column in columns:
+            cell = cells[column] if column < len(cells) else ""
+            if cell in no_value:
+                row.append(math.nan)
+                continue
+            value = float(cell.replace(",", ".")) if is_number(cell, style.decimal) else math.inf
+            if math.isinf(value):
+                raise bad_cell(cell, column, names, style, source, line=number)
+            row.append(value)
+        found.append(row)
+    table = np.array(found, dtype=np.float64).reshape(len(found), len(columns))
+    return [np.ascontiguousarray(table[:, i]) for i in range(len(columns))]
+
+
+def bad_cell(
+    cell: str, column: int, names: Sequence[str], style: CellStyle, source: Source, *, line: int | None
+) -> DataError:
+    """Return the error for a cell that is no number, with a guess at what it is.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> source = Source(path=Path("run07.csv"), shown="run07.csv")
+    >>> print(bad_cell("12,47", 1, ["t", "force_1"], CellStyle(separator=";"), source, line=4))
+    run07.csv:4 force_1: cannot read '12,47' as a number; it looks like a decimal comma Fix: [import] decimal = ","
+    """
+    name = names[column] if column < len(names) and names[column] else f"column {column + 1}"
+    other = "," if style.decimal == "." else "."
+    why, fix = "", "mend or remove the cell, or list its text in [import] missing"
+    if is_number(cell, style.decimal):
+        why, fix = "it is too large for a float", "mend the cell"
+    elif cell.lower().lstrip("+-") in ("inf", "infinity"):
+        why = "an infinite value is no measurement"
+    elif is_number(cell, other):
+        mark = "comma" if other == "," else "point"
+        why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
+    elif "," in cell and re.fullmatch(r"[+-]?[\d.,]+", cell):
+        why, fix = "it looks like a thousands separator", "save the file without thousands separators"
+    elif cell.lower() in _NAMED_MISSING:
+        why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'
+    elif re.search(r"\d[-/:.]\d+[-/:.]\d", cell):
+        why = "it looks like a date or a clock"
+        fix = "export seconds since the start, or leave the column out and set [import] sampling_rate"
+    shown = cell if len(cell) <= 40 else cell[:37] + "..."
+    message = f"cannot read {shown!r} as a number" + (f"; {why}" if why else "")
+    return source.error(message, code="RF102", line=line, key=name, fix=fix)

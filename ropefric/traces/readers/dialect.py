@@ -1,0 +1,119 @@
+"""How a text file is laid out: separator, decimal mark, header, units and first data row."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ropefric.errors import InputError
+from ropefric.traces.readers.cells import CellStyle, split_line
+from ropefric.traces.readers.header import find_rows
+from ropefric.traces.readers.marks import find_decimal, find_separator
+from ropefric.traces.readers.profile import ImportProfile
+from ropefric.traces.readers.text import Text
+
+__all__ = ["Dialect", "find_dialect"]
+
+HEAD_BYTES = 65536
+"""Marks are looked for in this much of a file; the whole file is then held to what was found."""
+HEAD_LINES = 400
+_NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dialect:
+    """The layout of a text table.
+
+    Attributes
+    ----------
+    style : CellStyle
+        Separator, decimal mark, texts for "no value".
+    header_row, units_row, data_row : int
+        1-based line numbers; 0 where there is no header or units row.
+    header, units : tuple of str
+        Cells of those rows.
+    n_cells : int
+        Cells of the first data row.
+    """
+
+    style: CellStyle
+    header_row: int
+    units_row: int
+    data_row: int
+    header: tuple[str, ...]
+    units: tuple[str, ...]
+    n_cells: int
+
+
+def find_dialect(text: Text, profile: ImportProfile) -> Dialect:
+    r"""Return the layout of a text table: the profile's word, and what the file shows where that is open.
+
+    Raises
+    ------
+    InputError
+        RF110, if the profile contradicts itself.
+    DataError
+        RF104, if separator or decimal mark are ambiguous; RF101, if there are no data rows.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> from ropefric.traces.readers.source import Source
+    >>> source = Source(path=pathlib.Path("a.csv"), shown="a.csv")
+    >>> data = b"Pull test\nt;F\ns;kN\n0,5;1,25\n1,0;1,5\n"
+    >>> found = find_dialect(Text(source=source, data=data, encoding="utf-8"), ImportProfile())
+    >>> found.style.separator, found.style.decimal, found.header_row, found.units_row, found.data_row
+    (';', ',', 2, 3, 4)
+    """
+    _check(profile)
+    head = text.data[:HEAD_BYTES]
+    if len(head) < len(text.data):
+        head = head[: head.rfind(b"\n") + 1] or head  # a cut line would mislead
+    lines = [line.decode(errors="replace") for line in head.split(b"\n", HEAD_LINES)[:HEAD_LINES]]
+    skip = max(profile.data_row - 1, profile.header_row, profile.units_row, profile.block_names_row, 0)
+    data_lines = lines[skip:]
+    if len(data_lines) < 2:  # an explicit data row far down the file
+        begin = text.start_of(skip + 1)
+        data_lines = text.data[begin : begin + HEAD_BYTES].decode(errors="replace").split("\n")[:HEAD_LINES]
+        lines = text.data[:begin].decode(errors="replace").split("\n")[:skip] + data_lines
+    separator = profile.separator or find_separator(data_lines, lines, profile, text.source)
+    rows = find_rows(lines, separator, profile, text.source)
+    decimal = profile.decimal or find_decimal(head, rows.data_row, separator, text.source)
+    return Dialect(
+        style=CellStyle(separator=separator, decimal=decimal, missing=tuple(profile.missing)),
+        header_row=rows.header_row,
+        units_row=rows.units_row,
+        data_row=rows.data_row,
+        header=_cells(lines, rows.header_row, separator),
+        units=_cells(lines, rows.units_row, separator),
+        n_cells=len(split_line(lines[rows.data_row - 1], separator)),
+    )
+
+
+def _cells(lines: Sequence[str], row: int, separator: str) -> tuple[str, ...]:
+    if row < 1:
+        return ()
+    # numpy.savetxt and gnuplot put the header into a comment.
+    return tuple(split_line(lines[row - 1].lstrip("#").lstrip(" "), separator))
+
+
+def _check(profile: ImportProfile) -> None:
+    if profile.separator and (len(profile.separator) != 1 or profile.separator in _NO_SEPARATOR):
+        _refuse(
+            "separator", profile.separator, 'use one character such as ";", "," or "\\t"; " " is any blanks'
+        )
+    if profile.separator and not profile.separator.isascii():
+        _refuse("separator", profile.separator, 'use an ASCII character such as ";"')
+    if profile.decimal not in ("", ".", ","):
+        _refuse("decimal", profile.decimal, 'use "." or ","')
+    if profile.header_row < -1:
+        _refuse("header_row", profile.header_row, "give a line number from 1, 0 for none, or leave it out")
+    for key in ("units_row", "data_row", "block_names_row", "block_columns"):
+        value = getattr(profile, key)
+        if value < 0:
+            _refuse(key, value, "give a number from 1, or leave it out")
+    last_head = max(profile.header_row, profile.units_row, profile.block_names_row)
+    if 0 < profile.data_row <= last_head:
+        _refuse("data_row", profile.data_row, f"the data start after line {last_head}, the last head line")
+
+
+def _refuse(key: str, value: object, fix: str) -> None:
+    raise InputError(f"[import] {key} = {value!r} cannot be used", key=f"[import] {key}", fix=fix)

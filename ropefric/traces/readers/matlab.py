@@ -1,0 +1,113 @@
+"""MATLAB files up to version 7."""
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ropefric.registry import did_you_mean
+from ropefric.traces.readers.arrays import array_table
+from ropefric.traces.readers.profile import ImportProfile
+from ropefric.traces.readers.reader import Reader
+from ropefric.traces.readers.source import Source
+from ropefric.traces.readers.table import Table
+
+__all__ = ["READER"]
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+
+
+def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
+    """Return the file's one table: a matrix, a struct of vectors, or the vectors of the workspace."""
+    variables = _load(source)
+    if profile.table:
+        if profile.table not in variables:
+            raise source.error(
+                f"there is no variable {profile.table!r}",
+                code="RF105",
+                key="[import] table",
+                fix=did_you_mean(profile.table, variables),
+            )
+        chosen = variables[profile.table]
+        columns = _fields(chosen) if chosen.dtype.names else _matrix_or_vector(profile.table, chosen)
+    else:
+        columns = _first(variables)
+    if not columns:
+        raise source.error(
+            f"no variable holds columns of numbers; the file has {', '.join(variables) or 'no variables'}",
+            fix="save vectors, a matrix, or a struct of vectors; a MATLAB table by "
+            "table2struct(T, 'ToScalar', true)",
+        )
+    return (array_table(columns, source),)
+
+
+def _load(source: Source) -> dict[str, np.ndarray[Any, Any]]:
+    from scipy.io import loadmat  # noqa: PLC0415  (slow to load, and few campaigns hold MATLAB files)
+
+    raw = source.raw_bytes()
+    if _HDF5 in (raw[:8], raw[512:520]) or raw.startswith(b"MATLAB 7.3"):
+        raise source.error(
+            "this is a MATLAB v7.3 (HDF5) file, which is not read here",
+            fix="save it in MATLAB with save('run.mat', ..., '-v7'), or export CSV",
+        )
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # on variables that cannot be read; they are reported missing
+            content = loadmat(str(source.path), appendmat=False)
+    except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
+        raise source.error(
+            f"this is not a readable MATLAB file ({type(error).__name__}: {error})",
+            fix="save it again with save('run.mat', ..., '-v7'), or name its format in [import] format",
+        ) from None
+    return {
+        str(name): value
+        for name, value in content.items()
+        if not str(name).startswith("__") and isinstance(value, np.ndarray)
+    }
+
+
+def _first(variables: Mapping[str, np.ndarray[Any, Any]]) -> dict[str, np.ndarray[Any, Any]]:
+    """Return the workspace's vectors of the most common length, else the first struct, else the first matrix."""
+    vectors = {name: value.ravel() for name, value in variables.items() if _is_vector(value)}
+    if len(vectors) > 1:
+        return vectors
+    for value in variables.values():
+        if value.dtype.names and _fields(value):
+            return _fields(value)
+    for name, value in variables.items():
+        if _is_numeric(value) and value.ndim == 2 and min(value.shape) > 1:
+            return _matrix_or_vector(name, value)
+    return vectors
+
+
+def _fields(struct: np.ndarray[Any, Any]) -> dict[str, np.ndarray[Any, Any]]:
+    if struct.size != 1 or not struct.dtype.names:
+        return {}
+    values = {name: np.asarray(struct[name].item()) for name in struct.dtype.names}
+    return {name: value.ravel() for name, value in values.items() if _is_vector(value)}
+
+
+def _matrix_or_vector(name: str, value: np.ndarray[Any, Any]) -> dict[str, np.ndarray[Any, Any]]:
+    if _is_vector(value):
+        return {name: value.ravel()}
+    if not _is_numeric(value) or value.ndim != 2 or value.size == 0:
+        return {}
+    # Blank names: a matrix has numbered columns only, and a blank cannot be a MATLAB name.
+    return {" " * (i + 1): value[:, i] for i in range(value.shape[1])}
+
+
+def _is_numeric(value: np.ndarray[Any, Any]) -> bool:
+    return value.dtype.kind in "iuf"
+
+
+def _is_vector(value: np.ndarray[Any, Any]) -> bool:
+    return _is_numeric(value) and value.size > 1 and value.size == max(value.shape, default=0)
+
+
+READER = Reader(
+    name="matlab",
+    suffixes=(".mat",),
+    description="MATLAB up to version 7: vectors, a struct of vectors, or a matrix",
+    tables=_tables,
+)

@@ -1,0 +1,96 @@
+"""National Instruments TDMS; needs the extra `lab`."""
+
+import io
+import warnings
+from typing import Any
+
+import numpy as np
+
+from ropefric.registry import did_you_mean
+from ropefric.traces.readers.arrays import array_table
+from ropefric.traces.readers.profile import ImportProfile
+from ropefric.traces.readers.reader import Reader
+from ropefric.traces.readers.source import Source
+from ropefric.traces.readers.table import Table
+from ropefric.traces.trace import FloatArray
+
+__all__ = ["READER"]
+
+_UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
+
+
+def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
+    """Return the table of one group: the profile's, else the first that has channels with data."""
+    groups = {group.name: group.channels() for group in _load(source).groups()}
+    if profile.table and profile.table not in groups:
+        raise source.error(
+            f"there is no group {profile.table!r}",
+            code="RF105",
+            key="[import] table",
+            fix=did_you_mean(profile.table, groups),
+        )
+    filled = [name for name, channels in groups.items() if any(len(channel) for channel in channels)]
+    if not filled:
+        raise source.error("no group has data", fix="record it again")
+    channels = groups[profile.table or filled[0]]
+    columns, units = {}, {}
+    for channel in channels:
+        columns[channel.name] = _values(channel, source)
+        found = (channel.properties.get(key) for key in _UNIT_KEYS)
+        units[channel.name] = next((str(unit) for unit in found if unit), "")
+    return (array_table(columns, source, units=units, time_s=_waveform_time(channels)),)
+
+
+def _load(source: Source) -> Any:
+    try:
+        from nptdms import TdmsFile  # noqa: PLC0415  (an extra that is not always there)
+    except ImportError:
+        raise source.error(
+            "reading TDMS needs the package nptdms", code="RF107", fix='pip install "ropefric[lab]"'
+        ) from None
+    raw = source.raw_bytes()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return TdmsFile.read(io.BytesIO(raw))
+    except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
+        raise source.error(
+            f"this is not a readable TDMS file ({type(error).__name__}: {error})",
+            fix="copy it again, or name its format in [import] format",
+        ) from None
+
+
+def _values(channel: Any, source: Source) -> np.ndarray[Any, Any]:
+    try:
+        return np.asarray(channel[:])  # scaled
+    except Exception as error:  # noqa: BLE001  (scalings of damaged files fail in many ways)
+        raise source.error(
+            f"the channel cannot be scaled ({type(error).__name__}: {error})",
+            code="RF102",
+            key=channel.name,
+            fix="save the scaled values",
+        ) from None
+
+
+def _waveform_time(channels: Any) -> FloatArray | None:
+    """Return the waveform's own time from its first sample on, where all channels share one clock.
+
+    Relative on purpose: absolute starts carry time zones that writers and readers disagree about.
+    """
+    clocks = {
+        (len(c), c.properties.get("wf_increment"), c.properties.get("wf_start_offset", 0.0)) for c in channels
+    }
+    if len(clocks) != 1:
+        return None
+    n, step_s, offset_s = clocks.pop()
+    if not isinstance(step_s, float) or not isinstance(offset_s, float) or not 0 < step_s < np.inf:
+        return None
+    return np.asarray(offset_s + step_s * np.arange(n), dtype=np.float64)
+
+
+READER = Reader(
+    name="tdms",
+    suffixes=(".tdms",),
+    description="National Instruments TDMS (extra lab)",
+    tables=_tables,
+)

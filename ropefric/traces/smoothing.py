@@ -1,0 +1,229 @@
+"""Centred moving average, with its window in seconds, honest edges and gaps.
+
+The paper filters with the arithmetic mean (rope_wheel §2). Every average is taken in float64: on integer input
+`scipy.ndimage.uniform_filter1d` answers with truncated integers, up to one count low.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
+
+from ropefric.errors import InputError
+from ropefric.traces.trace import FloatArray, ForceTrace, frozen_array
+
+__all__ = ["SmoothedForce", "average_over_samples", "average_over_time", "smooth", "window_samples"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SmoothedForce:
+    """A smoothed force and how it was smoothed.
+
+    Attributes
+    ----------
+    time_s, force_N : ndarray, shape (n,)
+        Time stamps [s] and averages [N]; NaN where a window holds no sample.
+    window_s : float
+        Full width of the window [s]; 0 = not smoothed.
+    n_missing : int
+        Samples missing in the trace (NaN).
+    """
+
+    time_s: FloatArray
+    force_N: FloatArray
+    window_s: float
+    n_missing: int
+
+
+def window_samples(window_s: float, step_s: float) -> int:
+    """Return the odd number of samples that lie within half a window of their middle.
+
+    Parameters
+    ----------
+    window_s, step_s : float
+        Window and sampling step [s].
+
+    Examples
+    --------
+    >>> window_samples(0.010, 1 / 3000)
+    31
+    """
+    if not (np.isfinite(window_s) and window_s >= 0 and step_s > 0):
+        raise InputError(
+            f"a smoothing window of {window_s} s at a step of {step_s} s makes no sense",
+            code="RF220",
+            fix='give a window such as "10 ms"',
+        )
+    return 2 * int(window_s / step_s / 2 + 1e-9) + 1
+
+
+def average_over_samples(values: npt.ArrayLike, n_window: int) -> FloatArray:
+    """Return the centred mean over `n_window` samples.
+
+    Near the ends the window shrinks on both sides alike, so a straight line stays a straight line up to its last
+    sample; nothing is padded. Missing samples (NaN) are left out of the means.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        Samples; NaN = missing.
+    n_window : int
+        Odd number of samples; may exceed n.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Means; NaN where a window holds no sample.
+
+    Raises
+    ------
+    InputError
+        If the window is not odd and positive, or a value is infinite.
+
+    Examples
+    --------
+    >>> average_over_samples([0, 1, 2, 3, 4], 3).tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0]
+    >>> average_over_samples([0, 0, 9, 0, 0], 3).tolist()
+    [0.0, 3.0, 3.0, 3.0, 0.0]
+    """
+    values = np.asarray(values, dtype=np.float64)
+    if n_window < 1 or n_window % 2 == 0:
+        raise InputError(
+            f"a window of {n_window} samples is not odd and positive", code="RF220", fix="use 1, 3, 5, …"
+        )
+    _refuse_infinite(values)
+    if n_window == 1 or values.size == 0:
+        return values.copy()
+    missing = np.isnan(values)
+    if not missing.any():
+        return _centred_mean(values, n_window)
+    if missing.all():
+        return values.copy()
+    # The mean of what is there = smoothed values / smoothed presence; relative to a level, so that large common
+    # offsets do not eat the digits.
+    level = float(values[~missing][0])
+    summed = _centred_mean(np.where(missing, 0.0, values - level), n_window)
+    present = _centred_mean(np.where(missing, 0.0, 1.0), n_window)
+    # Below half a sample's share, presence is only rounding of the running sum.
+    empty = present < 0.5 / n_window
+    result = np.full(values.shape, np.nan)
+    np.divide(summed, present, out=result, where=~empty)
+    return result + level
+
+
+def _centred_mean(values: FloatArray, n_window: int) -> FloatArray:
+    """Centred mean of finite values, the window shrinking symmetrically at the ends."""
+    n = values.size
+    half = min(n_window // 2, (n - 1) // 2)
+    level = float(values[0])
+    shifted = values - level
+    result = uniform_filter1d(shifted, 2 * half + 1, mode="nearest") if half else shifted.copy()
+    sizes = 2 * np.arange(half) + 1
+    result[:half] = np.cumsum(shifted[: 2 * half])[::2] / sizes
+    result[n - half :] = (np.cumsum(shifted[n - 2 * half :][::-1])[::2] / sizes)[::-1]
+    return result + level
+
+
+def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: float) -> FloatArray:
+    """Return the centred mean over a time window, for samples at irregular times.
+
+    A window that would reach beyond the first or last sample shrinks on both sides alike.
+
+    Parameters
+    ----------
+    time_s, values : array_like, shape (n,)
+        Increasing times [s] and samples; NaN = missing.
+    window_s : float
+        Full width of the window [s].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Means over the samples with |t - t_i| <= window/2; NaN where there is none.
+
+    Examples
+    --------
+    >>> average_over_time([0.0, 1.0, 2.0, 10.0], [0.0, 3.0, 6.0, 7.0], 2.0).tolist()
+    [0.0, 3.0, 4.5, 7.0]
+    """
+    time_s = np.asarray(time_s, dtype=np.float64)
+    values = np.asarray(values, dtype=np.float64)
+    _refuse_infinite(values)
+    window_samples(window_s, 1.0)  # refuses a window that makes no sense
+    if values.size == 0:
+        return values.copy()
+    half = np.minimum(window_s / 2, np.minimum(time_s - time_s[0], time_s[-1] - time_s))
+    half *= 1 + 1e-9  # stamps that lie on the window's edge up to rounding belong to it
+    missing = np.isnan(values)
+    if missing.all():
+        return values.copy()
+    level = float(values[~missing][0])
+    first = np.searchsorted(time_s, time_s - half, side="left")
+    stop = np.searchsorted(time_s, time_s + half, side="right")
+    total = np.concatenate(([0.0], np.cumsum(np.where(missing, 0.0, values - level))))
+    count = np.concatenate(([0], np.cumsum(~missing)))
+    result = np.full(values.shape, np.nan)
+    n_present = count[stop] - count[first]
+    np.divide(total[stop] - total[first], n_present, out=result, where=n_present > 0)
+    return result + level
+
+
+def smooth(trace: ForceTrace, window_s: float) -> SmoothedForce:
+    """Return a trace's force under a centred moving average.
+
+    Parameters
+    ----------
+    trace : ForceTrace
+        The recording; its own arrays stay as they are.
+    window_s : float
+        Full width of the window [s]; one sampling step or less leaves the samples as they are. To have it chosen
+        from the trace, see `ropefric.traces.window.choose_window`.
+
+    Returns
+    -------
+    SmoothedForce
+        On the trace's own time stamps. Uniform clocks use a window of an odd number of samples, others a window
+        in time, so that samples across a gap never mix.
+
+    Examples
+    --------
+    >>> trace = ForceTrace(time_s=[0, 1, 2, 3, 4], force_N=[0, 0, 9, 0, 0])
+    >>> smooth(trace, 3.0).force_N.tolist()
+    [0.0, 3.0, 3.0, 3.0, 0.0]
+    """
+    n_missing = int(np.isnan(trace.force_N).sum())
+    rate_Hz = trace.sampling_rate_Hz
+    n_window = window_samples(window_s, 1.0 / rate_Hz) if rate_Hz else 1
+    if n_window == 1:
+        force_N, used_s = trace.force_N, 0.0
+    elif is_uniform(trace.time_s):
+        force_N, used_s = average_over_samples(trace.force_N, n_window), n_window / rate_Hz
+    else:
+        force_N, used_s = average_over_time(trace.time_s, trace.force_N, window_s), window_s
+    return SmoothedForce(
+        time_s=trace.time_s, force_N=frozen_array(force_N), window_s=used_s, n_missing=n_missing
+    )
+
+
+def is_uniform(time_s: FloatArray) -> bool:
+    """Return whether no time step differs from the mean step by more than half of it.
+
+    Examples
+    --------
+    >>> is_uniform(np.array([0.0, 1.0, 2.1])), is_uniform(np.array([0.0, 1.0, 9.0]))
+    (True, False)
+    """
+    if time_s.size < 3:
+        return True
+    steps_s = np.diff(time_s)
+    mean_s = float(time_s[-1] - time_s[0]) / steps_s.size
+    return bool(steps_s.max() < 1.5 * mean_s and steps_s.min() > 0.5 * mean_s)
+
+
+def _refuse_infinite(values: FloatArray) -> None:
+    # One pass: the sum of finite numbers and NaN is infinite only where a value is, or overflows.
+    if np.isinf(values).any():
+        index = int(np.flatnonzero(np.isinf(values))[0])
+        raise InputError(f"sample {index} (the first is 0) is infinite", code="RF221")

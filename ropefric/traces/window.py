@@ -1,0 +1,82 @@
+"""The smoothing window that fits a trace: its bias on a ramp against the noise it leaves."""
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.traces.smoothing import window_samples
+
+__all__ = ["choose_window", "peak_uncertainty_N", "window_bias_N"]
+
+
+def window_bias_N(loading_rate_N_s: float, window_s: float, step_s: float) -> float:
+    """Return by how much a centred window lowers the top of a ramp that ends in a sudden drop [N].
+
+    The window that lies wholly on the ramp and ends at its top has its mean half a window earlier:
+    −rate (w − step)/2, to first order. Zero for a window of one sample.
+
+    Parameters
+    ----------
+    loading_rate_N_s : float
+        Slope of the loading [N/s].
+    window_s, step_s : float
+        Window and sampling step [s].
+
+    Examples
+    --------
+    >>> round(window_bias_N(200.0, 301 / 3000, 1 / 3000), 3)
+    -10.0
+    """
+    return -max(loading_rate_N_s, 0.0) * max(window_s - step_s, 0.0) / 2.0
+
+
+def peak_uncertainty_N(loading_rate_N_s: float, noise_std_N: float, window_s: float, step_s: float) -> float:
+    """Return the standard uncertainty of a smoothed peak: noise that is left, and the window's bias [N].
+
+    Examples
+    --------
+    >>> round(peak_uncertainty_N(0.0, 1.0, 0.010, 0.001), 3)
+    0.316
+    """
+    n_window = max(window_s / step_s, 1.0)
+    bias_N = window_bias_N(loading_rate_N_s, window_s, step_s)
+    return float(np.hypot(noise_std_N / np.sqrt(n_window), bias_N))
+
+
+def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *, longest_s: float) -> float:
+    """Return the window with the smallest uncertainty of the peak [s].
+
+    Minimises (rate·w/2)² + σ²·step/w, whose minimum is at w³ = 2 σ² step / rate².
+
+    Parameters
+    ----------
+    loading_rate_N_s : float
+        Slope of the loading just before the peak [N/s].
+    noise_std_N : float
+        Standard deviation of one sample [N].
+    step_s : float
+        Sampling step [s].
+    longest_s : float
+        Not longer than this [s]; it decides for a flat top, which smoothing cannot bias.
+
+    Returns
+    -------
+    float
+        An odd multiple of the step, at least one.
+
+    Raises
+    ------
+    InputError
+        If the step is not positive or the noise negative.
+
+    Examples
+    --------
+    >>> round(1000 * choose_window(200.0, 0.5, 1 / 3000, longest_s=0.05), 2)
+    1.67
+    """
+    if not step_s > 0 or noise_std_N < 0:
+        raise InputError(f"a step of {step_s} s with noise of {noise_std_N} N makes no sense", code="RF220")
+    rate = max(loading_rate_N_s, 0.0)
+    wanted_s = longest_s
+    if rate > 0:
+        wanted_s = min(longest_s, float(np.cbrt(2.0 * noise_std_N**2 * step_s / rate**2)))
+    return window_samples(wanted_s, step_s) * step_s

@@ -1,0 +1,215 @@
+"""Campaigns on disk: the same seed gives the same bytes, and the truth is the truth."""
+
+import csv
+import gzip
+import math
+import tomllib
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.rig.bench import HELD_BENCH
+from ropefric.rig.campaign import plan_trials, record_trial, simulate_campaign
+from ropefric.rig.files import campaign_text, recording_text
+from ropefric.rig.plan import CampaignPlan, RigCondition
+from ropefric.rig.prth_bench import PRTH_SEED, prth_bench_plan
+from ropefric.trials.campaign import check_campaign, load_campaign
+
+COMMITTED = Path(__file__).parents[2] / "data" / "prth-bench"
+
+
+def small(**changes):
+    plan = prth_bench_plan()
+    return replace(plan, name="small", conditions=plan.conditions[:3], repeats=4, **changes)
+
+
+def contents(folder):
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def test_the_same_seed_writes_the_same_bytes_and_another_does_not(tmp_path):
+    seen = []
+    paths = simulate_campaign(tmp_path / "a", small(), seed=5, progress=lambda *args: seen.append(args))
+    simulate_campaign(tmp_path / "b", small(), seed=5)
+    simulate_campaign(tmp_path / "c", small(), seed=6)
+    first, again, other = (contents(tmp_path / name) for name in "abc")
+    assert first == again
+    assert first["traces/c01-r01.csv.gz"] != other["traces/c01-r01.csv.gz"]
+    assert sorted(str(p.relative_to(tmp_path / "a")) for p in paths) == sorted(first)
+    assert [(d, n) for d, n, _ in seen] == [(i + 1, 12) for i in range(12)]
+
+
+def test_files_hold_what_they_say(tmp_path):
+    plan = small(faults={"dropout": 0.3})
+    simulate_campaign(tmp_path / "a", plan, seed=5)
+    campaign = tomllib.loads((tmp_path / "a/campaign.toml").read_text())
+    assert campaign["schema"] == "ropefric.campaign/1"
+    assert "simulated" in campaign["name"]
+    assert campaign["wheels"]["W30"]["radius"] == "30 mm"
+    assert campaign["cells"]["K5"]["full_scale"] == "5 kN"
+    assert campaign["tare"]["interval"] == ["0 s", "0.25 s"]
+    truth = tomllib.loads((tmp_path / "a/truth.toml").read_text())
+    rows = list(csv.DictReader((tmp_path / "a/trials.csv").read_text().splitlines()))
+    header = (tmp_path / "a/trials.csv").read_text().splitlines()[0]
+    assert header == "trial,file,wheel,wrap_angle_deg,end_tension_N,cell,rope_id,dwell_s,exclude"
+    assert len({row["rope_id"] for row in rows}) == len(rows) == 12
+    assert {row["exclude"] for row in rows} == {""}
+    assert set(truth["trials"]) == {row["trial"] for row in rows}
+    planned = {t.name: t for t in plan_trials(plan, seed=5)}
+    empty = 0
+    for row in rows:
+        head, *lines = gzip.decompress((tmp_path / "a" / row["file"]).read_bytes()).decode().splitlines()
+        assert head == "time_s,counts"
+        cells = [line.split(",") for line in lines]
+        recording, _ = record_trial(plan, planned[row["trial"]], seed=5)
+        assert [float(time) for time, _ in cells] == pytest.approx(recording.time_s, abs=5.01e-7)
+        counts = [float(count) if count else math.nan for _, count in cells]
+        assert np.array_equal(counts, recording.counts, equal_nan=True)
+        empty += sum(not count for _, count in cells)
+        assert truth["trials"][row["trial"]]["lift_force_N"] == pytest.approx(recording.truth.lift_force_N)
+    assert empty > 0
+
+
+def lift_by_quadrature(condition, p, rope_radius_m):
+    """Eqs. (16), (17) straight from the page: φ0 by root finding, the integral by quadrature."""
+    mu_r = p["mu_inf"] * (1 - math.exp(p["a"] * condition.wheel_radius_m / rope_radius_m + p["b"]))
+
+    def risen(phi):
+        # φ = x² takes the singularity of φ^c at 0 away.
+        return quad(lambda x: (mu_r * x ** (2 * p["c"]) + p["d"]) * 2 * x, 0, math.sqrt(phi), epsabs=1e-12)[0]
+
+    phi0 = brentq(lambda phi: risen(phi) - math.log(condition.end_tension_N), 1e-9, 1e3, xtol=1e-13)
+    return math.exp(risen(phi0 + condition.wrap_angle_rad))
+
+
+def test_the_true_lift_force_is_the_integral_of_the_law():
+    plan = prth_bench_plan()
+    points = (*plan.conditions, plan.design, *plan.unseen)
+    expected = [lift_by_quadrature(c, plan.parameters, 0.0049) for c in points]
+    assert plan.lift_force_N(points) == pytest.approx(expected, rel=1e-8)
+
+
+def test_trial_scatter_is_17_per_mille_about_the_law():
+    plan = prth_bench_plan()
+    law_N = np.repeat(plan.lift_force_N(plan.conditions), plan.repeats)
+    z = np.concatenate([[t.lift_force_N for t in plan_trials(plan, seed=s)] / law_N - 1 for s in range(10)])
+    assert z.std() == pytest.approx(0.017, rel=3 / math.sqrt(2 * z.size))
+    assert abs(z.mean()) < 3.5 * 0.017 / math.sqrt(z.size)
+
+
+def test_condition_scatter_is_shared_by_the_repeats():
+    plan = prth_bench_plan()
+    plan = replace(plan, bench=replace(plan.bench, condition_scatter=0.03, trial_scatter=0.0))
+    lift_N = np.reshape([t.lift_force_N for t in plan_trials(plan, seed=1)], (36, 12))
+    assert np.ptp(lift_N, axis=1) == pytest.approx(0.0, abs=1e-9)
+    assert (lift_N[:, 0] / plan.lift_force_N(plan.conditions) - 1).std() == pytest.approx(0.03, rel=0.4)
+
+
+def test_faults_are_dealt_by_quota_and_mechanics_are_spoilt_at_most_once():
+    trials = plan_trials(prth_bench_plan(), seed=3)
+    dealt = Counter(name for trial in trials for name in trial.faults)
+    assert dealt["spike"] == 30
+    assert dealt["unreadable"] == 1
+    assert dealt["saturation"] == dealt["no-peak"] == dealt["no-breakaway"] == 4
+    mechanics = {"saturation", "no-breakaway", "no-peak", "high-tooth", "drift", "noisy"}
+    assert max(len(mechanics & set(trial.faults)) for trial in trials) == 1
+    # A cell too small, not a jammed rope: the truth keeps to the law.
+    assert all(t.lift_force_N > 1020.0 for t in trials if "saturation" in t.faults)
+
+
+def test_the_prth_design_spans_what_the_law_needs():
+    plan = prth_bench_plan()
+    lift_N = plan.lift_force_N(plan.conditions)
+    end_N = np.array([c.end_tension_N for c in plan.conditions])
+    wrap = np.array([c.wrap_angle_rad for c in plan.conditions])
+    average_mu = np.log(lift_N / end_N) / wrap
+    assert len(set(plan.conditions)) == len(plan.conditions) == 36
+    assert {c.wheel for c in plan.conditions} == {"W15", "W20", "W30", "W40", "W60"}
+    assert 60.0 < lift_N.min() < lift_N.max() < 1500.0
+    assert (lift_N > 900.0).sum() == 3
+    assert 0.09 < average_mu.min() < 0.11
+    assert 0.18 < average_mu.max() < 0.22
+
+
+def test_held_campaigns_give_the_weight_on_the_tight_side(tmp_path):
+    plan = CampaignPlan(
+        name="held",
+        law="coupled",
+        parameters={"mu_inf": 0.3, "a": -0.2, "b": -0.3, "c": -0.3, "d": 0.05},
+        rope_diameter_m=0.004,
+        conditions=(RigCondition(wheel_radius_m=0.02, wrap_angle_rad=math.pi, end_tension_N=4.6),),
+        design=RigCondition(wheel_radius_m=0.02, wrap_angle_rad=6.0, end_tension_N=5.0),
+        repeats=2,
+        faults={},
+        bench=HELD_BENCH,
+        protocol="held",
+    )
+    simulate_campaign(tmp_path, plan, seed=1)
+    (row, _) = csv.DictReader((tmp_path / "trials.csv").read_text().splitlines())
+    truth = tomllib.loads((tmp_path / "truth.toml").read_text())
+    assert float(row["lift_force_N"]) == pytest.approx(plan.lift_force_N(plan.conditions)[0])
+    assert len(truth["trials"]["c01-r01"]["plateaus_N"]) == 3
+    assert row["dwell_s"] == ""
+
+
+def test_the_campaign_reader_finds_nothing_wrong(tmp_path):
+    simulate_campaign(tmp_path, small(), seed=5)
+    problems = check_campaign(tmp_path / "campaign.toml")
+    # Three conditions see neither load nor wrap, and the reader may say so; nothing may be an error.
+    assert not [problem for problem in problems if problem.severity == "error"]
+    assert check_campaign(COMMITTED / "campaign.toml") == ()
+    campaign = load_campaign(tmp_path / "campaign.toml")
+    condition = small().conditions[1]
+    trial = campaign.trials[4]
+    assert (trial.trial, trial.wheel_radius_m, trial.end_tension_N) == ("c02-r01", 0.015, 60.0)
+    assert trial.wrap_angle_rad == pytest.approx(condition.wrap_angle_rad, rel=1e-14)
+
+
+def test_nothing_is_overwritten(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(InputError, match=r"already holds notes\.txt"):
+        simulate_campaign(tmp_path, small(), seed=1)
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    with pytest.raises(InputError, match="cannot write there"):
+        simulate_campaign(tmp_path / "notes.txt", small(), seed=1)
+
+
+def test_impossible_plans_are_refused():
+    with pytest.raises(InputError, match="seed -1 is negative"):
+        plan_trials(small(), seed=-1)
+    with pytest.raises(InputError, match="needs a value for: d"):
+        small(parameters={"mu_inf": 0.4, "a": -0.2, "b": -0.3, "c": -0.4})
+    with pytest.raises(UnknownNameError, match="did you mean 'mu_inf'"):
+        small(parameters={"mu_ifn": 0.4})
+    with pytest.raises(UnknownNameError, match="unknown fault"):
+        small(faults={"gremlins": 0.1})
+    with pytest.raises(InputError, match=r"rate 1\.5 is not between 0 and 1"):
+        small(faults={"spike": 1.5})
+    with pytest.raises(InputError, match="does not go with protocol 'stick-slip'"):
+        small(faults={"no-peak": 0.1}, protocol="stick-slip")
+    with pytest.raises(InputError, match="make no recording"):
+        replace(prth_bench_plan(), repeats=0)
+
+
+def test_the_committed_bench_is_what_the_plan_and_seed_give():
+    plan = prth_bench_plan()
+    trials = plan_trials(plan, seed=PRTH_SEED)
+    truth = tomllib.loads((COMMITTED / "truth.toml").read_text())
+    assert (COMMITTED / "campaign.toml").read_text() == campaign_text(plan)
+    assert truth["seed"] == PRTH_SEED
+    assert len(list((COMMITTED / "traces").iterdir())) == len(trials) == 432
+    assert sum(p.stat().st_size for p in COMMITTED.rglob("*") if p.is_file()) < 12e6
+    damaged = {t.index for t in trials if "unreadable" in t.faults}
+    for index in sorted({0, 97, 200, 333, 431} - damaged):
+        recording, _ = record_trial(plan, trials[index], seed=PRTH_SEED)
+        # The text, not the packed bytes: another zlib may pack the same text differently.
+        assert gzip.decompress((COMMITTED / trials[index].file).read_bytes()).decode() == recording_text(
+            recording
+        )
+        assert truth["trials"][trials[index].name]["status"] == recording.truth.status.value

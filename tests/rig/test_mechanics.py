@@ -1,0 +1,163 @@
+"""The force on the rope: what is said to happen happens, when and as high as it is said to."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.rig.bench import Bench, simulate_recording
+from ropefric.rig.protocols.breakaway import draw_breakaway
+from ropefric.rig.teeth import Snap
+from ropefric.traces.breakaway import Status
+
+
+def record(seed=0, bench=None, lift=320.7, end=80.0, **kw):
+    return simulate_recording(
+        bench or Bench(), lift_force_N=lift, end_tension_N=end, rng=np.random.default_rng(seed), **kw
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 10_000),
+    lift=st.floats(10.0, 4000.0),
+    ratio=st.floats(1.3, 12.0),
+)
+def test_the_largest_force_is_the_static_peak_and_stands_where_the_truth_says(seed, lift, ratio):
+    recording = record(seed, lift=lift, end=lift / ratio)
+    time_s, force_N, truth = recording.true_time_s, recording.true_force_N, recording.truth
+    top = int(np.argmax(force_N))
+    # Break-away falls between two samples: at most one step of loading is missing, never a newton too much.
+    step_N = 2.0 * lift / 0.8 / 3000.0
+    assert lift - step_N <= force_N[top] <= lift * (1 + 1e-6)
+    assert abs(time_s[top] - truth.breakaway_time_s) <= 1.001 / 3000.0
+    assert force_N.min() >= 0.0
+    assert truth.lift_force_N == lift
+    assert truth.status is Status.OK
+    assert 0.70 * lift < truth.kinetic_N < 0.97 * lift
+    assert max(truth.tooth_tops_N[1:]) < lift
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_phases_are_where_the_truth_says(seed):
+    recording = record(seed)
+    time_s, force_N = recording.true_time_s, recording.true_force_N
+    spans = {p.name: (p.start_s, p.end_s) for p in recording.truth.phases}
+    inside = {name: force_N[(time_s >= a) & (time_s < b)] for name, (a, b) in spans.items()}
+    assert list(spans) == ["idle", "loading", "sliding", "unloading"]
+    assert spans["idle"][1] >= 0.3
+    assert not inside["idle"].any()
+    # Pretension between 0.7 and 1.0 F_B at the end of the dwell, after a bounce that goes above it.
+    settled_s = spans["idle"][1] + 0.25 + recording.truth.dwell_s - 0.1
+    settled_N = force_N[np.searchsorted(time_s, min(settled_s, recording.truth.breakaway_time_s - 1.0))]
+    assert settled_N > 0.65 * 80.0
+    early_N = force_N[time_s < spans["idle"][1] + 0.25 + 0.125]
+    assert early_N.max() < 0.5 * 320.7
+    assert 0.0 < inside["unloading"][-1] < inside["sliding"].mean()
+    assert 3.0 < recording.truth.tooth_tops_N.__len__() < 40
+
+
+def test_the_hanging_weights_bounce_at_the_stated_frequency():
+    bench = Bench(bounce_Hz=(8.0, 8.0), bounce=(0.2, 0.2), dwell_s=(0.8, 0.8), hang_s=(0.2, 0.2))
+    story = draw_breakaway(bench, 320.0, 80.0, np.random.default_rng(3))
+    time_s = np.arange(story.settle_s, story.settle_s + 0.3, 1e-5)
+    deviation_N = story.force_N(time_s) - story.pretension_N
+    crossings_s = time_s[1:][np.diff(np.sign(deviation_N)) != 0]
+    assert np.diff(crossings_s[1:]).mean() == pytest.approx(1 / 16, rel=1e-3)
+    assert deviation_N.max() > 0.05 * story.pretension_N
+
+
+def test_the_force_is_continuous_but_for_the_sampling_of_the_snap():
+    for seed in range(20):
+        story = draw_breakaway(Bench(), 320.0, 80.0, np.random.default_rng(seed))
+        coarse, fine = (
+            np.abs(np.diff(story.force_N(np.arange(0.0, story.end_s, step)))).max() for step in (1e-4, 1e-5)
+        )
+        assert fine < 0.2 * coarse  # a jump would not shrink with the step
+
+
+def test_the_snap_solves_the_spring_mass_equation():
+    snap = Snap(natural_Hz=140.0, damping_ratio=0.3)
+    omega = 2 * np.pi * 140.0
+    time_s = np.linspace(0.0, 0.02, 50)
+    answer = solve_ivp(
+        lambda _, y: [y[1], -(omega**2) * y[0] - 2 * 0.3 * omega * y[1]],
+        (0.0, 0.02),
+        [1.0, 0.0],
+        t_eval=time_s,
+        rtol=1e-10,
+        atol=1e-12,
+    )
+    assert snap.remaining(time_s) == pytest.approx(answer.y[0], abs=1e-8)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+def test_the_drop_rings_with_rope_and_cell_in_series(factor):
+    bench = Bench(
+        stiffness_factor=(factor, factor),
+        damping_ratio=(0.02, 0.02),
+        tooth_Hz=(5.0, 5.0),
+        noise_counts=(0, 0),
+    )
+    recording = record(bench=bench)
+    after_s = recording.true_time_s - recording.truth.breakaway_time_s
+    ringing_N = recording.true_force_N[(after_s > 0.0) & (after_s < 0.08)]
+    ringing_N = ringing_N - np.polyval(
+        np.polyfit(np.arange(ringing_N.size), ringing_N, 1), np.arange(ringing_N.size)
+    )
+    spectrum = np.abs(np.fft.rfft(ringing_N * np.hanning(ringing_N.size), 65536))
+    found_Hz = np.fft.rfftfreq(65536, 1 / 3000.0)[np.argmax(spectrum)]
+    stiffness_N_m = 1 / (1 / (factor * 1.0e5) + 1 / 1.0e7)
+    expected_Hz = np.sqrt(stiffness_N_m / 0.12) / (2 * np.pi)
+    assert found_Hz == pytest.approx(expected_Hz, rel=0.03)
+    assert 60.0 < expected_Hz < 300.0
+
+
+@pytest.mark.parametrize("rate_Hz", [5.0, 12.0, 25.0])
+def test_teeth_come_at_the_stated_rate_and_reload_at_one_slope(rate_Hz):
+    bench = Bench(tooth_Hz=(rate_Hz, rate_Hz), slide_s=(6.0, 6.0), kinetic_drift=0.0)
+    truth = record(bench=bench).truth
+    gaps_s = np.diff(truth.tooth_times_s)
+    assert 1 / gaps_s.mean() == pytest.approx(rate_Hz, rel=0.1)
+    assert 0.05 < gaps_s.std() / gaps_s.mean() < 0.5
+
+
+def test_the_kinetic_level_is_the_mean_of_the_sliding_samples():
+    for seed in range(10):
+        recording = record(seed)
+        (slide,) = [p for p in recording.truth.phases if p.name == "sliding"]
+        sliding = (recording.true_time_s > slide.start_s + 0.03) & (recording.true_time_s < slide.end_s)
+        assert recording.true_force_N[sliding].mean() == pytest.approx(recording.truth.kinetic_N, rel=1e-3)
+
+
+def test_the_slope_falls_just_before_the_slip():
+    story = draw_breakaway(
+        Bench(micro_slip=(0.1, 0.1), micro_slip_loss=(0.4, 0.4)), 320.0, 80.0, np.random.default_rng(1)
+    )
+    whole_s = story.breakaway_s - story.ramp_s
+    time_s = story.ramp_s + whole_s * np.array([0.5, 0.501, 0.999, 0.99999])
+    force_N = story.force_N(time_s)
+    early, late = (force_N[1] - force_N[0]) / 0.001, (force_N[3] - force_N[2]) / 0.00099
+    assert late / early == pytest.approx(0.6, abs=0.01)
+
+
+def test_bad_forces_and_names_are_refused():
+    with pytest.raises(InputError, match="end tension 80 N must be positive and below the lift force 60 N"):
+        record(lift=60.0)
+    for lift, end in ((np.nan, 1.0), (np.inf, 1.0), (10.0, 0.0), (10.0, np.nan)):
+        with pytest.raises(InputError):
+            record(lift=lift, end=end)
+    with pytest.raises(UnknownNameError, match="did you mean 'breakaway'"):
+        record(protocol="break-away")
+    with pytest.raises(UnknownNameError, match="did you mean 'spike'"):
+        record(faults=["spikes"])
+    with pytest.raises(UnknownNameError, match="unknown force cell 'K2'"):
+        record(cell="K2")
+    with pytest.raises(InputError, match="idle_s"):
+        Bench(idle_s=(0.5, 0.1))
+    with pytest.raises(InputError, match="moving_mass_kg"):
+        replace(Bench(), moving_mass_kg=0.0)

@@ -1,0 +1,51 @@
+"""The other ways of running the rig."""
+
+import numpy as np
+import pytest
+
+from ropefric.rig.bench import HELD_BENCH, Bench, simulate_recording
+
+
+def test_every_tooth_of_a_stick_slip_recording_is_a_peak_of_known_height():
+    tops = []
+    for seed in range(40):
+        recording = simulate_recording(
+            Bench(),
+            lift_force_N=320.7,
+            end_tension_N=80.0,
+            rng=np.random.default_rng(seed),
+            protocol="stick-slip",
+        )
+        truth = recording.truth
+        assert 8 <= len(truth.tooth_tops_N) <= 16
+        for top_s, top_N in zip(truth.tooth_times_s, truth.tooth_tops_N, strict=True):
+            near = np.abs(recording.true_time_s - top_s) < 0.02
+            assert recording.true_force_N[near].max() == pytest.approx(top_N, rel=3e-3)
+        tops += truth.tooth_tops_N
+    assert np.mean(tops) == pytest.approx(320.7, rel=4 * 0.017 / np.sqrt(len(tops)))
+    assert np.std(tops, ddof=1) / 320.7 == pytest.approx(0.017, rel=0.15)
+    assert 1 / np.diff(truth.tooth_times_s).mean() == pytest.approx(4.0, abs=2.5)
+
+
+def test_held_plateaus_settle_where_the_truth_says():
+    plateaus = []
+    for seed in range(60):
+        recording = simulate_recording(
+            HELD_BENCH,
+            lift_force_N=7.8816,
+            end_tension_N=4.58,
+            rng=np.random.default_rng(seed),
+            protocol="held",
+        )
+        truth = recording.truth
+        assert recording.time_s[1] == pytest.approx(0.02)
+        assert len(truth.plateaus_N) == len(truth.phases) == 3
+        for phase, plateau_N in zip(truth.phases, truth.plateaus_N, strict=True):
+            held = (recording.true_time_s >= phase.start_s) & (recording.true_time_s < phase.end_s)
+            assert recording.true_force_N[held].mean() == pytest.approx(plateau_N, rel=3e-3)
+            assert recording.true_force_N[held][-1] == pytest.approx(plateau_N, rel=1e-4)
+        before = recording.true_time_s < 1.4
+        assert not recording.true_force_N[before].any()
+        plateaus += truth.plateaus_N
+    assert np.mean(plateaus) == pytest.approx(4.58, rel=4 * 0.017 / np.sqrt(180))
+    assert truth.lift_force_N == 7.8816

@@ -1,0 +1,1 @@
+"""Trial tables and friction laws -> fitted parameters with honest uncertainty."""

@@ -1,0 +1,93 @@
+"""A least-squares problem in ln F_A: what every way of fitting and of judging a fit works on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import Conditions
+from ropefric.friction.law import FrictionLaw
+
+__all__ = ["FitProblem"]
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FitProblem:
+    """Measured ln F_A, the law to fit, and what is known about both.
+
+    The scatter of break-away forces is multiplicative, so ln F_A is fitted by weighted least squares through the
+    wrap integral (rope_wheel §5); nothing is ever differentiated numerically from data.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+        The law; p parameters.
+    conditions : Conditions
+        One per point, n in all.
+    log_lift : ndarray, shape (n,)
+        ln(F_A / 1 N).
+    std : ndarray, shape (n,)
+        Standard deviation of each ln F_A [-], positive.
+    group : ndarray of int, shape (n,)
+        Condition the point belongs to, 0 … k − 1: repeats share one.
+    start : ndarray, shape (p,)
+        Start values; the value itself where a parameter does not vary.
+    lower, upper : ndarray, shape (p,)
+        Bounds, may be infinite.
+    vary : ndarray of bool, shape (p,)
+        Which parameters are fitted.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree or a standard deviation is not positive.
+    """
+
+    law: FrictionLaw
+    conditions: Conditions
+    log_lift: FloatArray
+    std: FloatArray
+    group: IntArray
+    start: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    vary: BoolArray
+
+    def __post_init__(self) -> None:
+        n, p = self.log_lift.size, len(self.law.parameters)
+        if not (len(self.conditions) == n == self.std.size == self.group.size):
+            raise InputError(
+                f"{n} forces for {len(self.conditions)} conditions, {self.std.size} standard deviations and "
+                f"{self.group.size} group numbers",
+                code="RF400",
+            )
+        if not (self.start.size == self.lower.size == self.upper.size == self.vary.size == p):
+            raise InputError(f"law {self.law.name} has {p} parameters", code="RF400")
+        if n and not (self.std > 0).all():
+            raise InputError(
+                f"the standard deviation of point {int(np.argmin(self.std))} (the first is 0) is not positive",
+                code="RF400",
+            )
+
+    @property
+    def n_points(self) -> int:
+        """Return the number of points n."""
+        return int(self.log_lift.size)
+
+    @property
+    def n_varying(self) -> int:
+        """Return the number of fitted parameters."""
+        return int(np.count_nonzero(self.vary))
+
+    def residuals(self, theta: FloatArray) -> FloatArray:
+        """Return (model − measured)/std: shape (n,) for theta of shape (p,), (m, n) for (m, p)."""
+        return (self.law.log_lift(theta, self.conditions) - self.log_lift) / self.std
+
+    def jacobian(self, theta: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals by all p parameters, shape (n, p) or (m, n, p)."""
+        return self.law.jacobian(theta, self.conditions) / self.std[:, None]

@@ -165,8 +165,22 @@ def _to_si(raw: RawRecording) -> dict[str, FloatArray]:
     channels = {}
     for name, values in raw.columns.items():
         factor = si_factor(name, raw.units.get(name, ""), path=raw.source)
-        channels[name] = values if factor == 1.0 else values * factor
+        channels[name] = values if factor == 1.0 else _scaled(values, factor, name, raw.source)
     return channels
+
+
+def _scaled(values: FloatArray, factor: float, name: str, path: str) -> FloatArray:
+    with np.errstate(over="ignore"):
+        scaled = values * factor
+    if np.isinf(scaled).any():
+        raise DataError(
+            f"sample {int(np.argmax(np.isinf(scaled))) + 1} is too large for a float in SI",
+            code="RF102",
+            path=path,
+            key=name,
+            fix="mend the value, or check the unit",
+        )
+    return scaled
 
 
 def _time(raw: RawRecording, channels: Mapping[str, FloatArray], profile: ImportProfile) -> FloatArray:

@@ -19,6 +19,7 @@ _MAX_GROUP = 3.0
 _ON_LATTICE = 1e-3
 
 
+@np.errstate(all="ignore")  # stamps such as 1e308 and -1e308 are judged, not warned of
 def mend_clock(
     time_s: FloatArray,
     others: Sequence[FloatArray] = (),
@@ -194,7 +195,7 @@ def _spread(
     lengths_s = np.minimum(np.append(steps_s, median_s), median_s)
     rank = np.arange(time_s.size) - np.repeat(starts, sizes)
     spread_s = np.asarray(time_s + rank * np.repeat(lengths_s / sizes, sizes), dtype=np.float64)
-    stuck = np.diff(spread_s) <= 0
+    stuck = ~((np.diff(spread_s) > 0) & np.isfinite(spread_s[1:]))
     if stuck.any():
         raise place.error(
             int(index[int(np.argmax(stuck)) + 1]), "cannot be told from the one before it by its time stamp"

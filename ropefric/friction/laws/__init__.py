@@ -1,1 +1,42 @@
-"""Room under construction."""
+"""Every friction law by name; one file declares one law."""
+
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.laws import (
+    bending,
+    constant,
+    constant_offset,
+    coupled,
+    groove,
+    howell,
+    size_exponential,
+    size_power,
+    thickness,
+    wrap_exponential,
+    wrap_power,
+)
+from ropefric.registry import Registry
+
+__all__ = ["ALL_LAWS", "LAWS"]
+
+LAWS: Registry[FrictionLaw] = Registry(
+    "friction law",
+    [
+        constant.LAW,
+        constant_offset.LAW,
+        size_power.LAW,
+        size_exponential.LAW,
+        wrap_exponential.LAW,
+        wrap_power.LAW,
+        coupled.LAW,
+        thickness.LAW,
+        bending.LAW,
+        howell.LAW,
+        groove.LAW,
+    ],
+)
+"""The laws that a comparison fits."""
+
+ALL_LAWS: Registry[FrictionLaw] = Registry(
+    "friction law", [*LAWS.values(), *(law.variant for law in LAWS.values() if law.variant is not None)]
+)
+"""The same with the forms that count the wrap from zero, for everything that looks a law up by name."""

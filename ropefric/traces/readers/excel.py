@@ -20,6 +20,9 @@ __all__ = ["READER"]
 
 Grid = list[list[Any]]
 
+ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
+"""Cells whose formula failed; they hold no value, and python-calamine shows them empty."""
+
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the table of one sheet: the profile's, else the first that has content."""
@@ -58,7 +61,7 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
 
 def _text(cell: Any) -> str:
     """Return a cell as text; numbers with a decimal point, whatever the sheet shows."""
-    if cell is None:
+    if cell is None or cell in ERRORS:
         return ""
     return repr(cell) if isinstance(cell, float) else str(cell).strip()
 

@@ -1,6 +1,5 @@
 """Where the header, the units and the data of a text file start."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,11 +7,11 @@ from ropefric.errors import DataError
 from ropefric.quantities import SUFFIX_UNITS
 from ropefric.traces.readers.cells import CellStyle, split_line
 from ropefric.traces.readers.columns import bare_unit
-from ropefric.traces.readers.marks import looks_numeric
+from ropefric.traces.readers.marks import looks_numeric, typical_row
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.source import Source
 
-__all__ = ["HeadRows", "find_rows", "find_table_rows", "is_unit", "typical_row"]
+__all__ = ["HeadRows", "find_rows", "find_table_rows", "is_unit"]
 
 _MORE_UNITS = {
     "-",
@@ -70,7 +69,7 @@ def find_rows(lines: Sequence[str], separator: str, profile: ImportProfile, sour
     """Return where header, units and data of a text file start, see `find_table_rows`."""
     n_head = max(profile.header_row, profile.units_row, profile.data_row, profile.block_names_row, 0)
     last = [split_line(line, separator) for line in lines[-_N_REFERENCE:] if line.strip()]
-    reference = typical_row(last)
+    reference = _reference(last)
     for n_lines in (n_head + _N_REFERENCE, len(lines)):  # a clean file has its data in line 2
         rows = [split_line(line, separator) for line in lines[:n_lines]]
         found = _search(rows, reference, profile)
@@ -97,24 +96,16 @@ def find_table_rows(rows: Sequence[Sequence[str]], profile: ImportProfile, sourc
     >>> find_table_rows([["t", "F"], ["s", "N"], ["0", "1"]], ImportProfile(), source)
     HeadRows(header_row=1, units_row=2, data_row=3)
     """
-    reference = typical_row([row for row in rows[-_N_REFERENCE:] if any(row)])
+    reference = _reference(rows[-_N_REFERENCE:])
     found = _search(rows, reference, profile)
     if found is None:
         raise _no_data(rows, profile, source)
     return found
 
 
-def typical_row(rows: Sequence[Sequence[str]]) -> Sequence[str]:
-    """Return the last row that is as wide as most of them.
-
-    Examples
-    --------
-    >>> typical_row([["a"], ["1", "2"], ["3", "4"], ["5"]])
-    ['3', '4']
-    """
-    widths = Counter(len(row) for row in rows)
-    common = max(widths, key=lambda width: (widths[width], width), default=0)
-    return next((row for row in reversed(rows) if len(row) == common), ())
+def _reference(rows: Sequence[Sequence[str]]) -> Sequence[str]:
+    """Return a row that tells which columns are numbers."""
+    return typical_row([row for row in rows if any(looks_numeric(cell) for cell in row)])
 
 
 def _search(

@@ -8,7 +8,7 @@ from ropefric.traces.readers.cells import CellStyle, is_number, split_line
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.source import Source
 
-__all__ = ["find_decimal", "find_separator", "looks_numeric"]
+__all__ = ["find_decimal", "find_separator", "looks_numeric", "typical_row"]
 
 CANDIDATES = ("\t", ";", "|", ",", " ")
 """Separators by preference: TAB before blanks, and "," only where nothing stronger divides the numbers."""
@@ -32,6 +32,19 @@ def looks_numeric(cell: str) -> bool:
     (True, True, False, False)
     """
     return _NUMBER_SHAPED.fullmatch(cell) is not None and not cell.endswith(",")
+
+
+def typical_row(rows: Sequence[Sequence[str]]) -> Sequence[str]:
+    """Return the last row that is as wide as most of them, the wider where two widths are as common.
+
+    Examples
+    --------
+    >>> typical_row([["a"], ["1", "2"], ["3", "4"], ["5"]])
+    ['3', '4']
+    """
+    widths = Counter(len(row) for row in rows)
+    common = max(widths, key=lambda width: (widths[width], width), default=0)
+    return next((row for row in reversed(rows) if len(row) == common), ())
 
 
 def find_separator(
@@ -75,18 +88,17 @@ def find_separator(
     for candidate in CANDIDATES:
         if candidate == "," == profile.decimal and not any('"' in line for line in sample):
             continue
+        # Rows of words are a header or a preamble, and say nothing about numbers.
         rows = [split_line(line, candidate) for line in sample]
-        width = max(Counter(len(row) for row in rows).items(), key=lambda item: item[::-1])[0]
+        rows = [row for row in rows if any(looks_numeric(cell) for cell in row)]
+        width = len(typical_row(rows))
         if width < 2:
             continue
         alike = [row for row in rows if len(row) == width]
-        # Rows of words are a header or a preamble, and say nothing about numbers.
-        numbers = [row for row in alike if any(looks_numeric(cell) for cell in row)]
-        cells = [cell for row in numbers for cell in row if cell not in no_value]
+        cells = [cell for row in alike for cell in row if cell not in no_value]
         numeric = sum(looks_numeric(cell) for cell in cells) / max(len(cells), 1)
-        # Blank rows of separators count as rows, but a candidate needs numbers to win.
-        score = (round(numeric, 2), len(alike) / len(rows)) if cells else (0.0, 0.0)
-        if score > best_score and numeric > 0:
+        score = (round(numeric, 2), len(alike) / len(rows))
+        if score > best_score:
             best, best_score, best_width = candidate, score, width
     if best == "," and best_width == 2 and not profile.decimal:
         _refuse_one_or_two(sample, lines, profile, source)

@@ -1,0 +1,147 @@
+"""The conditions under which a rope is pulled over a wheel: who is large, how far it wraps, what hangs on it."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError
+
+__all__ = ["Conditions", "FloatArray"]
+
+FloatArray = npt.NDArray[np.float64]
+
+_ALLOWED = {
+    "wheel_radius_m": ("positive", "m"),
+    "rope_radius_m": ("positive", "m"),
+    "wrap_angle_rad": ("zero or more", "rad"),
+    "end_tension_N": ("positive", "N"),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Conditions:
+    """Conditions of n pulls as read-only arrays of one length.
+
+    Attributes
+    ----------
+    wheel_radius_m : ndarray, shape (n,)
+        Wheel radius R_w [m], positive.
+    rope_radius_m : ndarray, shape (n,)
+        Rope radius R_r [m], positive.
+    wrap_angle_rad : ndarray, shape (n,)
+        Wrap angle φ [rad], zero or more; several turns are allowed.
+    end_tension_N : ndarray, shape (n,)
+        End tension F_B of the slack side [N], positive.
+
+    Scalars and arrays that broadcast to one axis are accepted and spread to the common length.
+
+    Raises
+    ------
+    InputError
+        If the lengths disagree, or a value is not finite or outside its range; the message names the first
+        such value and its index.
+
+    Examples
+    --------
+    >>> conditions = Conditions(
+    ...     wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.14, 6.28], end_tension_N=20
+    ... )
+    >>> len(conditions), conditions.size_ratio.tolist()
+    (2, [8.0, 8.0])
+    """
+
+    wheel_radius_m: FloatArray
+    rope_radius_m: FloatArray
+    wrap_angle_rad: FloatArray
+    end_tension_N: FloatArray
+
+    def __post_init__(self) -> None:
+        arrays = {field.name: _as_floats(field.name, getattr(self, field.name)) for field in fields(self)}
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        except ValueError:
+            lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
+            raise InputError(
+                f"the conditions disagree in length: {lengths}", fix="give one value each, or one for all"
+            ) from None
+        for name, array in arrays.items():
+            _check_range(name, array)
+            spread = np.broadcast_to(array, shape).copy()
+            spread.flags.writeable = False
+            object.__setattr__(self, name, spread)
+
+    def __len__(self) -> int:
+        return self.wheel_radius_m.size
+
+    @property
+    def size_ratio(self) -> FloatArray:
+        """Return the size ratio r = R_w/R_r [-], shape (n,)."""
+        return self.wheel_radius_m / self.rope_radius_m
+
+    @property
+    def centreline_radius_m(self) -> FloatArray:
+        """Return the radius of the rope's centreline R_w + R_r [m], shape (n,)."""
+        return self.wheel_radius_m + self.rope_radius_m
+
+    @property
+    def log_end_tension(self) -> FloatArray:
+        """Return ln(F_B / 1 N) [-], shape (n,)."""
+        return np.log(self.end_tension_N)
+
+    def select(self, index: npt.ArrayLike) -> "Conditions":
+        """Return the conditions at an index array or boolean mask, in that order.
+
+        Examples
+        --------
+        >>> pulls = Conditions(
+        ...     wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 6.0], end_tension_N=20
+        ... )
+        >>> pulls.select([1]).wrap_angle_rad.tolist()
+        [6.0]
+        """
+        chosen = np.asarray(index)
+        return Conditions(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+
+    def describe(self, index: int) -> str:
+        """Return one condition in words, for messages.
+
+        Examples
+        --------
+        >>> Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3, end_tension_N=20).describe(0)
+        'condition 0 (R_w = 0.04 m, R_r = 0.005 m, wrap = 3 rad, F_B = 20 N)'
+        """
+        return (
+            f"condition {index} (R_w = {self.wheel_radius_m[index]:.6g} m, "
+            f"R_r = {self.rope_radius_m[index]:.6g} m, wrap = {self.wrap_angle_rad[index]:.6g} rad, "
+            f"F_B = {self.end_tension_N[index]:.6g} N)"
+        )
+
+
+def _as_floats(name: str, values: npt.ArrayLike) -> FloatArray:
+    try:
+        array = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{name} is not a number or a list of numbers: {values!r:.60}", key=name, fix="give SI numbers"
+        ) from None
+    if array.ndim > 1:
+        raise InputError(
+            f"{name} has {array.ndim} axes {array.shape}; conditions are one list",
+            key=name,
+            fix="ravel the array",
+        )
+    return array
+
+
+def _check_range(name: str, array: FloatArray) -> None:
+    rule, unit = _ALLOWED[name]
+    low_enough = array >= 0.0 if rule == "zero or more" else array > 0.0
+    wrong = ~(low_enough & np.isfinite(array))
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise InputError(
+            f"{name}[{first}] is {array[first]:g} {unit}; it must be finite and {rule}",
+            key=name,
+            fix=f"correct or leave out this condition ({int(wrong.sum())} of {array.size} are wrong)",
+        )

@@ -1,0 +1,99 @@
+"""Laws whose local coefficient falls exponentially with the wrap angle, μ(φ) = a e^{bφ} + c, eq. (14)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.end_tension import exponential_start_rad
+from ropefric.friction.physics import Columns, Refusal, below_reference, refuse
+from ropefric.friction.special import exprel, exprel_slope
+
+__all__ = ["ExponentialWrap", "exponential_rise", "exponential_rise_slopes"]
+
+
+def exponential_rise(
+    start_rad: FloatArray, wrap_rad: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray
+) -> FloatArray:
+    """Return ∫ (a e^{bφ} + c) dφ over [start, start + wrap]."""
+    return (a * np.exp(b * start_rad) * exprel(b * wrap_rad) + c) * wrap_rad
+
+
+def exponential_rise_slopes(
+    start_rad: FloatArray, wrap_rad: FloatArray, a: FloatArray, b: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the derivative of that integral by a, b and c."""
+    first, grown = np.exp(b * start_rad) * wrap_rad, exprel(b * wrap_rad)
+    by_b = a * first * (start_rad * grown + wrap_rad * exprel_slope(b * wrap_rad))
+    return first * grown, by_b, wrap_rad
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExponentialWrap:
+    """The physics of μ(φ) = a e^{bφ} + c integrated over [φ0, φ0 + φ].
+
+    Attributes
+    ----------
+    equivalence : bool
+        Whether the end tension counts as wrap φ0.
+    """
+
+    equivalence: bool
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return a e^{bφ0} φ exprel(bφ) + c φ."""
+        return exponential_rise(self._start(columns, conditions), conditions.wrap_angle_rad, *columns)
+
+    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+        """Return ∂ by a, b, c: that of the wrap itself and that of the shift of φ0."""
+        a, b, _c = columns
+        p = self._start(columns, conditions)
+        shift = self._shift(columns, conditions, p)
+        own = exponential_rise_slopes(p, conditions.wrap_angle_rad, a, b)
+        before = exponential_rise_slopes(np.zeros_like(p), p, a, b)
+        return tuple(slope + shift * start for slope, start in zip(own, before, strict=True))
+
+    def condition_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
+        by_wrap = self.local_mu(columns, conditions.wrap_angle_rad, conditions)
+        shift = self._shift(columns, conditions, self._start(columns, conditions))
+        return np.array(0.0), by_wrap, 1.0 - shift
+
+    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return μ at φ0 + wrap."""
+        a, b, c = columns
+        return a * np.exp(b * (self._start(columns, conditions) + wrap_rad)) + c
+
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+        """Yield where φ0 does not exist or μ is negative."""
+        a, b, c = columns
+        fix = "keep it at zero or more"
+        yield refuse(a < 0.0, a, "a is {value}, negative: μ would rise with the wrap", fix)
+        yield refuse(
+            b > 0.0, b, "b is {value}, positive: μ would grow without limit", "keep it at zero or below"
+        )
+        yield refuse(c < 0.0, c, "c is {value}, negative: μ turns negative at a large wrap", fix)
+        if self.equivalence:
+            y = conditions.log_end_tension
+            yield below_reference(conditions)
+            yield refuse((c == 0.0) & (y > 0.0) & (-b * y >= a), y + 0.0 * c,
+                         "with c = 0 the integral of μ never reaches a/|b|, but ln F_B is {value}; no wrap angle"
+                         " stands for it", "give a positive c, or use law.without_end_tension()")  # fmt: skip
+
+    def _start(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        if not self.equivalence:
+            return np.array(0.0)
+        return exponential_start_rad(conditions.log_end_tension, *columns)
+
+    def _shift(self, columns: Columns, conditions: Conditions, p: FloatArray) -> FloatArray:
+        """Return 1 − μ(p + φ)/μ(p), the weight of the slopes of φ0; zero without the equivalence."""
+        a, b, c = columns
+        if not self.equivalence:
+            return np.array(0.0)
+        falling = a * np.exp(b * p)
+        local = falling + c
+        share = np.where(local > 0.0, falling / np.where(local > 0.0, local, 1.0), 0.0)
+        return -np.expm1(b * conditions.wrap_angle_rad) * share

@@ -1,0 +1,283 @@
+"""The integral of the local coefficient over the wrap, eqs. (11)-(17), in closed form and all in ln F.
+
+These are the wrap laws by themselves, on plain arrays and with a reference force of one's own; a
+`FrictionLaw` adds the wheel's size and holds F_0 = 1 N.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import FloatArray
+from ropefric.friction.end_tension import exponential_start_rad, power_log_start
+from ropefric.friction.exponential_wrap import exponential_rise, exponential_rise_slopes
+from ropefric.friction.power_span import power_span
+
+__all__ = [
+    "exponential_integral",
+    "exponential_integral_slopes",
+    "log_force_ratio",
+    "log_lift_exponential",
+    "log_lift_power",
+    "power_integral",
+    "power_integral_slopes",
+]
+
+
+def power_integral(
+    wrap_rad: npt.ArrayLike,
+    a: npt.ArrayLike,
+    b: npt.ArrayLike,
+    c: npt.ArrayLike = 0.0,
+    *,
+    start_rad: npt.ArrayLike = 0.0,
+) -> FloatArray:
+    """Return ∫ (a φ^b + c) dφ over [start, start + wrap], eq. (15) in eq. (11).
+
+    Exact through b = −1, where it is a logarithm; the wrap is passed by itself because a difference of two
+    angles would lose it.
+
+    Parameters
+    ----------
+    wrap_rad : array_like
+        δ [rad], zero or more.
+    a, b, c : array_like
+        Coefficients of the local μ with φ in rad.
+    start_rad : array_like
+        p [rad], zero or more; zero needs b > −1.
+
+    Returns
+    -------
+    ndarray
+        The integral [-], with the broadcast shape of the arguments.
+
+    Raises
+    ------
+    InputError
+        If an angle is negative, a number is not finite, or the integral diverges.
+
+    Examples
+    --------
+    >>> float(power_integral(1.0, 0.2, -1.0, start_rad=1.0).round(9))
+    0.138629436
+    """
+    delta, p, a, b, c = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b, c=c)
+    _check_start(p, b)
+    some = delta > 0.0
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        span = power_span(np.log(p), np.where(some, delta, 1.0), b)
+        return _all_finite(np.where(some, a * span.integral() + c * delta, 0.0))
+
+
+def power_integral_slopes(
+    wrap_rad: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, *, start_rad: npt.ArrayLike = 0.0
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the derivatives of `power_integral` by a, b and c; arguments and refusals are its own.
+
+    Examples
+    --------
+    >>> [float(slope.round(6)) for slope in power_integral_slopes(1.0, 0.2, -0.5)]
+    [2.0, -0.8, 1.0]
+    """
+    delta, p, a, b = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b)
+    _check_start(p, b)
+    some = delta > 0.0
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        span = power_span(np.log(p), np.where(some, delta, 1.0), b)
+        by_a, by_b = np.where(some, span.integral(), 0.0), np.where(some, a * span.slope(), 0.0)
+    return _all_finite(by_a), _all_finite(by_b), delta.copy()
+
+
+def exponential_integral(
+    wrap_rad: npt.ArrayLike,
+    a: npt.ArrayLike,
+    b: npt.ArrayLike,
+    c: npt.ArrayLike = 0.0,
+    *,
+    start_rad: npt.ArrayLike = 0.0,
+) -> FloatArray:
+    """Return ∫ (a e^{bφ} + c) dφ over [start, start + wrap], eq. (14) in eq. (11); exact through b = 0.
+
+    Parameters
+    ----------
+    wrap_rad : array_like
+        δ [rad], zero or more.
+    a, b, c : array_like
+        Coefficients of the local μ; b in 1/rad.
+    start_rad : array_like
+        p [rad], zero or more.
+
+    Returns
+    -------
+    ndarray
+        The integral [-], with the broadcast shape of the arguments.
+
+    Raises
+    ------
+    InputError
+        If an angle is negative or a number is not finite.
+
+    Examples
+    --------
+    >>> float(exponential_integral(2.0, 0.1, -0.5, 0.2).round(6))
+    0.526424
+    """
+    delta, p, a, b, c = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b, c=c)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _all_finite(exponential_rise(p, delta, a, b, c))
+
+
+def exponential_integral_slopes(
+    wrap_rad: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, *, start_rad: npt.ArrayLike = 0.0
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the derivatives of `exponential_integral` by a, b and c; arguments and refusals are its own.
+
+    Examples
+    --------
+    >>> [float(slope.round(6)) for slope in exponential_integral_slopes(2.0, 0.1, 0.0)]
+    [2.0, 0.2, 2.0]
+    """
+    delta, p, a, b = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b)
+    with np.errstate(over="ignore", invalid="ignore"):
+        by_a, by_b, by_c = exponential_rise_slopes(p, delta, a, b)
+    return _all_finite(by_a), _all_finite(by_b), by_c.copy()
+
+
+def log_force_ratio(end_tension_N: npt.ArrayLike, reference_N: npt.ArrayLike = 1.0) -> FloatArray:
+    """Return y = ln(F_B/F_0), to full precision also for F_B → F_0.
+
+    Raises
+    ------
+    InputError
+        If a force is not positive, or F_B < F_0: no wrap angle stands for such an end tension.
+
+    Examples
+    --------
+    >>> float(log_force_ratio(20.0, 10.0).round(6))
+    0.693147
+    """
+    F_B, F_0 = _arrays(end_tension_N=end_tension_N, reference_N=reference_N)
+    _refuse_where(F_0 <= 0.0, F_0, "the reference force F_0 is {} N; it must be positive")
+    _refuse_where(
+        F_B < F_0, F_B, "F_B = {} N is below the reference force F_0, so no wrap angle stands for it"
+    )
+    # Near F_0 the difference is exact and the quotient is not.
+    return np.where(F_B < 2.0 * F_0, np.log1p((F_B - F_0) / F_0), np.log(F_B / F_0))
+
+
+def log_lift_power(
+    a: npt.ArrayLike,
+    b: npt.ArrayLike,
+    c: npt.ArrayLike,
+    *,
+    wrap_rad: npt.ArrayLike,
+    end_tension_N: npt.ArrayLike,
+    reference_N: npt.ArrayLike = 1.0,
+) -> FloatArray:
+    """Return ln(F_A / 1 N) of μ = a φ^b + c with the end tension counted as wrap, eqs. (15), (17).
+
+    Parameters
+    ----------
+    a, b, c : array_like
+        Coefficients of the local μ with φ in rad; a, c zero or more, b > −1.
+    wrap_rad : array_like
+        φ [rad], zero or more.
+    end_tension_N : array_like
+        F_B [N], at least the reference force.
+    reference_N : array_like
+        F_0 [N]. It is a physical reference and not a free scale: the answer depends on it.
+
+    Returns
+    -------
+    ndarray
+        ln F_A with the broadcast shape of the arguments.
+
+    Raises
+    ------
+    InputError
+        If an argument is outside its range, or μ is zero everywhere and F_B > F_0.
+
+    Examples
+    --------
+    >>> log_lift_power(0.2, -0.5, 0.1, wrap_rad=10, end_tension_N=20, reference_N=[1, 10]).round(4).tolist()
+    [4.4507, 4.8418]
+    """
+    y = log_force_ratio(end_tension_N, reference_N)
+    delta, a, b, c = _arrays(wrap_rad=wrap_rad, a=a, b=b, c=c)
+    _check_coefficients(a, c, y)
+    _refuse_where(b <= -1.0, b, "the exponent b is {}; for b <= -1 the integral from 0 diverges: no φ0")
+    some = delta > 0.0
+    span = power_span(power_log_start(y, a, b, c), np.where(some, delta, 1.0), b)
+    rise = np.where(some, a * span.integral() + c * delta, 0.0)
+    return _all_finite(np.log(end_tension_N) + rise)
+
+
+def log_lift_exponential(
+    a: npt.ArrayLike,
+    b: npt.ArrayLike,
+    c: npt.ArrayLike,
+    *,
+    wrap_rad: npt.ArrayLike,
+    end_tension_N: npt.ArrayLike,
+    reference_N: npt.ArrayLike = 1.0,
+) -> FloatArray:
+    """Return ln(F_A / 1 N) of μ = a e^{bφ} + c with the end tension counted as wrap, eqs. (14), (17).
+
+    Arguments and refusals are those of `log_lift_power`, with b in 1/rad and zero or less; c = 0 also needs
+    ln(F_B/F_0) < a/|b|, where the integral saturates.
+
+    Examples
+    --------
+    >>> float(log_lift_exponential(0.1, -0.5, 0.2, wrap_rad=10, end_tension_N=20).round(4))
+    4.9959
+    """
+    y = log_force_ratio(end_tension_N, reference_N)
+    delta, a, b, c = _arrays(wrap_rad=wrap_rad, a=a, b=b, c=c)
+    _check_coefficients(a, c, y)
+    _refuse_where(b > 0.0, b, "the rate b is {} per rad; it must be zero or negative")
+    saturated = (c == 0.0) & (y > 0.0) & (-b * y >= a)
+    _refuse_where(
+        saturated, y + 0.0 * a, "ln(F_B/F_0) = {} is beyond a/|b|, where the integral saturates: no φ0"
+    )
+    return _all_finite(
+        np.log(end_tension_N) + exponential_rise(exponential_start_rad(y, a, b, c), delta, a, b, c)
+    )
+
+
+def _arrays(**values: npt.ArrayLike) -> list[FloatArray]:
+    """Return float arrays, finite; those called `…_rad` zero or more."""
+    arrays = []
+    for name, value in values.items():
+        array = np.asarray(value, dtype=np.float64)
+        _refuse_where(~np.isfinite(array), array, f"{name} is {{}}; it must be finite")
+        if name.endswith("_rad"):
+            _refuse_where(array < 0.0, array, f"{name} is {{}} rad; an angle is zero or more")
+        arrays.append(array)
+    return arrays
+
+
+def _check_start(p: FloatArray, b: FloatArray) -> None:
+    _refuse_where(
+        (p == 0.0) & (b <= -1.0), b + 0.0 * p, "the exponent b is {}; from zero the integral diverges"
+    )
+
+
+def _check_coefficients(a: FloatArray, c: FloatArray, y: FloatArray) -> None:
+    _refuse_where(a < 0.0, a, "a is {}, negative: μ must not be")
+    _refuse_where(c < 0.0, c, "c is {}, negative: μ must not be")
+    _refuse_where((a + c <= 0.0) & (y > 0.0), a + c + 0.0 * y, "μ is {} everywhere: no wrap stands for F_B")
+
+
+def _refuse_where(where: npt.ArrayLike, values: FloatArray, message: str) -> None:
+    mask, values = np.broadcast_arrays(np.asarray(where, dtype=np.bool_), values)
+    if mask.any():
+        first = int(np.argmax(mask))
+        place = f" at index {first}" if mask.size > 1 else ""
+        raise InputError(message.format(f"{values.ravel()[first]:g}") + place, code="RF420")
+
+
+def _all_finite(values: FloatArray) -> FloatArray:
+    _refuse_where(
+        ~np.isfinite(values), values, "the integral is {}: a coefficient is so large that floats overflow"
+    )
+    return values

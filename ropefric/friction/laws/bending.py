@@ -1,0 +1,147 @@
+"""Bending rigidity: part of the tension only holds the rope round the wheel, and the rope leaves it early."""
+
+from collections.abc import Iterable
+from functools import partial
+
+import numpy as np
+
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.law import FrictionLaw, Parameter
+from ropefric.friction.physics import Columns, Refusal, refuse
+from ropefric.friction.start import mean_mu, product, searched_start
+
+__all__ = ["LAW", "Bending"]
+
+_MAX_STEPS = 100
+
+
+class Bending:
+    """The physics of (F_A − E) = (F_B − E) e^{μ φ_c}, E = EI/(2R²), R = R_w + R_r.
+
+    The contact arc φ_c is the wrap shortened at each end by θ(F) = arccos(1 − E/F), at the tight end with F_A
+    itself. So the rise h = ln(F_A/F_B) is the root of
+
+    h + ln((1 − e_A)/(1 − e_B)) + μ (θ_A + θ_B − φ) = 0,   e_B = E/F_B, e_A = e_B e^{−h}.
+    """
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return h."""
+        mu, e = columns[0], _ratio(columns, conditions)
+        return _solve(mu, e, conditions.wrap_angle_rad)
+
+    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+        """Return ∂ by μ and EI; the latter grows as 1/√EI towards EI = 0, where it is refused."""
+        contact, by_log_E, _by_tension, slope = _partials(columns, conditions)
+        return contact / slope, by_log_E / slope / columns[1]
+
+    def condition_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ∂ ln F_A by R_w, φ and ln F_B."""
+        _contact, by_log_E, by_tension, slope = _partials(columns, conditions)
+        by_radius = -2.0 * by_log_E / slope / conditions.centreline_radius_m
+        return by_radius, columns[0] / slope, by_tension / slope
+
+    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return d ln F/dφ = μ (1 − E/F), zero where the rope has not touched yet."""
+        mu, e = columns[0], _ratio(columns, conditions)
+        since_contact = wrap_rad - _lifted(e)
+        # F/E − 1 grows as e^{μφ} from (1 − e)/e
+        local = mu * (1.0 - e) / (1.0 - e + e * np.exp(-mu * np.maximum(since_contact, 0.0)))
+        return np.where(since_contact >= 0.0, local, 0.0)
+
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+        """Yield where the tension cannot bend the rope round the wheel, or the rope never touches it."""
+        mu, rigidity = columns
+        yield refuse(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")
+        yield refuse(mu > 3.0, mu, "the coefficient is {value}; above 3 the lifted arc has several solutions",
+                     "keep it at 3 or below")  # fmt: skip
+        yield refuse(
+            rigidity < 0.0, rigidity, "the bending rigidity is {value} N m2, negative", "give it positive"
+        )
+        e = _ratio(columns, conditions)
+        yield refuse(e >= 1.0, e * conditions.end_tension_N, "EI/(2 R^2) = {value} N is not below F_B: the end"
+                     " tension cannot bend the rope round the wheel", "raise F_B or the wheel radius")  # fmt: skip
+        need = 2.0 * _lifted(np.minimum(e, 1.0))
+        yield refuse((conditions.wrap_angle_rad < need) & (e < 1.0), need,
+                     "the rope is too stiff to touch the wheel: it needs a wrap above {value} rad",
+                     "raise the wrap or the end tension")  # fmt: skip
+
+
+def _ratio(columns: Columns, conditions: Conditions) -> FloatArray:
+    """Return e_B = EI/(2 R² F_B)."""
+    return columns[1] / (2.0 * conditions.centreline_radius_m**2 * conditions.end_tension_N)
+
+
+def _lifted(e: FloatArray) -> FloatArray:
+    """Return θ = arccos(1 − e) without its loss of digits for small e."""
+    return 2.0 * np.arcsin(np.sqrt(0.5 * e))
+
+
+def _lifted_slope(e: FloatArray) -> FloatArray:
+    """Return dθ/d ln e."""
+    return np.sqrt(e / (2.0 - e))
+
+
+def _solve(mu: FloatArray, e: FloatArray, phi: FloatArray) -> FloatArray:
+    lifted = _lifted(e)
+    low = np.zeros(np.broadcast_shapes(mu.shape, e.shape, phi.shape))
+    high = low + mu * np.maximum(phi - lifted, 0.0)
+    h = high
+    for _ in range(_MAX_STEPS):
+        tight = e * np.exp(-h)
+        value = h + np.log1p(-e * np.expm1(-h) / (1.0 - e)) + mu * (_lifted(tight) + lifted - phi)
+        low, high = np.where(value < 0.0, h, low), np.where(value < 0.0, high, h)
+        new = h - value / (1.0 / (1.0 - tight) - mu * _lifted_slope(tight))
+        # A Newton step that leaves the bracket is replaced by halving it.
+        new = np.where((new < low) | (new > high), 0.5 * (low + high), new)
+        moved = np.abs(new - h) > 1e-15 * h
+        h = new
+        if not moved.any():
+            break
+    return h
+
+
+def _partials(
+    columns: Columns, conditions: Conditions
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return φ_c, −∂f/∂ln E, −∂f/∂ln F_B and ∂f/∂h of the equation f = 0 for ln F_A."""
+    mu, e = columns[0], _ratio(columns, conditions)
+    phi = conditions.wrap_angle_rad
+    tight = e * np.exp(-_solve(mu, e, phi))
+    contact = phi - _lifted(tight) - _lifted(e)
+    s_A, s_B = _lifted_slope(tight), _lifted_slope(e)
+    gain_A, gain_B = 1.0 / (1.0 - tight), 1.0 / (1.0 - e)
+    by_log_E = (tight * gain_A - e * gain_B) - mu * (s_A + s_B)
+    return contact, by_log_E, gain_B + mu * s_B, gain_A - mu * s_A
+
+
+def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
+    # The weakest pull over the smallest wheel limits what any law may assume of the rope.
+    limit = float((2.0 * conditions.centreline_radius_m**2 * conditions.end_tension_N).min())
+    return product(
+        mean_mu(conditions, log_lift) * np.array([1.0, 1.3]), limit * np.array([1e-4, 1e-2, 0.1, 0.4])
+    )
+
+
+LAW = FrictionLaw(
+    name="bending",
+    equation="F_A - E = (F_B - E) exp(mu phi_c), E = EI/(2 R^2), R = R_w + R_r; "
+    "phi_c = phi - arccos(1 - E/F_A) - arccos(1 - E/F_B)",
+    source="after Stuart 1961, Br. J. Appl. Phys. 12:559",
+    parameters=(
+        Parameter(name="mu", unit="-", start=0.2, lower=0.0, upper=3.0, meaning="friction coefficient"),
+        Parameter(
+            name="rigidity_N_m2",
+            unit="N m2",
+            start=1e-4,
+            lower=1e-9,
+            upper=10.0,
+            meaning="bending rigidity EI of the rope; every F_B must exceed EI/(2 (R_w + R_r)^2)",
+        ),
+    ),
+    coefficient="local",
+    effects=frozenset({"size", "end-tension", "bending-stiffness"}),
+    physics=Bending(),
+    start=partial(searched_start, candidates=_candidates),
+)

@@ -1,0 +1,106 @@
+"""Howell's power law: friction per length grows as a power below one of the contact force per length."""
+
+from collections.abc import Iterable
+from functools import partial
+
+import numpy as np
+
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.law import FrictionLaw, Parameter
+from ropefric.friction.physics import Columns, Refusal, refuse
+from ropefric.friction.special import log1prel, log1prel_slope
+from ropefric.friction.start import mean_mu, searched_start
+
+__all__ = ["LAW", "Howell"]
+
+
+class Howell:
+    """The physics of friction A N^n per length, N = T/R with R = R_w + R_r.
+
+    T^{1−n} = F_B^{1−n} + (1 − n) A R^{1−n} φ; with K = A (R/F_B)^{1−n}, the local coefficient at the slack end,
+    and z = (1 − n) K φ it reads ln F_A = ln F_B + K φ log1p(z)/z, which is Euler's equation at n = 1.
+    """
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return K φ log1p(z)/z."""
+        K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
+        return K * conditions.wrap_angle_rad * log1prel(z)
+
+    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+        """Return ∂ by A and n."""
+        A, _n = columns
+        K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
+        grown = K * conditions.wrap_angle_rad
+        by_log_K = grown / (1.0 + z)
+        by_q = by_log_K * _log_lever(conditions) + grown**2 * log1prel_slope(z)
+        return by_log_K / A, -by_q
+
+    def condition_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ∂ ln F_A by R_w, φ and ln F_B."""
+        K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
+        local = K / (1.0 + z)
+        by_radius = (1.0 - columns[1]) * local * conditions.wrap_angle_rad / conditions.centreline_radius_m
+        return by_radius, local, 1.0 / (1.0 + z)
+
+    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return A (R/T)^{1−n} where the tension is T."""
+        K, z = _scales(columns, conditions, wrap_rad)
+        return K / (1.0 + z)
+
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+        """Yield where A is not positive or the tension would grow beyond all bounds."""
+        A, n = columns
+        yield refuse(A <= 0.0, A, "A is {value}; friction needs it positive", "give a positive A")
+        _K, z = _scales((np.maximum(A, 1e-300), n), conditions, conditions.wrap_angle_rad)
+        yield refuse(z <= -1.0, z, "for n > 1 the tension is infinite before the wrap ends:"
+                     " (1 - n) A (R/F_B)^(1-n) phi = {value} <= -1", "use n <= 1")  # fmt: skip
+
+
+def _log_lever(conditions: Conditions) -> FloatArray:
+    """Return ln(R/F_B) in SI units."""
+    return np.log(conditions.centreline_radius_m) - conditions.log_end_tension
+
+
+def _scales(columns: Columns, conditions: Conditions, wrap_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    A, n = columns
+    q = 1.0 - n
+    K = A * np.exp(q * _log_lever(conditions))
+    return K, q * K * wrap_rad
+
+
+def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
+    n = np.array([0.5, 0.7, 0.85, 0.95, 1.0])
+    tension = 0.5 * (log_lift + conditions.log_end_tension)
+    lever = float(np.mean(np.log(conditions.centreline_radius_m) - tension))
+    return np.column_stack([mean_mu(conditions, log_lift) * np.exp((n - 1.0) * lever), n])
+
+
+LAW = FrictionLaw(
+    name="howell",
+    equation="F_A^(1-n) = F_B^(1-n) + (1 - n) A R^(1-n) phi, R = R_w + R_r; local mu = A (R/T)^(1-n)",
+    source="Howell 1953, friction per length f = A N^n",
+    parameters=(
+        Parameter(
+            name="A",
+            unit="(N/m)^(1-n)",
+            start=0.5,
+            lower=1e-6,
+            upper=1e5,
+            meaning="friction per length at a contact force of 1 N/m",
+        ),
+        Parameter(
+            name="n",
+            unit="-",
+            start=0.9,
+            lower=0.0,
+            upper=1.0,
+            meaning="exponent of the contact force per length; 1 is Euler's equation",
+        ),
+    ),
+    coefficient="local",
+    effects=frozenset({"size", "wrap-dependence", "end-tension"}),
+    physics=Howell(),
+    start=partial(searched_start, candidates=_candidates),
+)

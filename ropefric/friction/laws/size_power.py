@@ -1,0 +1,74 @@
+"""Eq. (3): the coefficient grows with the wheel as a power of R_w/(R_w + R_r)."""
+
+from functools import partial
+
+import numpy as np
+
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.law import FrictionLaw, Parameter
+from ropefric.friction.physics import Columns
+from ropefric.friction.start import mean_mu, product, searched_start
+from ropefric.friction.uniform import Uniform
+
+__all__ = ["LAW"]
+
+
+def _log_share(conditions: Conditions) -> FloatArray:
+    """Return ln(R_w/(R_w + R_r)), without loss for very large wheels."""
+    return -np.log1p(1.0 / conditions.size_ratio)
+
+
+def _mu(columns: Columns, conditions: Conditions) -> FloatArray:
+    mu_inf, a, b = columns
+    return mu_inf * np.exp(a * _log_share(conditions)) + b
+
+
+def _slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+    mu_inf, a, _b = columns
+    share = _log_share(conditions)
+    power = np.exp(a * share)
+    return power, mu_inf * power * share, np.array(1.0)
+
+
+def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
+    mu_inf, a, _b = columns
+    by_log = mu_inf * a * np.exp(a * _log_share(conditions))
+    # d ln(R_w/(R_w + R_r))/dR_w = R_r/(R_w (R_w + R_r)), written so that no product of radii underflows
+    return by_log / conditions.wheel_radius_m / (1.0 + conditions.size_ratio)
+
+
+def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
+    mu = mean_mu(conditions, log_lift)
+    return product(mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8]))
+
+
+LAW = FrictionLaw(
+    name="size-power",
+    equation="mu = mu_inf (R_w/(R_w + R_r))^a + b; F_A = F_B exp(mu phi)",
+    source="PRTH friction and lift-force model, eq. (3)",
+    parameters=(
+        Parameter(
+            name="mu_inf",
+            unit="-",
+            start=0.2,
+            lower=0.0,
+            upper=5.0,
+            meaning="part of μ that grows with the wheel; only mu_inf + b and mu_inf a are seen for large wheels",
+        ),
+        Parameter(
+            name="a", unit="-", start=1.0, lower=0.0, upper=50.0, meaning="exponent of the size effect"
+        ),
+        Parameter(
+            name="b",
+            unit="-",
+            start=0.02,
+            lower=0.0,
+            upper=5.0,
+            meaning="part of μ that the wheel leaves alone",
+        ),
+    ),
+    coefficient="average",
+    effects=frozenset({"size"}),
+    physics=Uniform(mu=_mu, mu_slopes=_slopes, mu_by_radius=_by_radius),
+    start=partial(searched_start, candidates=_candidates),
+)

@@ -1,0 +1,69 @@
+"""Finite rope thickness: Euler's equation with the moment balance taken about the axle."""
+
+from functools import partial
+
+import numpy as np
+
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.law import FrictionLaw, Parameter
+from ropefric.friction.physics import Columns
+from ropefric.friction.start import mean_mu, searched_start
+from ropefric.friction.uniform import Uniform
+
+__all__ = ["LAW"]
+
+
+def _rope_share(conditions: Conditions) -> FloatArray:
+    """Return A = R_r/(R_w + R_r)."""
+    return 1.0 / (1.0 + conditions.size_ratio)
+
+
+def _root(mu: FloatArray, A: FloatArray) -> FloatArray:
+    return np.sqrt(1.0 + 4.0 * A * (1.0 - A) * mu**2)
+
+
+def _effective(columns: Columns, conditions: Conditions) -> FloatArray:
+    # λ = [−1 + S]/(2Aμ) rationalised, so that it keeps its digits for thin ropes and small μ
+    (mu,) = columns
+    A = _rope_share(conditions)
+    return 2.0 * mu * (1.0 - A) / (1.0 + _root(mu, A))
+
+
+def _slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+    (mu,) = columns
+    A = _rope_share(conditions)
+    S = _root(mu, A)
+    return (2.0 * (1.0 - A) / (S * (1.0 + S)),)
+
+
+def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
+    (mu,) = columns
+    A = _rope_share(conditions)
+    S = _root(mu, A)
+    by_share = -2.0 * mu / (1.0 + S) * (1.0 + 2.0 * mu**2 * (1.0 - A) * (1.0 - 2.0 * A) / (S * (1.0 + S)))
+    return -by_share * A / conditions.centreline_radius_m
+
+
+def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
+    return mean_mu(conditions, log_lift) * np.array([[1.0], [1.2], [1.6]])
+
+
+LAW = FrictionLaw(
+    name="thickness",
+    equation="lambda = (-1 + sqrt(1 + 4 A mu^2 (1 - A)))/(2 A mu), A = R_r/(R_w + R_r); F_A = F_B exp(lambda phi)",
+    source="moment balance of a rope of finite thickness about the axle",
+    parameters=(
+        Parameter(
+            name="mu",
+            unit="-",
+            start=0.2,
+            lower=0.0,
+            upper=5.0,
+            meaning="coefficient at the contact; the exponent per radian lambda is smaller",
+        ),
+    ),
+    coefficient="average",
+    effects=frozenset({"size"}),
+    physics=Uniform(mu=_effective, mu_slopes=_slopes, mu_by_radius=_by_radius),
+    start=partial(searched_start, candidates=_candidates),
+)

@@ -1,0 +1,149 @@
+"""Laws whose local coefficient falls as a power of the wrap angle, μ(φ) = m φ^k + d, eqs. (15)-(17)."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.end_tension import power_log_start
+from ropefric.friction.law import Parameter
+from ropefric.friction.physics import Columns, Refusal, below_reference, refuse
+from ropefric.friction.power_span import PowerSpan, power_span
+
+__all__ = ["PowerWrap", "Strength", "exponent_parameter", "plateau_parameter"]
+
+Strength = Callable[[Columns, Conditions], FloatArray]
+"""A function of the parameters and the wheel's size: the coefficient m of φ^k, or a slope of it."""
+
+
+def exponent_parameter(name: str) -> Parameter:
+    """Return the exponent of φ as a parameter; its bounds stay clear of −1, where ∫ φ^k from 0 diverges."""
+    return Parameter(
+        name=name, unit="-", start=-0.4, lower=-0.999, upper=0.0, meaning="exponent of the wrap angle in rad"
+    )
+
+
+def plateau_parameter(name: str, *, lower: float = 0.0) -> Parameter:
+    """Return the constant part of the local coefficient as a parameter."""
+    return Parameter(
+        name=name,
+        unit="-",
+        start=0.05,
+        lower=lower,
+        upper=5.0,
+        meaning="local coefficient after very many turns",
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PowerWrap:
+    """The physics of μ(φ) = m φ^k + d integrated over [φ0, φ0 + φ], eq. (17).
+
+    The last two parameters of the law are k and d; those before them make up m.
+
+    Attributes
+    ----------
+    strength : callable
+        m.
+    strength_slopes : callable
+        ∂m by each parameter that makes it up.
+    strength_by_radius : callable
+        ∂m/∂R_w [1/m].
+    equivalence : bool
+        Whether the end tension counts as wrap φ0.
+    why_negative : str
+        What makes m negative, for the message.
+    """
+
+    strength: Strength
+    strength_slopes: Callable[[Columns, Conditions], tuple[FloatArray, ...]]
+    strength_by_radius: Strength
+    equivalence: bool
+    why_negative: str
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return ∫ μ over the wrap."""
+        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        return m * self._span(m, k, d, conditions).integral() * (phi > 0.0) + d * phi
+
+    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+        """Return ∂ by each parameter: that of the wrap itself and that of the shift of φ0."""
+        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        span = self._span(m, k, d, conditions)
+        some = phi > 0.0
+        by_m, by_k, by_d = span.integral() * some, m * span.slope() * some, phi + 0.0 * m
+        if self.equivalence:
+            u, s = span.log_start, span.s
+            shift = -np.expm1(k * span.length) * _power_share(m, k, d, u) * some
+            below = np.exp(s * u) / s
+            by_m = by_m + shift * below
+            by_k = by_k + shift * m * below * (u - 1.0 / s)
+            by_d = by_d + shift * np.exp(u)
+        return (*(slope * by_m for slope in self.strength_slopes(columns, conditions)), by_k, by_d)
+
+    def condition_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
+        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        span = self._span(m, k, d, conditions)
+        some = phi > 0.0
+        by_m, by_tension = span.integral() * some, np.ones_like(phi + m)
+        if self.equivalence:
+            u = span.log_start
+            shift = -np.expm1(k * span.length) * _power_share(m, k, d, u) * some
+            by_m = by_m + shift * np.exp(span.s * u) / span.s
+            by_tension = 1.0 - shift
+        at = self._log_angle(m, k, d, conditions, phi)
+        return self.strength_by_radius(columns, conditions) * by_m, _local(m, k, d, at), by_tension
+
+    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return μ at φ0 + wrap."""
+        m, (k, d) = self.strength(columns, conditions), columns[-2:]
+        return _local(m, k, d, self._log_angle(m, k, d, conditions, wrap_rad))
+
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+        """Yield where ∫ μ has no value or μ is negative."""
+        m, (k, d) = self.strength(columns, conditions), columns[-2:]
+        yield refuse(k <= -1.0, k, "the exponent of φ is {value}, and ∫ φ^k from 0 diverges for k <= -1;"
+                     " there is no such wrap", "keep the exponent above -1")  # fmt: skip
+        yield refuse(m < 0.0, m, f"the coefficient of φ^k is {{value}}, negative: {self.why_negative}",
+                     "change the parameters, or leave out wheels this small")  # fmt: skip
+        yield refuse(d < 0.0, d, "the constant part of μ is {value}, negative: μ turns negative at a large wrap",
+                     "keep it at zero or more")  # fmt: skip
+        if self.equivalence:
+            y = conditions.log_end_tension
+            yield below_reference(conditions)
+            yield refuse((m + d <= 0.0) & (y > 0.0), m + 0.0 * y,
+                         "μ is zero everywhere, so no wrap angle stands for the end tension",
+                         "give a positive coefficient")  # fmt: skip
+
+    def _log_start(self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions) -> FloatArray:
+        if not self.equivalence:
+            return np.array(-np.inf)
+        return power_log_start(conditions.log_end_tension, m, k, d)
+
+    def _span(self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions) -> PowerSpan:
+        phi = conditions.wrap_angle_rad
+        return power_span(self._log_start(m, k, d, conditions), np.where(phi > 0.0, phi, 1.0), k)
+
+    def _log_angle(
+        self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions, wrap_rad: FloatArray
+    ) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            return np.logaddexp(self._log_start(m, k, d, conditions), np.log(wrap_rad))
+
+
+def _local(m: FloatArray, k: FloatArray, d: FloatArray, log_angle: FloatArray) -> FloatArray:
+    """Return m φ^k + d; infinite at φ = 0 for m > 0, k < 0."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        power = m * np.exp(np.where(k == 0.0, 0.0, k * log_angle))
+    return np.where(m > 0.0, power, 0.0) + d
+
+
+def _power_share(m: FloatArray, k: FloatArray, d: FloatArray, u: FloatArray) -> FloatArray:
+    """Return m p^k/(m p^k + d), the part of μ(p) that falls with the wrap."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        share = 1.0 / (1.0 + d / m * np.exp(-k * u))
+    return np.where(m > 0.0, share, 0.0)

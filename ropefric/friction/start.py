@@ -1,0 +1,118 @@
+"""Where a fit starts: the best of a few candidates, brought near the data by damped Gauss-Newton steps."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.law import FrictionLaw
+
+__all__ = ["mean_mu", "product", "searched_start"]
+
+# Enough to tell the candidates apart; a start needs no more.
+_MAX_CONDITIONS = 400
+_FINALISTS = 12
+_STEPS = 40
+
+
+def mean_mu(conditions: Conditions, log_lift: FloatArray) -> float:
+    """Return the median average coefficient of the data, at least 0.001, which one bad trial cannot move far.
+
+    Examples
+    --------
+    >>> pulls = Conditions(wheel_radius_m=1, rope_radius_m=0.1, wrap_angle_rad=[1, 2, 3], end_tension_N=1)
+    >>> mean_mu(pulls, np.array([0.2, 0.4, 9.0]))
+    0.2
+    """
+    wrapped = conditions.wrap_angle_rad > 0.0
+    if not wrapped.any():
+        return 0.2
+    rise = (log_lift - conditions.log_end_tension)[wrapped]
+    return max(float(np.median(rise / conditions.wrap_angle_rad[wrapped])), 1e-3)
+
+
+def product(*axes: npt.ArrayLike) -> FloatArray:
+    """Return every combination of one value from each axis, shape (m, number of axes).
+
+    Examples
+    --------
+    >>> product([1.0, 2.0], [5.0]).tolist()
+    [[1.0, 5.0], [2.0, 5.0]]
+    """
+    grid = np.meshgrid(*(np.asarray(axis, dtype=np.float64) for axis in axes), indexing="ij")
+    return np.stack([values.ravel() for values in grid], axis=-1)
+
+
+def searched_start(
+    law: FrictionLaw,
+    conditions: Conditions,
+    log_lift: FloatArray,
+    *,
+    candidates: Callable[[Conditions, FloatArray], FloatArray],
+) -> FloatArray:
+    """Return a start for a fit of any law, shape (p,), inside its bounds.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law to start.
+    conditions : Conditions
+        n conditions.
+    log_lift : ndarray, shape (n,)
+        Measured ln(F_A / 1 N).
+    candidates : callable
+        Gives parameter sets, shape (m, p), worth trying on these data.
+
+    Returns
+    -------
+    ndarray, shape (p,)
+        The set with the least sum of absolute residuals after a few steps; a fixed parameter keeps its start.
+    """
+    if len(conditions) > _MAX_CONDITIONS:
+        rows = np.linspace(0, len(conditions) - 1, _MAX_CONDITIONS).round().astype(np.int64)
+        conditions, log_lift = conditions.select(rows), log_lift[rows]
+    theta = np.clip(candidates(conditions, log_lift), law.lower, law.upper)
+    theta = theta[law.admissible(theta, conditions)]
+    if not len(theta):
+        return np.array([parameter.start for parameter in law.parameters])
+    misfit = np.abs(law.log_lift(theta, conditions) - log_lift).sum(axis=-1)
+    best = theta[np.argsort(misfit, kind="stable")[:_FINALISTS]]
+    best, misfit = _approach(law, conditions, log_lift, best)
+    chosen: FloatArray = best[int(np.argmin(misfit))]
+    return chosen
+
+
+def _approach(
+    law: FrictionLaw, conditions: Conditions, log_lift: FloatArray, theta: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the sets after damped steps inside the bounds, all at once, and their sums of absolute residuals."""
+    free = np.array([0.0 if parameter.fixed else 1.0 for parameter in law.parameters])
+    damping = np.full(len(theta), 1e-2)
+    residual = log_lift - law.log_lift(theta, conditions)
+    for _ in range(_STEPS):
+        J = law.jacobian(theta, conditions) * free
+        normal = np.einsum("mni,mnj->mij", J, J)
+        downhill = np.einsum("mni,mn->mi", J, residual)
+        # A parameter that presses against its bound is out of the step, or it would spoil the others'.
+        held = (
+            ((theta <= law.lower) & (downhill < 0.0))
+            | ((theta >= law.upper) & (downhill > 0.0))
+            | (free == 0.0)
+        )
+        normal = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, normal)
+        downhill = np.where(held, 0.0, downhill)
+        size = np.einsum("mii->mi", normal)
+        scale = np.where(size > 0.0, size, 1.0)
+        system = (
+            normal + np.eye(theta.shape[1]) * (damping[:, np.newaxis] * scale + (size <= 0.0))[:, np.newaxis]
+        )
+        step = np.linalg.solve(system, downhill[..., np.newaxis])[..., 0]
+        trial = np.clip(theta + step, law.lower, law.upper)
+        trial = np.where(law.admissible(trial, conditions)[:, np.newaxis], trial, theta)
+        trial_residual = log_lift - law.log_lift(trial, conditions)
+        better = (trial_residual**2).sum(axis=-1) < (residual**2).sum(axis=-1)
+        theta = np.where(better[:, np.newaxis], trial, theta)
+        residual = np.where(better[:, np.newaxis], trial_residual, residual)
+        damping = np.clip(np.where(better, damping * 0.2, damping * 5.0), 1e-12, 1e8)
+    return theta, np.abs(residual).sum(axis=-1)

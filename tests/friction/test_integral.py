@@ -1,0 +1,253 @@
+"""The closed forms against 50 digits, against quadrature, and against the numbers printed on paper."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+
+from ropefric.errors import InputError, SolverError
+from ropefric.friction import end_tension, integral
+from ropefric.friction.end_tension import exponential_start_rad, power_log_start
+from ropefric.friction.exponential_wrap import exponential_rise
+from ropefric.friction.power_span import power_span
+from ropefric.friction.special import exprel_slope, log1prel, log1prel_slope
+
+# Issue 3 asks for 1e-12; what is reached is 5e-15, and the tests hold a tenth of what is asked.
+ASKED = 1e-13
+
+
+def power_rise(y, delta, a, b, c):
+    return float(a * power_span(power_log_start(y, a, b, c), delta, b).integral() + c * delta)
+
+
+def wrap_exponential_rise(y, delta, a, b, c):
+    return float(exponential_rise(exponential_start_rad(y, a, b, c), np.float64(delta), a, b, c))
+
+
+def decades(rng, low, high):
+    return 10.0 ** rng.uniform(low, high)
+
+
+POWER_REGIMES = {
+    "ordinary": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, r.uniform(-0.95, -0.01), 0.1),
+    "zero wrap": lambda r: (r.uniform(0.1, 6), decades(r, -15, -6), 0.3, r.uniform(-0.95, -0.01), 0.1),
+    "F_B -> F_0": lambda r: (decades(r, -15, -3), r.uniform(0.1, 40), 0.3, r.uniform(-0.95, -0.01), 0.1),
+    "both": lambda r: (decades(r, -15, -3), decades(r, -12, -3), 0.3, r.uniform(-0.95, -0.01), 0.05),
+    "F_B = F_0": lambda r: (0.0, r.uniform(0.1, 40), 0.3, r.uniform(-0.95, -0.01), 0.05),
+    "b -> 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -decades(r, -15, -3), 0.1),
+    "b = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, 0.0, 0.1),
+    "phi0 underflows": lambda r: (r.uniform(0.1, 6), decades(r, -9, 2), 0.2, -1 + 1e-3, 0.1),
+    "phi0 underflows, c = 0": lambda r: (r.uniform(0.1, 6), decades(r, -9, 2), 0.2, -1 + 1e-3, 0.0),
+    "b + 1 = 1e-9": lambda r: (r.uniform(0.1, 6), decades(r, -9, 2), 0.2, -1 + 1e-9, 0.05),
+    "hundreds of turns": lambda r: (
+        r.uniform(0.1, 6),
+        r.uniform(600, 6000),
+        0.4,
+        r.uniform(-0.95, -0.01),
+        0.2,
+    ),
+    "a = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.0, -0.5, 0.1),
+    "tiny a": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), decades(r, -200, -10), -0.5, 0.1),
+}
+
+
+@pytest.mark.parametrize("regime", POWER_REGIMES)
+def test_power_law_keeps_its_digits(regime, reference):
+    rng = np.random.default_rng(7)
+    for _ in range(12):
+        case = POWER_REGIMES[regime](rng)
+        truth = reference.power_rise(*case)
+        assert abs(mp.mpf(power_rise(*case)) / truth - 1) < ASKED, case
+
+
+@pytest.mark.parametrize("s", [1e-2, 1e-4, 1e-6])
+def test_power_law_near_the_angle_where_the_problem_itself_is_ill_conditioned(s, reference):
+    # φ0 = (y s/a)^{1/s}: one rounding of y moves φ0, and with it the rise, by up to 1/s roundings. Where φ0 is
+    # neither far above nor far below the wrap no method in doubles can do better than a few eps/s.
+    rng = np.random.default_rng(8)
+    bound = 8 * np.finfo(float).eps / s
+    for start in 10.0 ** rng.uniform(-2, 1, 8):
+        a, b = 0.2, s - 1.0
+        y = a * start ** (b + 1.0) / (b + 1.0)
+        case = (y, 3.0, a, b, 0.0)
+        assert abs(mp.mpf(power_rise(*case)) / reference.power_rise(*case) - 1) < bound, case
+
+
+def saturating(r):
+    a, b = 0.2, -r.uniform(0.01, 2)
+    return a / -b * r.uniform(0.01, 0.99), r.uniform(0.1, 40), a, b, 0.0
+
+
+EXPONENTIAL_REGIMES = {
+    "ordinary": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -r.uniform(0.01, 2), 0.1),
+    "zero wrap": lambda r: (r.uniform(0.1, 6), decades(r, -15, -6), 0.2, -r.uniform(0.01, 2), 0.1),
+    "F_B -> F_0": lambda r: (decades(r, -15, -3), r.uniform(0.1, 40), 0.2, -r.uniform(0.01, 2), 0.1),
+    "F_B = F_0": lambda r: (0.0, r.uniform(0.1, 40), 0.2, -r.uniform(0.01, 2), 0.1),
+    "b -> 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -decades(r, -15, -3), 0.1),
+    "b = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, 0.0, 0.1),
+    "steep": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -decades(r, 0, 1.3), 0.1),
+    "c -> 0": lambda r: (
+        r.uniform(0.1, 6),
+        r.uniform(0.1, 40),
+        0.2,
+        -r.uniform(0.01, 2),
+        decades(r, -12, -3),
+    ),
+    "c = 0": saturating,
+    "hundreds of turns": lambda r: (r.uniform(0.1, 6), r.uniform(600, 6000), 0.2, -r.uniform(0.01, 2), 0.2),
+    "a = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.0, -0.5, 0.1),
+}
+
+
+@pytest.mark.parametrize("regime", EXPONENTIAL_REGIMES)
+def test_exponential_law_keeps_its_digits(regime, reference):
+    rng = np.random.default_rng(9)
+    for _ in range(12):
+        case = EXPONENTIAL_REGIMES[regime](rng)
+        truth = reference.exponential_rise(*case)
+        assert abs(mp.mpf(wrap_exponential_rise(*case)) / truth - 1) < ASKED, case
+
+
+@pytest.mark.parametrize("b", [-1.0, -1 - 1e-15, -1 + 1e-15, -1 - 1e-6, -1 + 1e-6, -1.5, -0.5, 0.0, 2.0])
+@pytest.mark.parametrize("delta", [1e-12, 1e-9, 0.3, 100.0])
+def test_stretch_away_from_zero_goes_through_minus_one(b, delta):
+    p = 0.7
+    with mp.workdps(60):
+        s, lo, hi = mp.mpf(b) + 1, mp.mpf(p), mp.mpf(p) + mp.mpf(delta)
+        truth = mp.log(hi / lo) if s == 0 else (hi**s - lo**s) / s
+        slope = mp.quad(lambda t: mp.exp(s * t) * t, [mp.log(lo), mp.log(hi)])
+    assert abs(float(integral.power_integral(delta, 1.0, b, start_rad=p)) / truth - 1) < ASKED
+    # Relative to ∫ φ^b |ln φ|, because ln φ changes sign at 1 rad and the slope itself may pass through zero.
+    scale = max(abs(slope), truth * 0.3)
+    assert abs(float(integral.power_integral_slopes(delta, 1.0, b, start_rad=p)[1]) - slope) < 1e-12 * scale
+
+
+def test_the_numbers_on_paper():
+    # rope_wheel.md §3: F_B = 20 N, a = .2, b = -.5, c = .1, φ = 10 rad
+    lift = integral.log_lift_power(0.2, -0.5, 0.1, wrap_rad=10, end_tension_N=20, reference_N=[1.0, 10.0])
+    assert np.allclose(lift, [4.4507, 4.8418], atol=5e-5)
+    # §4: b = -0.999, y = 1: ln φ0 = -5298 (a = 0.2, c = 0)
+    assert float(power_log_start(1.0, 0.2, -0.999, 0.0)) == pytest.approx(-5298, abs=0.5)
+
+
+def test_five_newton_steps_are_not_enough_near_minus_one(monkeypatch):
+    # rope_wheel.md §4 promises at most 5 steps. That holds for b >= -0.8; at b = -0.999 it takes 10.
+    y, c = 1e-3, 1e-3
+    monkeypatch.setattr(end_tension, "_MAX_STEPS", 5)
+    assert np.isfinite(power_log_start(y, 0.2 * y, -0.8, c))
+    with pytest.raises(SolverError, match="did not converge"):
+        power_log_start(y, 1e-3 * y, -0.999, c)
+    monkeypatch.setattr(end_tension, "_MAX_STEPS", 10)
+    assert np.isfinite(power_log_start(y, 1e-3 * y, -0.999, c))
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    a=st.floats(0.01, 1), b=st.floats(-0.9, 0), c=st.floats(0.01, 0.5),
+    wrap=st.floats(0.01, 60), tension=st.floats(1.1, 1000), exponential=st.booleans(),
+)  # fmt: skip
+def test_lift_is_the_solution_of_the_differential_equation(*, a, b, c, wrap, tension, exponential):
+    """d ln F/dφ = μ(φ) with F = 1 N at φ = 0: φ0 by halving an interval, the lift by Runge-Kutta from there."""
+
+    def mu(phi):
+        return a * math.exp(b * phi) + c if exponential else a * phi**b + c
+
+    def rise(phi):
+        if exponential:
+            return a * math.expm1(b * phi) / b + c * phi if abs(b) > 1e-9 else (a + c) * phi
+        return a * phi ** (b + 1) / (b + 1) + c * phi
+
+    y = math.log(tension)
+    low, high = 0.0, y / c
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if rise(middle) < y else (low, middle)
+    assume(low > 1e-6)
+    answer = solve_ivp(lambda phi, _f: [mu(phi)], (low, low + wrap), [y], rtol=1e-10, atol=1e-12).y[0, -1]
+    closed = integral.log_lift_exponential if exponential else integral.log_lift_power
+    assert float(closed(a, b, c, wrap_rad=wrap, end_tension_N=tension)) == pytest.approx(answer, rel=1e-7)
+
+
+@settings(deadline=None, max_examples=50)
+@given(
+    p=st.floats(1e-3, 50), delta=st.floats(1e-3, 50), b=st.floats(-3, 2), rate=st.floats(-5, 0.2)
+)  # fmt: skip
+def test_integrals_agree_with_quadrature(p, delta, b, rate):
+    power = quad(lambda t: math.exp((b + 1) * t), math.log(p), math.log(p + delta), epsrel=1e-12, epsabs=0)[0]
+    assert float(integral.power_integral(delta, 1.0, b, start_rad=p)) == pytest.approx(power, rel=1e-9)
+    exponential = quad(lambda t: math.exp(rate * t), 0, delta, epsrel=1e-12, epsabs=0, limit=200)[0]
+    found = float(integral.exponential_integral(delta, math.exp(-rate * p), rate, start_rad=p))
+    assert found == pytest.approx(exponential, rel=1e-9)
+
+
+@settings(deadline=None, max_examples=50)
+@given(a=st.floats(0.01, 1), b=st.floats(-0.99, 0), wrap=st.floats(0.01, 50), cut=st.floats(0.05, 0.95))
+def test_two_stretches_make_one(a, b, wrap, cut):
+    first, rest = cut * wrap, (1 - cut) * wrap
+    whole = integral.power_integral(wrap, a, b)
+    parts = integral.power_integral(first, a, b) + integral.power_integral(rest, a, b, start_rad=first)
+    assert float(parts) == pytest.approx(float(whole), rel=1e-12)
+
+
+def test_zero_wrap_adds_nothing_and_arrays_broadcast():
+    assert float(integral.power_integral(0.0, 0.2, -0.5, 0.1)) == 0.0
+    lift = integral.log_lift_power([[0.1], [0.2]], -0.5, 0.1, wrap_rad=[0.0, 1.0, 2.0], end_tension_N=20)
+    assert lift.shape == (2, 3)
+    assert lift[:, 0].tolist() == [math.log(20.0)] * 2
+
+
+def test_force_ratio_keeps_its_digits_near_the_reference():
+    for tension, reference_N in [(1 + 2**-50, 1.0), (10 * (1 + 2**-40), 10.0), (3.0, 1.7), (500.0, 1.7)]:
+        truth = mp.log(mp.mpf(tension) / mp.mpf(reference_N))
+        assert abs(float(integral.log_force_ratio(tension, reference_N)) / truth - 1) < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: integral.power_integral(1.0, 0.2, -1.0), "b is -1; from zero the integral diverges"),
+        (lambda: integral.power_integral(1.0, 0.2, -1.5), "diverges"),
+        (lambda: integral.power_integral(-1.0, 0.2, -0.5), "wrap_rad is -1 rad"),
+        (lambda: integral.power_integral([1.0, np.nan], 0.2, -0.5), "wrap_rad is nan.*at index 1"),
+        (lambda: integral.power_integral(1.0, 1e308, -0.5, 1e308), "floats overflow"),
+        (lambda: integral.exponential_integral(1.0, 1.0, 1e4), "floats overflow"),
+        (
+            lambda: integral.log_lift_power(0.2, -0.5, 0.1, wrap_rad=1, end_tension_N=0.5),
+            "F_B = 0.5 N is below",
+        ),
+        (lambda: integral.log_lift_power(0.2, -1.0, 0.1, wrap_rad=1, end_tension_N=2), "no φ0"),
+        (
+            lambda: integral.log_lift_power(-0.2, -0.5, 0.1, wrap_rad=1, end_tension_N=2),
+            "a is -0.2, negative",
+        ),
+        (lambda: integral.log_lift_power(0.0, -0.5, 0.0, wrap_rad=1, end_tension_N=2), "μ is 0 everywhere"),
+        (lambda: integral.log_lift_exponential(0.1, -0.5, 0.0, wrap_rad=1, end_tension_N=2), "saturates"),
+        (
+            lambda: integral.log_lift_exponential(0.1, 0.5, 0.1, wrap_rad=1, end_tension_N=2),
+            "b is 0.5 per rad",
+        ),
+        (lambda: integral.log_force_ratio(2.0, 0.0), "F_0 is 0 N"),
+    ],
+)
+def test_what_has_no_answer_is_refused(call, said):
+    with pytest.raises(InputError, match=said):
+        call()
+
+
+@pytest.mark.parametrize(
+    "z", [-700.0, -40.0, -1.0, -0.1001, -0.0999, -1e-5, 0.0, 1e-12, 0.05, 0.0999, 0.1001, 30.0]
+)
+def test_special_functions(z):
+    with mp.workdps(40):
+        x = mp.mpf(z)
+        psi = mp.mpf(1) / 2 if z == 0 else (x * mp.exp(x) - mp.expm1(x)) / x**2
+        assert abs(float(exprel_slope(z)) / psi - 1) < 1e-14
+        if z > -1:
+            rel = mp.mpf(1) if z == 0 else mp.log1p(x) / x
+            slope = -mp.mpf(1) / 2 if z == 0 else (x / (1 + x) - mp.log1p(x)) / x**2
+            assert abs(float(log1prel(z)) / rel - 1) < 1e-15
+            assert abs(float(log1prel_slope(z)) / slope - 1) < 1e-14

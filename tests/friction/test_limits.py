@@ -1,0 +1,207 @@
+"""Laws turn into each other at their limits, agree with the numbers on paper, and with their own definitions."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import LAWS
+from ropefric.friction.size import amplitudes, from_amplitudes, from_printed_form, printed_form
+
+
+def pulls(**changes):
+    base = {
+        "wheel_radius_m": 0.04,
+        "rope_radius_m": 0.005,
+        "wrap_angle_rad": [0.5, 3.0, 20.0],
+        "end_tension_N": 20,
+    }
+    return Conditions(**base | changes)
+
+
+EULER = np.log(20.0) + 0.2 * np.array([0.5, 3.0, 20.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "theta", "change"),
+    [
+        ("constant", [0.2], {}),
+        ("constant-offset", [0.2, 0.0], {}),
+        ("size-power", [0.0, 1.0, 0.2], {}),
+        ("size-power", [0.15, 0.0, 0.05], {}),
+        ("size-power", [0.15, 2.0, 0.05], {"wheel_radius_m": 1e16}),
+        ("size-exponential", [0.2, -1.0, -50.0], {}),
+        ("size-exponential", [0.2, -1.0, 0.0], {"wheel_radius_m": 1e3}),
+        ("wrap-power", [0.0, -0.5, 0.2], {}),
+        ("wrap-power", [0.15, 0.0, 0.05], {}),
+        ("wrap-power", [1e-300, -0.5, 0.2], {}),
+        ("wrap-exponential", [0.0, -0.5, 0.2], {}),
+        ("wrap-exponential", [0.15, 0.0, 0.05], {}),
+        ("wrap-exponential", [0.15, -1e-300, 0.05], {}),
+        ("coupled", [0.15, -1.0, -50.0, 0.0, 0.05], {}),
+        ("coupled", [0.15, -1.0, 0.0, 0.0, 0.05], {"wheel_radius_m": 1e3}),
+        ("thickness", [0.2], {"rope_radius_m": 1e-18}),
+        ("bending", [0.2, 0.0], {}),
+        ("howell", [0.2, 1.0], {}),
+        ("howell", [0.2, 1.0 - 1e-15], {}),
+        ("groove", [0.2, np.pi / 2], {}),
+    ],
+)
+def test_limits_are_eulers_equation(name, theta, change):
+    assert np.allclose(LAWS[name].log_lift(theta, pulls(**change)), EULER, rtol=1e-13)
+
+
+def test_coupled_without_size_is_wrap_power(plan):
+    coupled, wrap = LAWS["coupled"], LAWS["wrap-power"]
+    for theta in ([0.2, -0.5, 0.1], [0.3, -0.999, 0.01], [0.3, 0.0, 0.0]):
+        sized = [theta[0], -1.0, -60.0, *theta[1:]]
+        assert np.allclose(coupled.log_lift(sized, plan), wrap.log_lift(theta, plan), rtol=1e-14)
+
+
+def test_coupled_without_wrap_is_size_exponential(plan):
+    answer = LAWS["coupled"].log_lift([0.2, -0.1, -0.3, 0.0, 0.0], plan)
+    assert np.allclose(answer, LAWS["size-exponential"].log_lift([0.2, -0.1, -0.3], plan), rtol=1e-14)
+
+
+def test_vanishing_wheel_has_no_friction_at_b_zero():
+    tiny = pulls(wheel_radius_m=1e-14)
+    r = tiny.size_ratio[0]
+    rise = LAWS["size-exponential"].average_mu([0.2, -0.5, 0.0], tiny)
+    assert np.allclose(rise, 0.2 * 0.5 * r, rtol=1e-11)
+
+
+def test_thickness_numbers_on_paper():
+    # rope_wheel.md §7.1: μ = .2, R_r = 5 mm, R_w = 20, 30, 50, 100 mm
+    wheels = pulls(wheel_radius_m=[0.02, 0.03, 0.05, 0.1], wrap_angle_rad=1.0)
+    ratio = LAWS["thickness"].average_mu([0.2], wheels) / 0.2
+    assert np.allclose(ratio, [0.795, 0.853, 0.906, 0.951], atol=5e-4)
+    # and the printed expression itself
+    A = mp.mpf("0.005") / mp.mpf("0.025")
+    printed = (-1 + mp.sqrt(1 + 4 * A * mp.mpf("0.04") * (1 - A))) / (2 * A * mp.mpf("0.2"))
+    assert float(printed) / 0.2 == pytest.approx(ratio[0], rel=1e-14)
+
+
+def test_thickness_has_eq_3_as_its_leading_order():
+    wheels = pulls(wheel_radius_m=[0.02, 0.05, 0.1])
+    small = 1e-4
+    leading = LAWS["size-power"].log_lift([small, 1.0, 0.0], wheels)
+    assert np.allclose(LAWS["thickness"].log_lift([small], wheels), leading, rtol=1e-9)
+
+
+def test_wrap_power_numbers_on_paper():
+    answer = LAWS["wrap-power"].log_lift([0.2, -0.5, 0.1], pulls(wrap_angle_rad=10.0))
+    assert answer[0] == pytest.approx(4.4507, abs=5e-5)
+
+
+def test_offset_model_is_wrap_power_at_minus_one_in_the_average():
+    # §6: with the AVERAGE coefficient the offset model is a φ^b + c at b = -1
+    wraps = pulls(wrap_angle_rad=[1.0, 2.0, 9.0])
+    average = LAWS["constant-offset"].average_mu([0.15, 0.3], wraps)
+    assert np.allclose(average, 0.3 * wraps.wrap_angle_rad**-1.0 + 0.15, rtol=1e-14)
+
+
+@pytest.mark.parametrize("law_name", ["wrap-power", "wrap-exponential"])
+def test_end_tension_is_wrap_in_disguise(law_name):
+    """Pulling on from a first pull's F_A is the same as one pull over both wraps."""
+    law, theta = LAWS[law_name], [0.2, -0.5, 0.1]
+    first = law.log_lift(theta, pulls(wrap_angle_rad=4.0))
+    second = law.log_lift(theta, pulls(wrap_angle_rad=7.0, end_tension_N=np.exp(first)))
+    assert second[0] == pytest.approx(law.log_lift(theta, pulls(wrap_angle_rad=11.0))[0], rel=1e-13)
+    free = law.without_end_tension()
+    assert free.average_mu(theta, pulls(end_tension_N=3)).tolist() == pytest.approx(
+        free.average_mu(theta, pulls(end_tension_N=300)).tolist(), rel=1e-13
+    )
+
+
+@pytest.mark.parametrize("n", [0.0, 0.4, 0.9, 1.0 - 1e-9, 1.05])
+def test_howell_solves_its_differential_equation(n):
+    # dT = A N^n R dφ with N = T/R, R the centreline radius
+    R, A = 0.045, 0.3 * (20 / 0.045) ** (1 - n)
+    solved = solve_ivp(
+        lambda _phi, T: A * (T / R) ** n * R, (0, 6.0), [20.0], rtol=1e-11, atol=1e-9, t_eval=[0.5, 3.0, 6.0]
+    )
+    answer = LAWS["howell"].log_lift([A, n], pulls(wrap_angle_rad=[0.5, 3.0, 6.0]))
+    assert np.allclose(answer, np.log(solved.y[0]), rtol=1e-8)
+
+
+def test_howell_shows_all_three_trends():
+    law, theta = LAWS["howell"], [0.5, 0.8]
+    base = law.average_mu(theta, pulls())
+    assert (law.average_mu(theta, pulls(end_tension_N=40)) < base).all()
+    assert (law.average_mu(theta, pulls(wheel_radius_m=0.08)) > base).all()
+    assert base[0] > base[1] > base[2]
+
+
+@pytest.mark.parametrize("rigidity", [1e-6, 1e-4, 5e-3])
+def test_bending_fulfils_its_equation(rigidity):
+    mu, conditions = 0.25, pulls(wrap_angle_rad=[2.0, 6.0, 20.0])
+    E = rigidity / (2 * 0.045**2)
+
+    def balance(F_A, phi):
+        contact = phi - np.arccos(1 - E / F_A) - np.arccos(1 - E / 20.0)
+        return (F_A - E) - (20.0 - E) * np.exp(mu * contact)
+
+    truth = [
+        brentq(balance, 20.0, 20.0 * np.exp(mu * phi), args=(phi,), rtol=1e-14) for phi in [2.0, 6.0, 20.0]
+    ]
+    assert np.allclose(LAWS["bending"].log_lift([mu, rigidity], conditions), np.log(truth), rtol=1e-11)
+
+
+def test_bending_starts_from_nothing_where_the_rope_just_touches():
+    E = 1e-3 / (2 * 0.045**2)
+    touching = 2 * np.arccos(1 - E / 20.0)
+    just = pulls(wrap_angle_rad=touching * (1 + 1e-9))
+    assert LAWS["bending"].average_mu([0.2, 1e-3], just)[0] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_groove_is_confounded_with_mu(plan):
+    law = LAWS["groove"]
+    wide, narrow = law.log_lift([0.1, np.pi / 6], plan), law.log_lift([0.2, np.pi / 2], plan)
+    assert np.allclose(wide, narrow, rtol=1e-14)
+    J = law.jacobian([0.1, 0.4], plan)
+    assert np.linalg.matrix_rank(J) == 1
+    assert law.theta_from({"mu": 0.1})[1] == pytest.approx(np.radians(20))
+
+
+def test_both_printed_brackets_are_one_family():
+    mu_inf, a, b = 0.2, -0.15, -0.7
+    r = np.linspace(0.1, 30, 50)
+    law_4 = mu_inf * (1 - np.exp(a * r + b))
+    shifted_mu, shifted_b = printed_form(mu_inf, b)
+    A, B = amplitudes(mu_inf, b)
+    assert np.allclose(shifted_mu * (1 - np.exp(a * r)) + shifted_b, law_4, rtol=1e-13)
+    assert np.allclose(A - B * np.exp(a * r), law_4, rtol=1e-13)
+    assert from_printed_form(shifted_mu, shifted_b) == pytest.approx((mu_inf, b), rel=1e-14)
+    assert from_amplitudes(A, B) == pytest.approx((mu_inf, b), rel=1e-14)
+    with pytest.raises(ValueError, match="have no form"):
+        from_printed_form(0.1, -0.2)
+    with pytest.raises(ValueError, match="must be positive"):
+        from_amplitudes(0.1, 0.0)
+
+
+def test_law_jacobian_against_fifty_digits(reference):
+    """Where finite differences have no digits left: F_B → F_0, exponent near −1, tiny wrap."""
+    law = LAWS["wrap-power"]
+    for theta, wrap, tension in [
+        ([0.2, -0.99, 0.1], 5.0, 3.0),
+        ([0.2, -0.999, 0.01], 1e-6, 50.0),
+        ([0.3, -0.5, 0.1], 1e-9, 1 + 2**-30),
+        ([0.3, -1e-9, 0.1], 600.0, 20.0),
+        ([0.3, -0.5, 0.0], 3.0, 20.0),
+    ]:
+        found = law.jacobian(theta, pulls(wrap_angle_rad=wrap, end_tension_N=tension))[0]
+        y = mp.log(mp.mpf(tension))
+        for i in range(3):
+            h = mp.mpf(10) ** -14
+
+            def lift(step, i=i, y=y, wrap=wrap, theta=theta):
+                moved = [mp.mpf(value) for value in theta]
+                moved[i] += step
+                return reference.power_rise(y, wrap, *moved)
+
+            # At c = 0 only the side with an answer exists.
+            one_sided = i == 2 and theta[2] == 0.0
+            truth = (lift(h) - lift(0)) / h if one_sided else (lift(h) - lift(-h)) / (2 * h)
+            assert abs(found[i] / truth - 1) < 1e-11, (theta, wrap, tension, i)

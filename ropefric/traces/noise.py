@@ -18,11 +18,11 @@ NEIGHBOURS = 5
 def _windows(values: FloatArray) -> FloatArray:
     """At most `MAX_SAMPLES_FOR_NOISE` second differences, from stretches spread over the recording."""
     if values.size <= MAX_SAMPLES_FOR_NOISE:
-        return np.diff(values, 2)
+        return np.asarray(np.diff(values, 2))
     n_stretches, length = 64, MAX_SAMPLES_FOR_NOISE // 64
     starts = np.linspace(0, values.size - length, n_stretches).astype(np.intp)
     index = starts[:, None] + np.arange(length)
-    return np.diff(values[index], 2, axis=1).ravel()
+    return np.asarray(np.diff(values[index], 2, axis=1).ravel())
 
 
 def resolution(values: FloatArray) -> float:
@@ -61,7 +61,7 @@ def noise_std(values: FloatArray) -> float:
     if values.size < 4:
         return 0.0
     sigma = 1.4826 * float(np.median(np.abs(_windows(values)))) / np.sqrt(6.0)
-    return max(sigma, resolution(values) / np.sqrt(12.0))
+    return float(max(sigma, resolution(values) / np.sqrt(12.0)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,8 +84,8 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
     """Return a signal without spikes of one or two samples and without short dropouts.
 
     A spike leaves the signal in one step, stays away for at most two samples and comes back to where the signal
-    went on; its step is larger than eight times the noise and larger than four times any step next to it, which a
-    narrow static peak, climbed in several steps, is not. A dropout is a stretch of up to 40 identical samples that
+    went on; its step is larger than eight times the noise and larger than four times any step before or after it.
+    A narrow static peak, climbed in several steps, is none. A dropout is a stretch of up to 40 identical samples that
     leaves and rejoins the signal the same way.
 
     Parameters
@@ -136,15 +136,15 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
         stop = start + length
         if stop >= values.size:
             # A last sample that jumps away cannot be told from the first one of something new: leave it out.
-            return stop if stop == values.size and length <= MAX_SPIKE_SAMPLES else 0
+            return int(stop) if stop == values.size and length <= MAX_SPIKE_SAMPLES else 0
         back = float(steps[stop - 1])
-        around = np.concatenate(
-            (steps[max(0, start - 1 - NEIGHBOURS) : start - 1], steps[stop : stop + NEIGHBOURS])
-        )
-        usual = float(np.abs(around).max(initial=0.0))
+        before = np.abs(steps[max(0, start - 1 - NEIGHBOURS) : start - 1]).max(initial=0.0)
+        after = np.abs(steps[stop : stop + NEIGHBOURS]).max(initial=0.0)
+        # A peak is climbed in steps of its own size; beside a spike the other side may hold another spike.
+        usual = float(min(before, after)) if start > 1 and stop < steps.size else float(max(before, after))
         rejoins = abs(values[stop] - values[start - 1]) <= max(
             6.0 * noise, (length + 1) * usual, 0.2 * abs(out)
         )
-        if out * back < 0 and rejoins and min(abs(out), abs(back)) > 4.0 * usual:
-            return stop
+        if rejoins and min(abs(out), abs(back)) > 4.0 * usual:
+            return int(stop)
     return 0

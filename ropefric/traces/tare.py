@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropefric.errors import DataError, Problem
+from ropefric.traces.noise import noise_std, remove_spikes
 from ropefric.traces.saturation import Saturation
 
 __all__ = ["MIN_TARE_SAMPLES", "Tare", "measure_tare"]
@@ -14,6 +15,7 @@ __all__ = ["MIN_TARE_SAMPLES", "Tare", "measure_tare"]
 MIN_TARE_SAMPLES = 10
 _BLOCKS = 8
 _RESTLESS = 4.0  # block means of white noise spread by 1 of this unit; 4 is out of reach of chance
+_CLIPPED_SHARE = 0.02  # fewer samples at the floor are spikes or the tail of the noise
 _DITHERED = 0.5  # in counts: noise this strong leaves less than 0.01 count of quantisation in a mean
 
 
@@ -44,6 +46,7 @@ def measure_tare(force_N: NDArray[np.float64], saturation: Saturation, *, lsb_N:
 
     The uncertainty comes from the scatter of the means of 8 blocks as well as from that of single samples,
     and the larger counts: hum and drift, whose samples are not independent, are not averaged away on paper.
+    Isolated spikes are left out.
 
     Parameters
     ----------
@@ -67,6 +70,11 @@ def measure_tare(force_N: NDArray[np.float64], saturation: Saturation, *, lsb_N:
     (12.0, 0.2887)
     """
     present_N = force_N[np.isfinite(force_N)]
+    cleaned = remove_spikes(present_N, noise_std(present_N)) if present_N.size else None
+    if cleaned is not None and cleaned.bad.size:
+        # A spike of two samples at full scale moves the mean of a quarter second by more than a count.
+        present_N = np.delete(present_N, cleaned.bad)
+    n_spikes = int(cleaned.bad.size) if cleaned is not None else 0
     if present_N.size < MIN_TARE_SAMPLES or 2 * present_N.size < force_N.size:
         raise DataError(
             f"the tare interval holds {present_N.size} usable of {force_N.size} samples; at least "
@@ -75,7 +83,7 @@ def measure_tare(force_N: NDArray[np.float64], saturation: Saturation, *, lsb_N:
             key="tare",
             fix="name a longer idle interval",
         )
-    if saturation.high:
+    if saturation.n_high > n_spikes:
         raise DataError(
             f"{saturation.n_high} samples of the tare interval are at the ADC ceiling: the rig is not idle",
             code="RF212",
@@ -114,9 +122,9 @@ def _restless(
 
 
 def _clipped(saturation: Saturation, present_N: NDArray[np.float64]) -> tuple[Problem, ...]:
-    if not saturation.low:
-        return ()
     share = saturation.n_low / present_N.size
+    if share < _CLIPPED_SHARE:
+        return ()
     return (
         Problem(
             code="RF212",

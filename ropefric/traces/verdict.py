@@ -7,7 +7,7 @@ from ropefric.traces.noise import noise_std
 from ropefric.traces.prepare import Prepared, failed
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.sliding import PIECE_BLOCKS, Sliding, roughness_N
-from ropefric.traces.slips import SLIP_SIGMAS, fast_drop_N, is_slip
+from ropefric.traces.slips import SLIP_SIGMAS, fast_drop_N, is_slip, slips
 from ropefric.traces.trace import FloatArray, ForceTrace
 
 __all__ = ["is_quiet", "saturation_detail", "unresolved_detail", "was_let_down", "without_break"]
@@ -18,6 +18,7 @@ RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 FLAT_BLOCKS = 8
 LET_DOWN = 0.05
+FAR_DOWN = 0.1
 
 
 def saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
@@ -89,7 +90,8 @@ def _quiet_N(prepared: Prepared, block: int) -> float:
     if loading < PIECE_BLOCKS:
         return 0.0
     floor_N = view.resolution_N / np.sqrt(12.0 * view.size)
-    return max(QUIET_SIGMAS * max(noise_std(force_N[:loading]), floor_N), 0.35 * view.resolution_N)
+    noise_N = max(noise_std(force_N[:loading]), float(floor_N))
+    return max(QUIET_SIGMAS * noise_N, 0.35 * view.resolution_N)
 
 
 def is_quiet(prepared: Prepared, block: int, sliding: Sliding) -> bool:
@@ -110,8 +112,14 @@ def was_let_down(prepared: Prepared, block: int, sliding: Sliding) -> bool:
     below = np.flatnonzero(view.force_N[block:] < 0.5 * (top_N + sliding.onset_N))
     if not below.size or int(below[0]) <= 2:
         return False
-    settled = view.force_N[block + int(below[0]) + PIECE_BLOCKS // 2 :]
-    return settled.size >= FLAT_BLOCKS and roughness_N(settled) <= _quiet_N(prepared, block)
+    settled = view.force_N[block + int(below[0]) :]
+    if settled.size < FLAT_BLOCKS or slips(settled, view.noise_N, most=1):
+        return False
+    # A release dies away smoothly: whatever its curve, neighbouring blocks differ by noise only.
+    quiet_N = _quiet_N(prepared, block)
+    return noise_std(settled) <= quiet_N and (
+        top_N - sliding.onset_N > FAR_DOWN * (top_N - base_N) or roughness_N(settled) <= quiet_N
+    )
 
 
 def unresolved_detail(prepared: Prepared, block: int, sliding: Sliding, settings: PickSettings) -> str:

@@ -1,0 +1,114 @@
+"""What was extracted before and has not changed since.
+
+A stored result is found by the content of the recording, the settings it was extracted with and the version of this
+package; time stamps and paths of files do not matter. A damaged entry counts as none.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from math import isfinite, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ropefric import __version__
+from ropefric.errors import Problem
+from ropefric.traces.breakaway import Breakaway, Phase, Status
+from ropefric.trials.result import Outline, TrialResult
+from ropefric.trials.trial_spec import TrialSpec
+
+__all__ = ["ResultCache"]
+
+SCHEMA = "ropefric.extraction-cache/1"
+
+
+class ResultCache:
+    """Results of recordings in a folder, one small file each.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first result is stored.
+    settings : str
+        Fingerprint of everything a result depends on beside the recording and its rows.
+
+    Examples
+    --------
+    >>> ResultCache(Path("nowhere"), "settings").load((), "0" * 64) is None
+    True
+    """
+
+    def __init__(self, folder: Path, settings: str) -> None:
+        self._folder = folder
+        self._settings = settings
+
+    def _path(self, specs: Sequence[TrialSpec], sha256: str) -> Path:
+        rows = [
+            [repr(getattr(spec, f.name)) for f in fields(spec) if f.name not in ("path", "line", "note")]
+            for spec in specs
+        ]
+        key = json.dumps([SCHEMA, __version__, self._settings, sha256, rows])
+        return self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
+
+    def load(self, specs: Sequence[TrialSpec], sha256: str) -> tuple[TrialResult, ...] | None:
+        """Return the stored results of a recording, or None if there are none that can be used."""
+        if not sha256:
+            return None
+        try:
+            stored = json.loads(self._path(specs, sha256).read_text(encoding="utf-8"))
+            return tuple(_from_plain(entry) for entry in stored)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return None
+
+    def store(self, specs: Sequence[TrialSpec], sha256: str, results: Sequence[TrialResult]) -> None:
+        """Keep the results of a recording; a folder that cannot be written is no reason to stop."""
+        if not sha256:
+            return
+        path = self._path(specs, sha256)
+        text = json.dumps([_to_plain(result) for result in results], separators=(",", ":"))
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            # Written aside and renamed: an interrupted run leaves no half entry.
+            partial = path.with_suffix(f".{os.getpid()}.part")
+            partial.write_text(text, encoding="utf-8")
+            partial.replace(path)
+        except OSError:
+            return
+
+
+def _to_plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, float) and not isfinite(value):
+        return None
+    if isinstance(value, TrialResult | Breakaway | Phase | Outline | Problem):
+        return {f.name: _to_plain(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, tuple):
+        return [_to_plain(item) for item in value]
+    return value
+
+
+def _from_plain(entry: dict[str, Any]) -> TrialResult:
+    outline = entry["outline"]
+    breakaway = _numbers(Breakaway, entry["breakaway"])
+    return replace(
+        _numbers(TrialResult, entry),
+        breakaway=replace(
+            breakaway,
+            status=Status(breakaway.status),
+            phases=tuple(Phase(**phase) for phase in entry["breakaway"]["phases"]),
+            notes=tuple(entry["breakaway"]["notes"]),
+        ),
+        outline=None if outline is None else Outline(**{k: np.array(v) for k, v in outline.items()}),
+        problems=tuple(Problem(**problem) for problem in entry["problems"]),
+    )
+
+
+def _numbers(kind: Any, entry: dict[str, Any]) -> Any:
+    """Rebuild a dataclass; a number that was not there comes back as NaN."""
+    floats = {f.name for f in fields(kind) if f.type in (float, "float")}
+    return kind(**{name: nan if value is None and name in floats else value for name, value in entry.items()})

@@ -1,0 +1,113 @@
+"""Whether the tables of a campaign file fit together and point at what exists."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from ropefric.errors import DataError, Problem
+from ropefric.traces.readers.derived import evaluate_derived
+from ropefric.trials.campaign_schema import CampaignFile
+from ropefric.trials.toml_document import TomlDocument
+from ropefric.trials.trial_advice import radius_doubt
+
+__all__ = ["check_settings"]
+
+
+def check_settings(document: TomlDocument, model: CampaignFile | None) -> tuple[Problem, ...]:
+    """Return problems between the tables of a campaign file.
+
+    Parameters
+    ----------
+    document : TomlDocument
+        The file.
+    model : CampaignFile, optional
+        The same, checked key by key; None where a key is wrong, which leaves the tree to judge by.
+
+    Examples
+    --------
+    >>> data = {"import": {"channels": {"counts": 2}}, "cells": {"K1": {}}}
+    >>> check_settings(TomlDocument(path="campaign.toml", data=data, lines={}), None)[0].message
+    'recordings in counts need the table [adc]'
+    """
+    problems = _converter(document) + _formulas(document) + _folder(document)
+    if model is not None:
+        problems += _sampling(document, model) + _idle_keys(document, model) + _wheels(document, model)
+    return tuple(problems)
+
+
+def _converter(document: TomlDocument) -> list[Problem]:
+    if "counts" not in document.table("import", "channels"):
+        return []
+    key = ("import", "channels", "counts")
+    problems = []
+    if "adc" not in document.data:
+        fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
+        problems.append(document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix))
+    if not document.data.get("cells"):
+        fix = 'add [cells.K1] with full_scale = "1 kN"'
+        problems.append(document.problem(key, "RF121", "recordings in counts need a force cell", fix=fix))
+    return problems
+
+
+def _formulas(document: TomlDocument) -> list[Problem]:
+    """Try every formula on recordings without a single value: what is left to fail is the formula itself."""
+    channels = document.table("import", "channels")
+    if not channels:
+        return []  # the reader goes by the file's headers, which are not known here
+    constants = dict.fromkeys(document.table("import", "constants"), math.nan)
+    known = {name: np.full(3, np.nan) for name in channels}
+    problems = []
+    for name, formula in document.table("import", "derived").items():
+        if not isinstance(formula, str):
+            continue
+        try:
+            evaluate_derived({name: formula}, known, constants)
+        except DataError as error:
+            key = ("import", "constants") if "constants" in error.problem.key else ("import", "derived", name)
+            problems.append(document.problem(key, error.code, error.problem.message, fix=error.fix))
+        known[name] = np.full(3, np.nan)
+    return list(dict.fromkeys(problems))
+
+
+def _folder(document: TomlDocument) -> list[Problem]:
+    name = document.data.get("data", ".")
+    if not isinstance(name, str):
+        return []
+    folder = Path(document.path).parent / name
+    try:
+        if folder.is_dir():
+            return []
+    except (OSError, ValueError):
+        pass
+    fix = "write the folder relative to the campaign file"
+    return [document.problem(("data",), "RF106", f"there is no folder {folder.as_posix()}", fix=fix)]
+
+
+def _sampling(document: TomlDocument, model: CampaignFile) -> list[Problem]:
+    profile_Hz = model.import_.sampling_rate
+    if model.sampling is None or profile_Hz is None or profile_Hz == model.sampling.rate:
+        return []
+    message = f"{profile_Hz:g} Hz, but [sampling] rate is {model.sampling.rate:g} Hz"
+    return [document.problem(("import", "sampling_rate"), "RF111", message, fix="remove one of the two")]
+
+
+def _idle_keys(document: TomlDocument, model: CampaignFile) -> list[Problem]:
+    """Warn of keys that the chosen protocol does not look at."""
+    given = document.data.get("protocol", {})
+    name = model.protocol.name
+    idle = {"side"} if name != "held" else {"min_step", "ending"}
+    return [
+        document.problem(
+            ("protocol", key), "RF141", f"has no effect for protocol '{name}'", fix="remove it", warning=True
+        )
+        for key in sorted(idle & given.keys())
+    ]
+
+
+def _wheels(document: TomlDocument, model: CampaignFile) -> list[Problem]:
+    return [
+        document.problem(("wheels", name), "RF140", said, fix="check the unit", warning=True)
+        for name, wheel in model.wheels.items()
+        if (said := radius_doubt(wheel.radius_m()))
+    ]

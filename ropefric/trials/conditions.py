@@ -1,0 +1,99 @@
+"""Trials grouped by condition, and what the rejection rule keeps of each."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import isnan, nan
+
+import numpy as np
+
+from ropefric.errors import Problem
+from ropefric.trials.repeatability import summarise
+from ropefric.trials.result import ConditionSummary, TrialResult
+
+__all__ = ["summarise_conditions"]
+
+
+def summarise_conditions(
+    trials: Sequence[TrialResult], rule: str
+) -> tuple[tuple[TrialResult, ...], tuple[ConditionSummary, ...], tuple[Problem, ...]]:
+    """Return the trials with the rejected ones marked, a summary per condition, and warnings.
+
+    A condition is a wheel radius, rope radius, wrap angle and known tension, equal to twelve digits. The rule runs
+    once over the measured forces of the usable trials of a condition; nothing is deleted.
+
+    Parameters
+    ----------
+    trials : sequence of TrialResult
+        In the order of the trial list.
+    rule : str
+        Name of an outlier rule.
+
+    Returns
+    -------
+    trials : tuple of TrialResult
+        In the same order, `kept` and `rejected_by` set.
+    conditions : tuple of ConditionSummary
+        By wheel radius, rope radius, wrap angle and tension.
+    problems : tuple of Problem
+        RF310 where so few trials are left that the rule cannot reject anything.
+    """
+    groups: dict[tuple[float, ...], list[int]] = {}
+    for index, trial in enumerate(trials):
+        groups.setdefault(_key(trial), []).append(index)
+    marked = list(trials)
+    conditions, problems = [], []
+    for key in sorted(groups):
+        members = groups[key]
+        summary, rejected, warnings = _summarise([trials[i] for i in members], rule)
+        conditions.append(summary)
+        problems.extend(warnings)
+        for place in rejected:
+            index = members[place]
+            marked[index] = replace(trials[index], kept=False, rejected_by=rule)
+    return tuple(marked), tuple(conditions), tuple(problems)
+
+
+def _known_N(trial: TrialResult) -> float:
+    return trial.peak_N if trial.measures_slack else trial.end_tension_N
+
+
+def _key(trial: TrialResult) -> tuple[float, ...]:
+    numbers = (trial.wheel_radius_m, trial.rope_radius_m, trial.wrap_angle_rad, _known_N(trial))
+    return tuple(float(f"{number:.12g}") for number in numbers)
+
+
+def _summarise(
+    trials: Sequence[TrialResult], rule: str
+) -> tuple[ConditionSummary, tuple[int, ...], list[Problem]]:
+    first = trials[0]
+    usable = [place for place, trial in enumerate(trials) if trial.usable]
+    measured_N = np.array([trials[place].measured_N for place in usable], dtype=np.float64)
+    series = summarise(measured_N, rule)
+    rejected = tuple(usable[place] for place in series.rejected)
+    known_N = _known_N(first)
+    mean_N = series.mean_kept if series.n_kept else nan
+    end_N, lift_N = (mean_N, known_N) if first.measures_slack else (known_N, mean_N)
+    where = (
+        f"R_w = {1000 * first.wheel_radius_m:.4g} mm, wrap {np.degrees(first.wrap_angle_rad):.4g} deg, "
+        f"{'F_A' if first.measures_slack else 'F_B'} = {known_N:.4g} N"
+    )
+    problems = [replace(p, message=f"{where}: {p.message}") for p in series.problems]
+    summary = ConditionSummary(
+        wheel_radius_m=first.wheel_radius_m,
+        rope_radius_m=first.rope_radius_m,
+        wrap_angle_rad=first.wrap_angle_rad,
+        end_tension_N=end_N,
+        lift_force_N=lift_N,
+        n_recorded=len(trials),
+        n=series.n,
+        n_kept=series.n_kept,
+        rejected=tuple(trials[place].trial for place in rejected),
+        mean_all_N=series.mean_all,
+        std_all_N=series.std_all,
+        mean_kept_N=mean_N,
+        std_kept_N=series.std_kept if not isnan(mean_N) else nan,
+        rule=rule,
+        notes=(*series.warnings, *series.notes),
+        trials=tuple(trial.trial for trial in trials),
+    )
+    return summary, rejected, problems

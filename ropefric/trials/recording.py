@@ -1,0 +1,270 @@
+"""One recording file -> the results of the trials it holds."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import nan
+from pathlib import Path
+
+import numpy as np
+
+from ropefric.errors import DataError, Problem, RopefricError
+from ropefric.registry import did_you_mean
+from ropefric.traces.assemble import assemble_trace
+from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.budget import combined_std_N, end_tension_std_N
+from ropefric.traces.calibration import Calibration, tare_from_interval
+from ropefric.traces.prepare import MIN_SAMPLES
+from ropefric.traces.protocols import PROTOCOLS
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.profile import RawRecording
+from ropefric.traces.recalibration import recalibrate
+from ropefric.traces.settings import PickSettings
+from ropefric.traces.trace import ForceTrace
+from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.outline import draw_outline
+from ropefric.trials.result import TrialResult
+from ropefric.trials.trial_spec import TrialSpec
+
+__all__ = ["content_hash", "extract_recording"]
+
+STATUS_CODES = {
+    Status.SATURATED: "RF230",
+    Status.NO_BREAKAWAY: "RF231",
+    Status.NO_PEAK: "RF232",
+    Status.TOO_SHORT: "RF233",
+}
+RATE_TOLERANCE = 0.01
+
+
+def content_hash(path: Path) -> str:
+    """Return the SHA-256 of a file's bytes; empty if it cannot be read."""
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except (OSError, ValueError):
+        return ""
+
+
+def extract_recording(
+    campaign: Campaign, specs: Sequence[TrialSpec], *, sha256: str = ""
+) -> tuple[TrialResult, ...]:
+    """Return the results of all trials that one file holds; a bad file gives results, not an exception.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        How to read, calibrate and pick.
+    specs : sequence of TrialSpec
+        The rows of the trial list that name this file, at least one.
+    sha256 : str
+        Hash of the file's content, kept with the results.
+
+    Returns
+    -------
+    tuple of TrialResult
+        At least one per row: one per block for sample "*", one per tooth or plateau for those protocols. Status
+        `unreadable`, with the problem, where the file or block cannot be used.
+    """
+    first = specs[0]
+    try:
+        raws = read_recordings(first.path, campaign.profile, shown_as=first.file)
+    except RopefricError as error:
+        return tuple(_unreadable(campaign, spec, error, sha256) for spec in specs)
+    results: list[TrialResult] = []
+    for spec in specs:
+        try:
+            chosen = _blocks(spec, raws)
+        except DataError as error:
+            results.append(_unreadable(campaign, spec, error, sha256))
+            continue
+        for raw in chosen:
+            named = spec if len(chosen) == 1 else replace(spec, trial=f"{spec.trial}#{raw.sample}")
+            results.extend(_extract_raw(campaign, replace(named, sample=raw.sample), raw, sha256))
+    return tuple(results)
+
+
+def _blocks(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:
+    """Return the blocks of a file that a row names."""
+    if spec.sample == "*":
+        return raws
+    if not spec.sample and len(raws) == 1:
+        return raws
+    names = [raw.sample for raw in raws]
+    if spec.sample in names:
+        return [raws[names.index(spec.sample)]]
+    if not spec.sample:
+        raise DataError(
+            f"the file holds {len(raws)} recordings side by side",
+            code="RF123",
+            path=spec.file,
+            key="sample",
+            fix=f"name one in the column 'sample', for example '{names[0]}', or write '*' for all",
+        )
+    raise DataError(
+        f"the file has no recording '{spec.sample}'",
+        code="RF123",
+        path=spec.file,
+        key="sample",
+        fix=did_you_mean(spec.sample, names),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Tared:
+    trace: ForceTrace
+    tare_N: float
+    problems: tuple[Problem, ...]
+
+
+def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str) -> list[TrialResult]:
+    protocol = PROTOCOLS[campaign.protocol.name]
+    settings = PickSettings(
+        window_s=campaign.smoothing.window_s,
+        peak=campaign.smoothing.peak,
+        start_s=spec.start_s,
+        stop_s=spec.stop_s,
+        min_step_N=campaign.protocol.min_step_N,
+        ending=campaign.protocol.ending,
+        side=campaign.protocol.side,
+    )
+    try:
+        tared = _trace(campaign, spec, raw)
+        found = protocol.pick(tared.trace, settings)
+    except RopefricError as error:
+        return [_unreadable(campaign, spec, error, sha256)]
+    many = campaign.protocol.name != "breakaway"
+    outline = draw_outline(tared.trace)
+    problems = (*tared.problems, *_rate_problem(campaign, spec, tared.trace))
+    results = []
+    for number, breakaway in enumerate(found, start=1):
+        named = replace(spec, trial=f"{spec.trial}#{number}") if many else spec
+        result = _result(campaign, named, breakaway, tared.trace.calibration)
+        flagged = _status_problem(named, breakaway)
+        saturation = tared.trace.saturation
+        results.append(
+            replace(
+                result,
+                sha256=sha256,
+                outline=outline,
+                tare_N=tared.tare_N,
+                saturated_samples=saturation.n_high if saturation is not None else 0,
+                problems=(*(problems if number == 1 else ()), *flagged, *result.problems),
+            )
+        )
+    return results
+
+
+def _trace(campaign: Campaign, spec: TrialSpec, raw: RawRecording) -> _Tared:
+    """Assemble, calibrate and tare."""
+    calibration = None
+    if spec.cell and campaign.adc is not None:
+        calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)
+    trace = assemble_trace(raw, campaign.profile, calibration=calibration)
+    if campaign.tare_interval_s is None:
+        return _Tared(trace=trace, tare_N=0.0, problems=())
+    start_s, stop_s = campaign.tare_interval_s
+    if np.count_nonzero(np.isfinite(trace.force_N)) < MIN_SAMPLES:
+        return _Tared(trace=trace, tare_N=nan, problems=())  # picking says that it is too short
+    if trace.counts is not None and trace.calibration is not None:
+        tared, problems = tare_from_interval(trace.time_s, trace.counts, trace.calibration, start_s, stop_s)
+        placed = tuple(replace(p, path=spec.file) for p in problems)
+        return _Tared(trace=recalibrate(trace, tared), tare_N=tared.tare_N, problems=placed)
+    inside = (trace.time_s >= start_s) & (trace.time_s <= stop_s) & np.isfinite(trace.force_N)
+    if not inside.any():
+        raise DataError(
+            f"no sample lies in the tare interval from {start_s:g} s to {stop_s:g} s",
+            code="RF212",
+            path=spec.file,
+            key="[tare] interval",
+            fix="name an idle interval inside the recording, or remove [tare]",
+        )
+    tare_N = float(np.median(trace.force_N[inside]))
+    return _Tared(trace=replace(trace, force_N=trace.force_N - tare_N), tare_N=tare_N, problems=())
+
+
+def _result(
+    campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, calibration: Calibration | None
+) -> TrialResult:
+    measures_slack = campaign.protocol.needs_lift_force
+    measured_std_N = nan
+    if breakaway.status is Status.OK:
+        measured_std_N = float(
+            combined_std_N([breakaway.peak_N], calibration, picking_std_N=breakaway.peak_std_N)[0]
+        )
+    known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
+    known_N = nan if known_N is None else known_N
+    known_std_N = end_tension_std_N(known_N, campaign.weights_tolerance)
+    measured = (breakaway.peak_N, measured_std_N)
+    (peak_N, peak_std_N), (end_N, end_std_N) = (
+        ((known_N, known_std_N), measured) if measures_slack else (measured, (known_N, known_std_N))
+    )
+    problems: tuple[Problem, ...] = ()
+    if peak_N <= end_N:
+        problems = (
+            Problem(
+                code="RF240",
+                message=f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)",
+                path=spec.file,
+                key="end_tension",
+                fix="check whether the sides, the units or the sign of the force are swapped",
+                severity="warning",
+            ),
+        )
+    return TrialResult(
+        trial=spec.trial,
+        file=spec.file,
+        sample=spec.sample,
+        wheel_radius_m=spec.wheel_radius_m,
+        rope_radius_m=spec.rope_radius_m,
+        wrap_angle_rad=spec.wrap_angle_rad,
+        end_tension_N=end_N,
+        end_tension_std_N=end_std_N,
+        peak_N=peak_N,
+        peak_std_N=peak_std_N,
+        breakaway=breakaway,
+        kept=breakaway.status is Status.OK and not spec.exclude,
+        excluded=spec.exclude,
+        measures_slack=measures_slack,
+        cell=spec.cell,
+        rope_id=spec.rope_id,
+        dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
+        problems=problems,
+    )
+
+
+def _status_problem(spec: TrialSpec, breakaway: Breakaway) -> tuple[Problem, ...]:
+    if breakaway.status is Status.OK:
+        return ()
+    return (
+        Problem(
+            code=STATUS_CODES[breakaway.status],
+            message=f"{spec.trial}: {breakaway.status.value}: {breakaway.detail}",
+            path=spec.file,
+            fix=breakaway.advice,
+            severity="warning",
+        ),
+    )
+
+
+def _rate_problem(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> tuple[Problem, ...]:
+    wanted_Hz, found_Hz = campaign.sampling_rate_Hz, trace.sampling_rate_Hz
+    if wanted_Hz is None or not found_Hz or abs(found_Hz / wanted_Hz - 1) <= RATE_TOLERANCE:
+        return ()
+    return (
+        Problem(
+            code="RF203",
+            message=f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz",
+            path=spec.file,
+            key="[sampling] rate",
+            fix="correct the unit of the time column or the rate; the time stamps were used",
+            severity="warning",
+        ),
+    )
+
+
+def _unreadable(campaign: Campaign, spec: TrialSpec, error: RopefricError, sha256: str) -> TrialResult:
+    problem = error.problem
+    detail = f"{problem.message} ({problem.where})" if problem.where else problem.message
+    result = _result(campaign, spec, Breakaway(status=Status.UNREADABLE, detail=detail), None)
+    return replace(result, sha256=sha256, problems=error.problems)

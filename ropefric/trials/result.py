@@ -1,0 +1,247 @@
+"""What an extraction hands on: trials, conditions, problems."""
+
+from dataclasses import dataclass, field
+from math import isfinite, nan
+from typing import Any
+
+from ropefric.errors import Problem
+from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.trace import FloatArray
+
+__all__ = ["ConditionSummary", "Extraction", "Outline", "TrialResult"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outline:
+    """A recording reduced for drawing: no peak is lost, because each bin keeps its smallest and largest sample.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (k,)
+        Middle of each bin [s].
+    low_N, high_N : ndarray, shape (k,)
+        Smallest and largest sample of each bin [N].
+    smoothed_time_s, smoothed_N : ndarray, shape (k,)
+        Mean of each bin [N].
+    """
+
+    time_s: FloatArray
+    low_N: FloatArray
+    high_N: FloatArray
+    smoothed_time_s: FloatArray
+    smoothed_N: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialResult:
+    """One trial: its condition, what was picked, and whether it counts.
+
+    Attributes
+    ----------
+    trial, file, sample : str
+        Its name, its recording as the trial list names it, the block of a wide file.
+    wheel_radius_m, rope_radius_m, wrap_angle_rad : float
+        Condition.
+    end_tension_N : float
+        Slack-side tension F_B [N]: the weights, or the plateau where the slack side is measured.
+    end_tension_std_N : float
+        Its standard uncertainty [N].
+    peak_N : float
+        Tight-side force F_A [N]: the picked peak, or the known weight where the slack side is measured; NaN where
+        there is none.
+    peak_std_N : float
+        Its combined standard uncertainty [N]: measuring chain, tare, picking.
+    breakaway : Breakaway
+        What was found in the recording.
+    kept : bool
+        True if it counts: status ok, not excluded, not rejected.
+    excluded : str
+        The user's reason for setting it aside.
+    rejected_by : str
+        The rule that set it aside.
+    measures_slack : bool
+        True if the measured force is the end tension.
+    cell, rope_id : str
+        Force cell and rope specimen.
+    dwell_s : float
+        Time under load before the pull [s], NaN where unknown.
+    tare_N : float
+        Reading of the unloaded cell that was taken off [N].
+    saturated_samples : int
+        Samples at the converter's ceiling.
+    sha256 : str
+        Of the recording's bytes; "" where the file could not be read.
+    outline : Outline, optional
+        The recording for drawing.
+    problems : tuple of Problem
+        What was wrong or doubtful.
+    """
+
+    trial: str
+    file: str
+    sample: str = ""
+    wheel_radius_m: float
+    rope_radius_m: float
+    wrap_angle_rad: float
+    end_tension_N: float
+    end_tension_std_N: float = nan
+    peak_N: float = nan
+    peak_std_N: float = nan
+    breakaway: Breakaway
+    kept: bool = False
+    excluded: str = ""
+    rejected_by: str = ""
+    measures_slack: bool = False
+    cell: str = ""
+    rope_id: str = ""
+    dwell_s: float = nan
+    tare_N: float = nan
+    saturated_samples: int = 0
+    sha256: str = ""
+    outline: Outline | None = None
+    problems: tuple[Problem, ...] = field(default=())
+
+    @property
+    def measured_N(self) -> float:
+        """Return the force the sensor measured [N]: the break-away force, or the plateau."""
+        return self.breakaway.peak_N
+
+    @property
+    def usable(self) -> bool:
+        """Return whether the trial gave a force and nobody set it aside by hand."""
+        return self.breakaway.status is Status.OK and not self.excluded
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the trial's row; a number that is not there is None."""
+        found = self.breakaway
+        row: dict[str, Any] = {
+            "trial": self.trial,
+            "file": self.file,
+            "sample": self.sample,
+            "wheel_radius_m": self.wheel_radius_m,
+            "rope_radius_m": self.rope_radius_m,
+            "wrap_angle_rad": self.wrap_angle_rad,
+            "end_tension_N": self.end_tension_N,
+            "end_tension_std_N": self.end_tension_std_N,
+            "peak_N": self.peak_N,
+            "peak_std_N": self.peak_std_N,
+            "peak_raw_N": nan if self.measures_slack else found.peak_raw_N,
+            "peak_time_s": found.peak_time_s,
+            "two_line_N": found.two_line_N,
+            "bias_N": found.bias_N,
+            "window_s": found.window_s,
+            "noise_std_N": found.noise_std_N,
+            "loading_rate_N_s": found.loading_rate_N_s,
+            "kinetic_N": found.kinetic_N,
+            "kinetic_std_N": found.kinetic_std_N,
+            "status": found.status.value,
+            "kept": self.kept,
+            "rejected_by": self.rejected_by,
+            "excluded": self.excluded,
+            "detail": found.detail,
+            "notes": "; ".join(found.notes),
+            "cell": self.cell,
+            "rope_id": self.rope_id,
+            "dwell_s": self.dwell_s,
+            "tare_N": self.tare_N,
+            "saturated_samples": self.saturated_samples,
+            "sha256": self.sha256,
+        }
+        return {key: _finite_or_none(value) for key, value in row.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConditionSummary:
+    """The repeats of one condition, before and after rejection.
+
+    Attributes
+    ----------
+    wheel_radius_m, rope_radius_m, wrap_angle_rad : float
+        The condition.
+    end_tension_N : float
+        F_B [N]; where the slack side is measured, the mean of the trials kept.
+    lift_force_N : float
+        F_A [N]: the mean of the trials kept, or the known weight where the slack side is measured.
+    n_recorded : int
+        Trials listed.
+    n : int
+        Trials that gave a usable force.
+    n_kept : int
+        Trials kept by the rejection rule.
+    rejected : tuple of str
+        Names of the trials it set aside.
+    mean_all_N, std_all_N, mean_kept_N, std_kept_N : float
+        Mean and sample standard deviation of the measured force over the n and the n_kept trials [N].
+    rule : str
+        The rejection rule.
+    notes : tuple of str
+        What to bear in mind: nothing can be rejected, the scatter reads low after trimming.
+    trials : tuple of str
+        Names of all trials listed.
+    """
+
+    wheel_radius_m: float
+    rope_radius_m: float
+    wrap_angle_rad: float
+    end_tension_N: float
+    lift_force_N: float
+    n_recorded: int
+    n: int
+    n_kept: int
+    rejected: tuple[str, ...]
+    mean_all_N: float
+    std_all_N: float
+    mean_kept_N: float
+    std_kept_N: float
+    rule: str
+    notes: tuple[str, ...]
+    trials: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the condition's row; a number that is not there is None."""
+        row = {name: getattr(self, name) for name in self.__slots__ if name != "trials"}
+        return {
+            key: list(value) if isinstance(value, tuple) else _finite_or_none(value)
+            for key, value in row.items()
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Extraction:
+    """The result of a campaign's recordings.
+
+    Attributes
+    ----------
+    name : str
+        The campaign's.
+    trials : tuple of TrialResult
+        In the order of the trial list.
+    conditions : tuple of ConditionSummary
+        By wheel radius, wrap angle, end tension.
+    problems : tuple of Problem
+        Everything that was wrong or doubtful, in the same order.
+    n_reused : int
+        Recordings taken from the cache.
+    """
+
+    name: str
+    trials: tuple[TrialResult, ...]
+    conditions: tuple[ConditionSummary, ...]
+    problems: tuple[Problem, ...]
+    n_reused: int = 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return `{"trials": […], "conditions": […], "problems": […]}`, numbers that are not there as None."""
+        return {
+            "campaign": self.name,
+            "trials": [trial.to_dict() for trial in self.trials],
+            "conditions": [condition.to_dict() for condition in self.conditions],
+            "problems": [
+                {"severity": p.severity, "code": p.code, "where": p.where, "message": p.message, "fix": p.fix}
+                for p in self.problems
+            ],
+        }
+
+
+def _finite_or_none(value: Any) -> Any:
+    return None if isinstance(value, float) and not isfinite(value) else value

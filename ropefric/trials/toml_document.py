@@ -1,0 +1,182 @@
+"""A TOML file as read: its tree, and the line of every key in it."""
+
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ropefric.errors import DataError, Problem
+from ropefric.trials.toml_lines import KeyPath, key_text, toml_lines
+
+__all__ = ["TomlDocument", "read_bytes", "read_toml"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TomlDocument:
+    """What a TOML file says, and where.
+
+    Attributes
+    ----------
+    path : str
+        The file, as it is to be named in messages.
+    data : mapping
+        The tree as `tomllib` gives it.
+    lines : mapping of key path to int
+        The 1-based line of every key.
+
+    Examples
+    --------
+    >>> document = TomlDocument(path="a.toml", data={"rope": {"size": 1}}, lines={("rope",): 3, ("rope", "size"): 4})
+    >>> document.line_of(("rope", "size")), document.line_of(("rope", "missing"))
+    (4, 3)
+    """
+
+    path: str
+    data: Mapping[str, Any]
+    lines: Mapping[KeyPath, int]
+
+    def line_of(self, key: KeyPath) -> int | None:
+        """Return the line of a key; of the table it is missing from where there is no such key."""
+        for size in range(len(key), 0, -1):
+            if key[:size] in self.lines:
+                return self.lines[key[:size]]
+        return None
+
+    def table(self, *names: str) -> Mapping[str, Any]:
+        """Return a table of the tree; an empty one where there is none of this name."""
+        table: Any = self.data
+        for name in names:
+            table = table.get(name) if isinstance(table, dict) else None
+        return table if isinstance(table, dict) else {}
+
+    def problem(
+        self, key: KeyPath, code: str, message: str, *, fix: str = "", warning: bool = False
+    ) -> Problem:
+        """Return a problem that points at a key of this file."""
+        return Problem(
+            code=code,
+            message=message,
+            path=self.path,
+            line=self.line_of(key),
+            key=key_text(key),
+            fix=fix,
+            severity="warning" if warning else "error",
+        )
+
+
+def read_bytes(path: str | os.PathLike[str], what: str) -> bytes:
+    """Return a file's content.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    what : str
+        What it is, for messages.
+
+    Raises
+    ------
+    DataError
+        RF101 if it is not there or cannot be read.
+
+    Examples
+    --------
+    >>> read_bytes("nowhere.toml", "scene file")
+    Traceback (most recent call last):
+    ...
+    ropefric.errors.DataError: nowhere.toml: there is no such scene file Fix: check the path
+    """
+    try:
+        return Path(path).read_bytes()
+    except FileNotFoundError:
+        raise DataError(f"there is no such {what}", path=_shown(path), fix="check the path") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a usable file name"
+        raise DataError(f"the {what} cannot be read: {reason}", path=_shown(path)) from None
+
+
+def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
+    r"""Return a TOML file's tree with the line of every key.
+
+    Parameters
+    ----------
+    path : path-like
+        The file, in UTF-8, with or without byte-order mark.
+    what : str
+        What it is, for messages: "campaign file".
+
+    Raises
+    ------
+    DataError
+        RF101 if it is missing, is not UTF-8, or is no TOML; with the line.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "a.toml"
+    ...     _ = path.write_text("[rope]\nsize = '9.8 mm'")
+    ...     document = read_toml(path)
+    >>> document.data["rope"]["size"], document.line_of(("rope", "size"))
+    ('9.8 mm', 2)
+    """
+    content = read_bytes(path, what)
+    name = _shown(path)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        fix = "save the file as UTF-8; TOML knows no other encoding"
+        raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
+    text = text.replace("\r\n", "\n")
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise _syntax_error(text, str(error), name) from None
+    except RecursionError:
+        raise DataError(f"the {what} is nested too deeply", path=name) from None
+    except ValueError:
+        # tomllib lets Python's own limits through: thousands of digits, dates that do not exist.
+        raise DataError(f"the {what} holds a number or date that cannot be read", path=name) from None
+    return TomlDocument(path=name, data=data, lines=toml_lines(text))
+
+
+def _shown(path: str | os.PathLike[str]) -> str:
+    return Path(path).as_posix()
+
+
+_MEANINGS = (
+    ("Cannot overwrite a value", "this key is given a second time", "remove one of the two"),
+    ("Cannot declare", "this table is given a second time", "join both under one heading"),
+    (
+        "Cannot mutate immutable",
+        "this table is complete where it was first written",
+        "join both in one place",
+    ),
+    ("Invalid value", "the value is not TOML", 'put text and quantities in quotes: "40 mm"'),
+    ("Expected newline or end", "something follows the value", 'put text and quantities in quotes: "40 mm"'),
+    ("Expected '='", "there is no '=' after the key", 'write key = "value"'),
+    ("Illegal character", "a character is not allowed here, or a quote is not closed", "close the quote"),
+    ("Unterminated string", "a quote is not closed", "close the quote"),
+    ('Expected \'"""\'', "a quote is not closed", "close the quote"),
+    ("Unclosed array", "a bracket is not closed", "close it with ]"),
+    ("Unescaped '\\'", "a lone backslash stands in the text", "use / in paths, or single quotes"),
+)
+
+
+def _syntax_error(text: str, message: str, name: str) -> DataError:
+    place = re.search(r"\(at line (\d+), column \d+\)$", message)
+    line = int(place[1]) if place else text.count("\n") + (not text.endswith("\n"))
+    rows = text.split("\n")
+    # tomllib points behind a line break where a value or key is missing at the end of the line before.
+    written = rows[line - 1].strip() if line <= len(rows) else ""
+    said = message[: place.start()].strip() if place else message.removesuffix("(at end of document)").strip()
+    meaning, fix = next(((m, f) for start, m, f in _MEANINGS if said.startswith(start)), ("", ""))
+    bare = re.match(r"([\w.-]+)\s*=\s*([+-]?\d[\d.,]*\s*[A-Za-z%/°µ*^\d]+)\s*(#.*)?$", written)
+    if bare:
+        fix = f'write {bare[1]} = "{bare[2].strip().replace(",", ".")}"'
+    shown = f": {written[:80]}" if written else ""
+    return DataError(f"not valid TOML, {meaning or said}{shown}", path=name, line=max(line, 1), fix=fix)

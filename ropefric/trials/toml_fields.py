@@ -1,0 +1,223 @@
+"""Types of TOML values for pydantic: each reads one kind of value and refuses others in plain words."""
+
+import datetime as dt
+from collections.abc import Callable, Collection
+from typing import Any, NoReturn
+
+from pydantic import BaseModel, ConfigDict
+from pydantic_core import PydanticCustomError
+
+from ropefric.errors import InputError
+from ropefric.registry import did_you_mean
+from ropefric.trials.toml_quantities import read_any_quantity, read_fraction, read_quantity
+
+__all__ = [
+    "CUSTOM",
+    "StrictTable",
+    "any_quantity",
+    "choice",
+    "date_text",
+    "fraction",
+    "got",
+    "quantity",
+    "reject",
+    "text",
+    "whole_number",
+]
+
+CUSTOM = "ropefric"
+"""The pydantic error type under which `reject` carries code, message, fix and key."""
+
+
+class StrictTable(BaseModel):
+    """A TOML table that refuses keys it does not know."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def reject(code: str, message: str, *, fix: str = "", key: str = "") -> NoReturn:
+    """Refuse a value inside a pydantic validator.
+
+    Raises
+    ------
+    PydanticCustomError
+        Always; its context holds the arguments for `validate_document`.
+
+    Examples
+    --------
+    >>> reject("RF110", "7 is too many")
+    Traceback (most recent call last):
+    ...
+    pydantic_core._pydantic_core.PydanticCustomError: 7 is too many
+    """
+    raise PydanticCustomError(CUSTOM, "{message}", {"code": code, "message": message, "fix": fix, "key": key})
+
+
+def got(value: object) -> str:
+    """Return a TOML value as its writer would recognise it.
+
+    Examples
+    --------
+    >>> got(True), got("x"), got({"a": 1})
+    ('true', '"x"', 'a table')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list):
+        return "a list"
+    if isinstance(value, int) and value.bit_length() > 100:
+        return "a huge number"
+    shown = f'"{value}"' if isinstance(value, str) else str(value)
+    return shown if len(shown) <= 60 else f"{shown[:57]}..."
+
+
+def quantity(si_unit: str, like: str, *, above: float | None = None) -> Callable[[object], float]:
+    """Return a reader of quantities written with their unit.
+
+    Parameters
+    ----------
+    si_unit : str
+        The SI unit wanted.
+    like : str
+        An example for messages: "40 mm".
+    above : float, optional
+        The SI value must be larger than this.
+
+    Examples
+    --------
+    >>> quantity("m", "40 mm", above=0)("1 cm")
+    0.01
+    """
+    unit = like.partition(" ")[2]  # of the example, for a bare number's remedy
+
+    def read(value: object) -> float:
+        if not isinstance(value, str):
+            bare = isinstance(value, int | float) and not isinstance(value, bool)
+            fix = f'write it with its unit: "{got(value)} {unit}"' if bare else f'write "{like}"'
+            reject("RF130" if bare else "RF110", f'expected text like "{like}", got {got(value)}', fix=fix)
+        number = _converted(lambda: read_quantity(value, si_unit), like)
+        if above is not None and not number > above:
+            reject("RF110", f"{got(value)} is not more than {above:g}", fix=f'write it like "{like}"')
+        return number
+
+    return read
+
+
+def fraction(like: str) -> Callable[[object], float]:
+    """Return a reader of shares written in per cent, from 0 to below 10 %.
+
+    Parameters
+    ----------
+    like : str
+        An example for messages: "0.02 %FS".
+
+    Examples
+    --------
+    >>> fraction("0.02 %FS")("0.1 %FS")
+    0.001
+    """
+
+    def read(value: object) -> float:
+        if not isinstance(value, str):
+            reject("RF130", f'expected text like "{like}", got {got(value)}', fix=f'write it as "{like}"')
+        number = _converted(lambda: read_fraction(value), like)
+        if not 0 <= number < 0.1:
+            reject("RF110", f"{got(value)} is not between 0 % and 10 %", fix=f'write it like "{like}"')
+        return number
+
+    return read
+
+
+def any_quantity(value: object) -> float:
+    """Return a quantity of any unit, or a bare number, in SI.
+
+    Examples
+    --------
+    >>> any_quantity("2 bar"), any_quantity(3)
+    (200000.0, 3.0)
+    """
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        reject("RF110", f'expected a number or text like "490.9 mm^2", got {got(value)}')
+    return _converted(lambda: read_any_quantity(got(value).strip('"')), "490.9 mm^2")
+
+
+def text(value: object) -> str:
+    """Return a text, if it is one.
+
+    Examples
+    --------
+    >>> text("aramid")
+    'aramid'
+    """
+    if not isinstance(value, str):
+        reject("RF110", f"expected text in quotes, got {got(value)}", fix="put it in quotes")
+    return value
+
+
+def date_text(value: object) -> str:
+    """Return a TOML date as ISO text.
+
+    Examples
+    --------
+    >>> date_text(dt.date(2026, 1, 15))
+    '2026-01-15'
+    """
+    if isinstance(value, dt.datetime):
+        return value.date().isoformat()
+    if not isinstance(value, dt.date):
+        reject(
+            "RF110",
+            f"expected a date, got {got(value)}",
+            fix="write it without quotes, for example 2026-01-15",
+        )
+    return value.isoformat()
+
+
+def choice(names: Callable[[], Collection[str]]) -> Callable[[object], str]:
+    """Return a reader of one word out of `names()`, which is asked only when it is needed.
+
+    Examples
+    --------
+    >>> choice(lambda: ("slack", "tight"))("tight")
+    'tight'
+    """
+
+    def read(value: object) -> str:
+        known = names()
+        if not isinstance(value, str) or value not in known:
+            reject("RF120", f"{got(value)} is not known here", fix=did_you_mean(_plain(value), known))
+        return value
+
+    return read
+
+
+def whole_number(lowest: int, highest: int = 2**31 - 1) -> Callable[[object], int]:
+    """Return a reader of whole numbers from `lowest` to `highest`.
+
+    Examples
+    --------
+    >>> whole_number(1, 32)(10)
+    10
+    """
+
+    def read(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:
+            limit = f"from {lowest} to {highest}" if highest < 2**31 - 1 else f"of at least {lowest}"
+            reject("RF110", f"expected a whole number {limit}, got {got(value)}")
+        return value
+
+    return read
+
+
+def _plain(value: Any) -> str:
+    return value if isinstance(value, str) else got(value)
+
+
+def _converted(read: Callable[[], float], like: str) -> float:
+    try:
+        return read()
+    except InputError as error:
+        message = error.problem.message.removeprefix("quantity: ")
+        reject(error.code, message, fix=error.fix or f'write it like "{like}"')

@@ -1,0 +1,148 @@
+"""What is doubtful in a trial list, or cannot be learned from it: said once for the whole list."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from ropefric.errors import Problem
+from ropefric.trials.trial_spec import TrialSpec
+
+__all__ = ["advise", "radius_doubt"]
+
+SMALLEST_RADIUS_M, LARGEST_RADIUS_M = 1e-3, 10.0
+LARGEST_WRAP_RAD = 100 * 2 * math.pi
+STANDARD_WRAP_RAD = math.radians(90)
+FEWEST_REPEATS = 6
+
+
+def radius_doubt(radius_m: float) -> str:
+    """Return why a wheel radius is probably in another unit; "" if it is plausible.
+
+    Examples
+    --------
+    >>> radius_doubt(40.0)
+    'a wheel radius of 40 m is outside 1 mm to 10 m, probably in another unit'
+    """
+    if SMALLEST_RADIUS_M <= radius_m <= LARGEST_RADIUS_M:
+        return ""
+    return f"a wheel radius of {radius_m:g} m is outside 1 mm to 10 m, probably in another unit"
+
+
+def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each: bool) -> tuple[Problem, ...]:
+    """Return warnings about a trial list without errors.
+
+    Parameters
+    ----------
+    trials : sequence of TrialSpec
+        The list.
+    path : str
+        Its file, for messages.
+    rule : str
+        Name of the outlier rule.
+    one_trial_each : bool
+        True if every recording is one trial, so that repeats can be counted.
+
+    Examples
+    --------
+    >>> advise([], "trials.csv", rule="two-sigma", one_trial_each=True)
+    ()
+    """
+    used = [trial for trial in trials if not trial.exclude]
+    problems = _doubts(trials) + _unseen_effects(used)
+    if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):
+        problems += _few_repeats(used)
+    problems.sort(key=lambda p: (p.line or 0, p.code, p.key))
+    return tuple(replace(problem, path=path) for problem in problems)
+
+
+def _doubts(trials: Sequence[TrialSpec]) -> list[Problem]:
+    def radius(trial: TrialSpec) -> str:
+        return "" if trial.wheel else radius_doubt(trial.wheel_radius_m)
+
+    def wrap(trial: TrialSpec) -> str:
+        turns = trial.wrap_angle_rad / (2 * math.pi)
+        return f"a wrap of {turns:g} turns is probably in another unit" if turns > 100 else ""
+
+    def short(trial: TrialSpec) -> str:
+        degrees = math.degrees(trial.wrap_angle_rad)
+        if degrees > 90 * (1 - 1e-9):
+            return ""
+        return (
+            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
+        )
+
+    def thick(trial: TrialSpec) -> str:
+        if trial.rope_radius_m < trial.wheel_radius_m:
+            return ""
+        return (
+            f"the rope radius, {trial.rope_radius_m * 1e3:g} mm, is not below the wheel radius, "
+            f"{trial.wheel_radius_m * 1e3:g} mm"
+        )
+
+    checks: list[tuple[str, Callable[[TrialSpec], str], str]] = [
+        ("wheel_radius", radius, "check the unit in the header"),
+        ("wrap_angle", wrap, "check the unit in the header"),
+        ("wrap_angle", short, "wrap further where the rig allows it"),
+        ("rope_diameter", thick, "check both, and whether a diameter stands for a radius"),
+    ]
+    problems = []
+    for key, check, fix in checks:
+        hits = [(trial, said) for trial in trials if (said := check(trial))]
+        if hits:
+            more = f" (and {len(hits) - 1} more rows)" if len(hits) > 1 else ""
+            problems.append(_warning("RF140", hits[0][1] + more, fix=fix, key=key, line=hits[0][0].line))
+    return problems
+
+
+def _few_repeats(trials: Sequence[TrialSpec]) -> list[Problem]:
+    conditions = [_condition(trial) for trial in trials]
+    counts = Counter(conditions)
+    few = {condition: n for condition, n in counts.items() if n < FEWEST_REPEATS}
+    if not few:
+        return []
+    least = min(few.values())
+    line = next(t.line for t, c in zip(trials, conditions, strict=True) if counts[c] == least)
+    repeats = "repeat" if least == 1 else "repeats"
+    message = (
+        f"{len(few)} of {len(counts)} conditions have fewer than {FEWEST_REPEATS} repeats, the smallest {least} "
+        f"{repeats}; the ±2s rule cannot reject anything for n <= 5 (largest possible |z| = (n-1)/sqrt(n))"
+    )
+    fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'
+    return [_warning("RF310", message, fix=fix, line=line)]
+
+
+class _Condition(NamedTuple):
+    size: float
+    wrap: float
+    load: float
+    wheel_m: float
+
+
+def _condition(trial: TrialSpec) -> _Condition:
+    """Return what repeats have in common; nine digits, for 40 mm and 4 cm are one radius."""
+    load_N = trial.end_tension_N if trial.end_tension_N is not None else trial.lift_force_N or 0.0
+    values = (trial.wheel_radius_m / trial.rope_radius_m, trial.wrap_angle_rad, load_N, trial.wheel_radius_m)
+    return _Condition(*(float(f"{value:.9g}") for value in values))
+
+
+def _unseen_effects(trials: Sequence[TrialSpec]) -> list[Problem]:
+    if len(trials) < 2:
+        return []
+    conditions = {_condition(trial) for trial in trials}
+    problems = []
+    for key, name, effect, values in (
+        ("wheel_radius", "ratio of wheel and rope radius", "size", {c.size for c in conditions}),
+        ("wrap_angle", "wrap angle", "wrap angle", {c.wrap for c in conditions}),
+        ("end_tension", "tension", "tension", {c.load for c in conditions}),
+    ):
+        if len(values) == 1:
+            message = f"all trials have one {name}, so the effect of the {effect} cannot be seen"
+            fix = f"measure at two or more values, or fit laws without an effect of the {effect}"
+            problems.append(_warning("RF311", message, fix=fix, key=key))
+    return problems
+
+
+def _warning(code: str, message: str, *, fix: str, key: str = "", line: int | None = None) -> Problem:
+    return Problem(code=code, message=message, line=line, key=key, fix=fix, severity="warning")

@@ -1,0 +1,145 @@
+"""The columns a trial list may have, and which of them a header names."""
+
+from dataclasses import dataclass
+
+from ropefric.errors import InputError, Problem
+from ropefric.quantities import split_unit_suffix, unit_factor
+from ropefric.registry import did_you_mean
+from ropefric.trials.toml_quantities import readable_unit
+
+__all__ = ["STANDARD_GRAVITY_M_S2", "TEXT_COLUMNS", "BoundColumn", "bind_columns"]
+
+STANDARD_GRAVITY_M_S2 = 9.80665
+"""Weight per mass [m/s²], CGPM 1901; what turns `end_mass_kg` into a tension."""
+
+TEXT_COLUMNS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note")
+
+
+@dataclass(frozen=True, slots=True)
+class _Quantity:
+    field: str
+    si_unit: str
+    example: str
+    scale: float = 1.0
+
+
+_QUANTITIES = {
+    "wheel_radius": _Quantity("wheel_radius_m", "m", "wheel_radius_mm"),
+    "wheel_diameter": _Quantity("wheel_radius_m", "m", "wheel_diameter_mm", 0.5),
+    "rope_diameter": _Quantity("rope_radius_m", "m", "rope_diameter_mm", 0.5),
+    "rope_radius": _Quantity("rope_radius_m", "m", "rope_radius_mm"),
+    "wrap_angle": _Quantity("wrap_angle_rad", "rad", "wrap_angle_deg"),
+    "wrap": _Quantity("wrap_angle_rad", "rad", "wrap_turns"),
+    "end_tension": _Quantity("end_tension_N", "N", "end_tension_N"),
+    "end_mass": _Quantity("end_tension_N", "kg", "end_mass_kg", STANDARD_GRAVITY_M_S2),
+    "lift_force": _Quantity("lift_force_N", "N", "lift_force_N"),
+    "lift_mass": _Quantity("lift_force_N", "kg", "lift_mass_kg", STANDARD_GRAVITY_M_S2),
+    "dwell": _Quantity("dwell_s", "s", "dwell_s"),
+    "from": _Quantity("start_s", "s", "from_s"),
+    "until": _Quantity("stop_s", "s", "until_s"),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundColumn:
+    """A column of the table and what it means.
+
+    Attributes
+    ----------
+    index : int
+        0-based place in the row.
+    header : str
+        As written.
+    field : str
+        The field of `TrialSpec` it gives; "" if it is to be ignored.
+    unit, si_unit : str
+        The unit its numbers are in, and the one they become; "" for text.
+    scale : float
+        Factor beside the unit's: 1/2 for a diameter, g for a mass.
+    """
+
+    index: int
+    header: str
+    field: str
+    unit: str = ""
+    si_unit: str = ""
+    scale: float = 1.0
+
+
+def bind_columns(
+    header: tuple[str, ...], path: str, line: int
+) -> tuple[dict[str, BoundColumn], tuple[Problem, ...]]:
+    """Return the columns by the field they give, and what is wrong with the header.
+
+    Columns whose name is empty, starts with "_" or with "note" (other than `note`) are left out.
+
+    Parameters
+    ----------
+    header : tuple of str
+        Column headers: "file", "wheel_radius_mm", "Wrap angle (deg)".
+    path : str
+        The table, for messages.
+    line : int
+        1-based line of the header.
+
+    Examples
+    --------
+    >>> columns, problems = bind_columns(("file", "wrap_turns"), "trials.csv", 1)
+    >>> columns["wrap_angle_rad"].unit, problems
+    ('turn', ())
+    """
+    bound: dict[str, BoundColumn] = {}
+    problems: list[Problem] = []
+    for index, name in enumerate(header):
+        try:
+            column = _bind(index, name, bound)
+        except InputError as error:
+            message = error.problem.message.removeprefix(f"{name}: ")
+            problems.append(
+                Problem(code=error.code, message=message, path=path, line=line, key=name, fix=error.fix)
+            )
+        else:
+            if column is not None:
+                bound[column.field] = column
+    return bound, tuple(problems)
+
+
+def _bind(index: int, name: str, bound: dict[str, BoundColumn]) -> BoundColumn | None:
+    word = _word(name)
+    if not word or word.startswith("_") or (word.startswith("note") and word != "note"):
+        return None
+    column = BoundColumn(index=index, header=name, field=word)
+    if word not in TEXT_COLUMNS:
+        column = _bind_quantity(index, name)
+    if column.field in bound:
+        message = f"this column says the same as '{bound[column.field].header}'"
+        raise InputError(message, code="RF122", fix="remove one of the two")
+    return column
+
+
+def _bind_quantity(index: int, name: str) -> BoundColumn:
+    stem, unit = split_unit_suffix(name)
+    quantity = _QUANTITIES.get(_word(stem))
+    if quantity is None:
+        known = [*TEXT_COLUMNS, *(item.example for item in _QUANTITIES.values())]
+        fix = f"{did_you_mean(name[:80], known)} A column whose name starts with '_' is ignored."
+        raise InputError("this column is not known", code="RF120", fix=fix)
+    if not unit:
+        raise InputError(
+            "the column has no unit",
+            code="RF130",
+            fix=f"name it with the unit of its numbers, for example {quantity.example}",
+        )
+    unit_factor(readable_unit(unit, name=name), quantity.si_unit, name=name)
+    return BoundColumn(
+        index=index,
+        header=name,
+        field=quantity.field,
+        unit=unit,
+        si_unit=quantity.si_unit,
+        scale=quantity.scale,
+    )
+
+
+def _word(name: str) -> str:
+    return "_".join(name.lower().split())

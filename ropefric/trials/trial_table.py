@@ -1,0 +1,130 @@
+"""A CSV table as cells: separator found, comments left out, every row with its line."""
+
+import csv
+import os
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from ropefric.errors import DataError, Problem
+from ropefric.traces.readers.source import Source
+from ropefric.traces.readers.text import load_text
+
+__all__ = ["CellTable", "read_cells"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellTable:
+    """The cells of a table, without blanks around them.
+
+    Attributes
+    ----------
+    path : str
+        The file, as it is to be named in messages.
+    separator : str
+        Between cells.
+    header : tuple of str
+        Column headers.
+    header_line : int
+        1-based line of the header.
+    rows : tuple of (line, cells)
+        All other rows with as many cells as the header.
+    """
+
+    path: str
+    separator: str
+    header: tuple[str, ...]
+    header_line: int
+    rows: tuple[tuple[int, tuple[str, ...]], ...]
+
+
+def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
+    r"""Return a CSV file's cells, and what is wrong with single rows.
+
+    Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row;
+    empty lines and lines that start with "#" are left out.
+
+    Raises
+    ------
+    DataError
+        RF101 if the file is missing, is no text, or has no header. Rows with a wrong number of cells are RF103.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "trials.csv"
+    ...     _ = path.write_text("# mine\nfile;note\na.csv;x, y\nb.csv\n")
+    ...     table, problems = read_cells(path)
+    >>> table.rows, problems[0].line
+    (((3, ('a.csv', 'x, y')),), 4)
+    """
+    shown = Path(path).as_posix()
+    try:
+        text = load_text(Source(path=Path(path), shown=shown)).data.decode("utf-8")
+    except DataError as error:
+        fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
+        raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if _counts(line)]
+    if not lines:
+        fix = "write a header such as file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
+        raise DataError("the table is empty", path=shown, fix=fix)
+    header_line, head = lines[0]
+    separator = next((mark for mark in (";", "\t") if mark in head), ",")
+    problems: list[Problem] = []
+    split = [(number, _split(line, number, separator, shown, problems)) for number, line in lines]
+    if split[0][1] is None:
+        raise DataError(
+            "a quoted cell of the header is not closed", path=shown, line=header_line, fix="close the quotes"
+        )
+    header = split[0][1]
+    rows = [(number, cells) for number, cells in split[1:] if cells is not None]
+    good = [(number, cells) for number, cells in rows if len(cells) == len(header)]
+    problems += [
+        _ragged(shown, n, cells, header, separator) for n, cells in rows if len(cells) != len(header)
+    ]
+    table = CellTable(
+        path=shown, separator=separator, header=header, header_line=header_line, rows=tuple(good)
+    )
+    return table, tuple(problems)
+
+
+def _counts(line: str) -> bool:
+    bare = line.strip()
+    # A spreadsheet writes empty rows as ";;;;" and quotes a comment that holds a separator.
+    return bool(bare.strip(",;\t ")) and not bare.lstrip('"').startswith("#")
+
+
+def _split(
+    line: str, number: int, separator: str, shown: str, problems: list[Problem]
+) -> tuple[str, ...] | None:
+    try:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
+    except csv.Error:
+        problems.append(
+            Problem(
+                code="RF103",
+                message="a quoted cell is not closed on its line, or text follows its end",
+                path=shown,
+                line=number,
+                fix="keep each row on one line and close the quotes",
+            )
+        )
+        return None
+    return tuple(cell.strip() for cell in cells)
+
+
+def _ragged(
+    shown: str, line: int, cells: tuple[str, ...], header: tuple[str, ...], separator: str
+) -> Problem:
+    message = f"{len(cells)} cells, but the header has {len(header)} columns"
+    fix = f"write a {_NAMES[separator]} for every column, also where a cell is empty"
+    if separator == "," and len(cells) > len(header):
+        digits = Counter(cell.lstrip("+-").isdigit() for cell in cells)[True]
+        fix = 'put text with a comma in "quotes"'
+        if digits > 1:
+            fix = f"if numbers have a decimal comma, separate the columns by ';'; otherwise {fix}"
+    return Problem(code="RF103", message=message, path=shown, line=line, fix=fix)
+
+
+_NAMES = {",": "comma", ";": "semicolon", "\t": "tab"}

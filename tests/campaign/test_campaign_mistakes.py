@@ -1,0 +1,230 @@
+"""Every kind of mistake in campaign.toml, one by one: code, line, key, what is said and how to mend it."""
+
+# ruff: noqa: E501  (a mistake a row reads better than a mistake a page)
+
+import pytest
+
+from ropefric.errors import RopefricError
+from ropefric.trials.campaign import check_campaign, load_campaign
+
+# What is replaced, by what (its first line is where the problem is), code, key, part of the message, part of the fix.
+MISTAKES = {
+    "other schema": ('"ropefric.campaign/1"', '"ropefric.campaign/9"', "RF110", "schema", "campaign/9", "ropefric.campaign/1"),
+    "unknown top key": ("[design]", "[desing]", "RF120", "desing", "unknown key 'desing'", "did you mean 'design'?"),
+    "unknown key": ('diameter = "9.8', 'diametre = "9.8', "RF120", "rope.diametre", "unknown key 'diametre' in [rope]", "did you mean 'diameter'?"),
+    "unknown key of a wheel": ('radius = "40 mm"', 'radius = "40 mm"\nmateriel = "x"', "RF120", "wheels.W40.materiel", "unknown key 'materiel' in [wheels.W40]", "did you mean 'material'?"),
+    "unknown key of a cell": ("hysteresis =", "histeresis =", "RF120", "cells.K1.histeresis", "in [cells.K1]", "did you mean 'hysteresis'?"),
+    "unknown key of a channel": ('unit = "bar"', 'units = "bar"', "RF120", "import.channels.pressure.units", "unknown key 'units'", "column and unit"),
+    "bare number": ('diameter = "9.8 mm"', "diameter = 9.8", "RF130", "rope.diameter", 'expected text like "40 mm", got 9.8', '"9.8 mm"'),
+    "bare number for a force": ('min_step = "5 N"', "min_step = 5", "RF130", "protocol.min_step", 'expected text like "5 N", got 5', '"5 N"'),
+    "number without unit in text": ('"9.8 mm"', '"9.8"', "RF130", "rope.diameter", "9.8 has no unit", '"9.8 mm"'),
+    "decimal comma": ('"9.8 mm"', '"9,8 mm"', "RF130", "rope.diameter", "decimal comma", "decimal point"),
+    "unit of another dimension": ('"9.8 mm"', '"9.8 N"', "RF130", "rope.diameter", "'N' is not a unit of length", "'mm'"),
+    "knots": ('"1 kN"', '"1 kn"', "RF130", "cells.K1.full_scale", "knot", "'kN'"),
+    "unknown unit": ('"9.8 mm"', '"9.8 furlongz"', "RF130", "rope.diameter", "furlongz", "'mm'"),
+    "arithmetic as unit": ('"9.8 mm"', '"9.8 9**9**9**9"', "RF130", "rope.diameter", "not a unit", "'mm'"),
+    "endless exponent": ('"9.8 mm"', '"1e-99999999999999999999 mm"', "RF130", "rope.diameter", "out of range", "40 mm"),
+    "table for a quantity": ('"9.8 mm"', "{ x = 1 }", "RF110", "rope.diameter", "got a table", '"40 mm"'),
+    "truth for a quantity": ('"9.8 mm"', "true", "RF110", "rope.diameter", "got true", '"40 mm"'),
+    "negative": ('"9.8 mm"', '"-9.8 mm"', "RF110", "rope.diameter", "not more than 0", "40 mm"),
+    "zero rate": ('"3 kHz"', '"0 Hz"', "RF110", "sampling.rate", "not more than 0", "3 kHz"),
+    "number for text": ('name   = "PRTH bench"', "name = 7", "RF110", "name", "expected text in quotes, got 7", "quotes"),
+    "text for a table": ('[weights]\ntolerance = "0.05 %"', "", "RF110", "weights", 'expected a table, got "0.05 %"', "[weights]"),
+    "wheel without table": ('[wheels.W60]\ndiameter = "120 mm"', '[wheels]\nW60 = "60 mm"', "RF110", "wheels.W60", 'expected a table, got "60 mm"', "[wheels.W60]"),
+    "two sizes": ('diameter = "9.8 mm"', 'diameter = "9.8 mm"\nradius = "5 mm"', "RF111", "rope.diameter", "both", "remove one"),
+    "no size": ('diameter = "9.8 mm"', "", "RF121", "rope", "neither radius nor diameter", 'diameter = "9.8 mm"'),
+    "missing key": ('full_scale = "1 kN"', "", "RF121", "cells.K1.full_scale", "'full_scale' is missing in the table [cells.K1]", "add full_scale"),
+    "missing key of a table": ("bits = 10", "", "RF121", "adc.bits", "'bits' is missing in the table [adc]", "add bits"),
+    "share without per cent": ('"0.02 %FS"', '"0.02"', "RF130", "cells.K1.linearity", "no per-cent sign", "0.02 %FS"),
+    "share as number": ('tolerance = "0.05 %"', "tolerance = 0.0005", "RF130", "weights.tolerance", "got 0.0005", '"0.05 %"'),
+    "share too large": ('"0.02 %FS"', '"20 %FS"', "RF110", "cells.K1.linearity", "not between 0 % and 10 %", "0.02 %FS"),
+    "voltages the wrong way": ('full_scale_voltage = "5 V"', 'full_scale_voltage = "-5 V"', "RF110", "cells.K1.full_scale_voltage", "not above 0 V", "swap"),
+    "one calibration point": ('["0 N", "0.002 V"], ', "", "RF110", "cells.K1.calibration_points", "one calibration point", "two or more"),
+    "calibration point without unit": ('["500 N", "2.501 V"]', "[500, 2.501]", "RF130", "cells.K1.calibration_points[1]", "got 500", '"500 N"'),
+    "calibration point alone": ('["500 N", "2.501 V"]', '"500 N"', "RF110", "cells.K1.calibration_points[1]", "a pair of force and voltage", '["500 N", "2.5 V"]'),
+    "calibration points as text": ('[["0 N", "0.002 V"], ["500 N", "2.501 V"]]', '"see sheet"', "RF110", "cells.K1.calibration_points", "expected a list", ""),
+    "date in quotes": ("2026-01-15", '"2026-01-15"', "RF110", "cells.K1.calibrated", "expected a date", "without quotes"),
+    "bits as text": ("bits = 10", 'bits = "10"', "RF110", "adc.bits", "a whole number from 1 to 32", ""),
+    "too many bits": ("bits = 10", "bits = 64", "RF110", "adc.bits", "a whole number from 1 to 32, got 64", ""),
+    "empty converter range": ('high = "5 V"', 'high = "0 V"', "RF111", "adc.high", "empty", ""),
+    "unknown protocol": ('name = "breakaway"', 'name = "break-away"', "RF120", "protocol.name", "break-away", "did you mean 'breakaway'?"),
+    "interval the wrong way": ('until = "6 s"', 'until = "0 s"', "RF111", "protocol.until", "empty", ""),
+    "unknown side": ('name = "breakaway"', 'name = "breakaway"\nside = "slak"', "RF120", "protocol.side", "slak", "did you mean 'slack'?"),
+    "tare the wrong way": ('["0 s", "300 ms"]', '["1 s", "300 ms"]', "RF111", "tare.interval", "empty", ""),
+    "tare of one time": ('["0 s", "300 ms"]', '["0 s"]', "RF110", "tare.interval", "two times", "0.3 s"),
+    "window without unit": ('window = "10 ms"', "window = 10", "RF130", "smoothing.window", "got 10", '"10 ms"'),
+    "unknown window": ('"10 ms"', '"atuo"', "RF120", "smoothing.window", "atuo", '"auto"'),
+    "unknown peak": ('"two-line"', '"twoline"', "RF120", "smoothing.peak", "twoline", "did you mean 'two-line'?"),
+    "unknown rule": ('"grubbs"', '"grubs"', "RF120", "rejection.rule", "grubs", "did you mean 'grubbs'?"),
+    "design without tension": ('end_tension = "60 N"', "", "RF121", "design.end_tension", "missing in the table [design]", "add end_tension"),
+    "unknown format": ('"delimited"', '"delimitted"', "RF120", "import.format", "delimitted", "did you mean 'delimited'?"),
+    "long separator": ('separator = ","', 'separator = ", "', "RF110", "import.separator", "one character", '"tab"'),
+    "decimal is separator": ('decimal = "."', 'decimal = ","', "RF111", "import.decimal", "the same", ""),
+    "unknown encoding": ('"utf-8-sig"', '"utf-9"', "RF110", "import.encoding", "utf-9", "cp1252"),
+    "row zero point five": ("header_row = 1", "header_row = 1.5", "RF110", "import.header_row", "whole number", ""),
+    "missing as text": ('missing = ["--"]', 'missing = "--"', "RF110", "import.missing", "expected a list", ""),
+    "column zero": ("column = 3", "column = 0", "RF110", "import.channels.pressure", "number from 1", ""),
+    "unit of a channel": ('unit = "bar"', 'unit = "bahr"', "RF130", "import.channels.pressure.unit", "bahr", ""),
+    "time in newtons": ('unit = "s"', 'unit = "N"', "RF130", "import.channels.time.unit", "not a unit of time", "'s'"),
+    "no force": ('counts = "counts"', "", "RF121", "import.channels", "no channel gives the force", "force ="),
+    "constant of no dimension": ('"490.9 mm^2"', '"490.9 mol"', "RF130", "import.constants.area", "no SI unit is known for 'mol'", "in SI"),
+    "degrees Celsius": ('"490.9 mm^2"', '"20 degC"', "RF130", "import.constants.area", "degC", ""),
+    "formula": ('"pressure * area"', '"pressure *"', "RF109", "import.derived.load", "not a formula", "arithmetic"),
+    "formula with unknown channel": ('"pressure * area"', '"presure * area"', "RF109", "import.derived.load", "'presure'", "did you mean 'pressure'?"),
+    "formula that is code": ('"pressure * area"', '"__import__(1)"', "RF109", "import.derived.load", "not offered", ""),
+    "two rates": ('decimal = "."', 'decimal = "."\nsampling_rate = "2 kHz"', "RF111", "import.sampling_rate", "2000 Hz, but [sampling] rate is 3000 Hz", "remove one"),
+    "data folder": ('"recordings"', '"recordngs"', "RF106", "data", "recordngs", "relative to the campaign file"),
+    "trials file": ('"trials.csv"', '"trails.csv"', "RF101", "", "there is no such file", "relative to the campaign file"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES.values(), ids=MISTAKES)
+def test_one_mistake(bench, mistake):
+    old, new, code, key, message, fix = mistake
+    if key == "weights":
+        bench.spoil(old, new)
+        bench.spoil('data   = "recordings"', 'weights = "0.05 %"\ndata   = "recordings"')
+        new = 'weights = "0.05 %"'
+    else:
+        bench.spoil(old, new)
+    problem = bench.only()
+    assert (problem.code, problem.key) == (code, key)
+    assert message in problem.message
+    assert fix in problem.fix
+    assert "pydantic" not in str(problem)
+    assert "Input should" not in str(problem)
+    name = problem.path.rsplit("/", 1)[1]
+    assert name == ("trails.csv" if key == "" else "campaign.toml")
+    if key and new:
+        at = bench.path.read_text(encoding="utf-8").index(new)
+        first = bench.path.read_text(encoding="utf-8").count("\n", 0, at) + 1
+        # A key that was added stands in the last line of what was put in.
+        last = first + new.count("\n")
+        assert problem.line in {first, last}
+    if code == "RF121":
+        assert problem.line is not None
+
+
+def test_missing_keys_point_at_their_table(bench):
+    bench.spoil('full_scale = "1 kN"\n', "")
+    heading = bench.path.read_text().splitlines().index("[cells.K1]") + 1
+    assert bench.only().line == heading
+
+
+@pytest.mark.parametrize("key", ["schema", "name", "trials", "rope"])
+def test_required_keys_of_the_file(bench, key):
+    bench.spoil(r"^\[rope\]\n(.+\n){3}" if key == "rope" else rf"^{key} .*\n", "", pattern=True)
+    problem = bench.only()
+    assert (problem.code, problem.key, problem.message) == ("RF121", key, f"'{key}' is missing in the file")
+
+
+@pytest.mark.parametrize("table", ["adc", "cells"])
+def test_counts_need_a_converter_and_a_cell(bench, table):
+    bench.spoil(r"^\[cells.K1\]\n(.+\n)+" if table == "cells" else r"^\[adc\]\n(.+\n)+", "", pattern=True)
+    problem = bench.errors()[0]
+    line = bench.path.read_text().splitlines().index('counts = "counts"') + 1
+    assert (problem.code, problem.line, problem.key) == ("RF121", line, "import.channels.counts")
+
+
+SYNTAX = {
+    "no quotes": ('"9.8 mm"', "9.8 mm", "something follows the value", 'write diameter = "9.8 mm"'),
+    "no quotes and comma": ('"9.8 mm"', "9,8 mm", "something follows the value", 'write diameter = "9.8 mm"'),
+    "word": ('"9.8 mm"', "unknown", "the value is not TOML", "in quotes"),
+    "no equals sign": ('diameter = "9.8 mm"', "diameter", "no '='", "key ="),
+    "key twice": (
+        'diameter = "9.8 mm"',
+        'diameter = "9.8 mm"\ndiameter = "9 mm"',
+        "given a second time",
+        "remove one",
+    ),
+    "table twice": ("[adc]", "[rope]", "given a second time", "one heading"),
+    "open quote": ('"9.8 mm"', '"9.8 mm', "a quote is not closed", "close the quote"),
+    "backslash": ('"recordings"', '"C:\\lab"', "backslash", "/"),
+}
+
+
+@pytest.mark.parametrize("mistake", SYNTAX.values(), ids=SYNTAX)
+def test_no_toml(bench, mistake):
+    old, new, message, fix = mistake
+    bench.spoil(old, new)
+    problem = bench.only()
+    text = bench.path.read_text(encoding="utf-8")
+    line = text.count("\n", 0, text.index(new)) + 1 + new.count("\n")
+    if old == "[adc]":
+        line = text.count("\n", 0, text.rindex(new)) + 1
+    assert (problem.code, problem.line) == ("RF101", line)
+    assert message in problem.message
+    assert fix in problem.fix
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "message"),
+    [
+        (b'a = 1\nname = "\xff"\n', 2, "UTF-8"),
+        (b"a = " + b"[" * 5000, None, ""),
+        (b"a = " + b"1" * 5000, None, "cannot be read"),
+        (b"", None, "missing"),
+        (b"a = 1\nb = [1,\n", 2, ""),
+        (b"a = 1979-99-99\n", 1, ""),
+        (b"\0", 1, ""),
+    ],
+)
+def test_odd_files(bench, content, line, message):
+    bench.write(toml=content)
+    problem = bench.errors()[0]
+    assert message in problem.message
+    assert line is None or problem.line == line
+
+
+@pytest.mark.parametrize("name", ["nothing.toml", ".", "x\0y", "n" * 300])
+def test_no_file(tmp_path, name):
+    (problem,) = check_campaign(tmp_path / name)
+    assert problem.code == "RF101"
+    with pytest.raises(RopefricError):
+        load_campaign(tmp_path / name)
+
+
+def test_all_mistakes_in_one_pass(bench):
+    bench.spoil('"9.8 mm"', "9.8")
+    bench.spoil("bits = 10", "bits = 99")
+    bench.spoil("grubbs", "grubs")
+    bench.spoil("[design]", "[desing]")
+    bench.spoil('"490.9 mm^2"', '"490.9 mn^2"')
+    bench.spoil('"pressure * area"', '"presure * area"')
+    bench.spoil_table("t2,b.csv,W60", "t1,b.csv,W6O")
+    bench.spoil_table("540,60.5", "-540,")
+    bench.spoil_table("a.csv", "missing.csv")
+    found = [(p.path.rsplit("/", 1)[1], p.code, p.key) for p in bench.problems()]
+    assert found == [
+        ("campaign.toml", "RF130", "rope.diameter"),
+        ("campaign.toml", "RF110", "adc.bits"),
+        ("campaign.toml", "RF120", "rejection.rule"),
+        ("campaign.toml", "RF120", "desing"),
+        ("campaign.toml", "RF130", "import.constants.area"),
+        ("campaign.toml", "RF109", "import.derived.load"),
+        ("trials.csv", "RF106", "file"),
+        ("trials.csv", "RF122", "trial"),
+        ("trials.csv", "RF120", "wheel"),
+        ("trials.csv", "RF110", "wrap_angle_deg"),
+        ("trials.csv", "RF121", "end_tension_N"),
+    ]
+    assert bench.problems() == bench.problems()
+
+
+def test_a_wrong_protocol_says_nothing_about_tensions(bench):
+    bench.spoil('"breakaway"', '"heldd"')
+    assert bench.only().key == "protocol.name"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "key"),
+    [
+        ('"40 mm"', '"40 m"', "RF140", "wheels.W40"),
+        ('name = "breakaway"', 'name = "breakaway"\nside = "tight"', "RF141", "protocol.side"),
+    ],
+)
+def test_doubts(bench, old, new, code, key):
+    bench.spoil(old, new)
+    (doubt,) = [p for p in bench.warnings() if p.path.endswith("campaign.toml")]
+    assert (doubt.code, doubt.key) == (code, key)
+    assert bench.errors() == []

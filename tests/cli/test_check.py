@@ -1,0 +1,51 @@
+"""`check`: all problems at once, and what a campaign holds."""
+
+import shutil
+
+
+def test_a_sound_campaign_is_told_in_the_rigs_units(call, bench):
+    done = call("check", bench / "campaign.toml")
+    assert done.code == 0
+    assert "0 errors" in done.out
+    for fact in ("12 in 12 files", "15, 30 mm", "540 deg", "60 N", "two-sigma"):
+        assert fact in done.out
+
+
+def test_json_counts_in_si(call, bench):
+    held = call("check", bench / "campaign.toml", "--json").json()
+    assert held["ok"] is True
+    assert held["campaign"]["n_trials"] == 12
+    assert held["campaign"]["repeats"] == {"fewest": 6, "most": 6}
+    assert held["campaign"]["wheel_radius_m"] == [0.015, 0.03]
+
+
+def test_warnings_are_said_on_stderr_and_do_not_fail(call, bench):
+    done = call("check", bench / "campaign.toml")
+    assert "warning RF" in done.err  # one wrap and one tension: their effect cannot be seen
+    assert call("check", bench / "campaign.toml", "--quiet").err == ""
+
+
+def test_all_errors_come_at_once_with_exit_3(call, bench, tmp_path):
+    folder = tmp_path / "broken"
+    shutil.copytree(bench, folder)
+    trials = folder / "trials.csv"
+    lines = trials.read_text(encoding="utf-8").splitlines()
+    lines[2] = lines[2].replace(",540,", ",,")
+    lines[4] = lines[4].replace(",60,", ",-60,")
+    trials.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    done = call("check", folder / "campaign.toml")
+    assert done.code == 3
+    assert "trials.csv:3" in done.err
+    assert "trials.csv:5" in done.err
+    answer = call("check", folder / "campaign.toml", "--json").json()
+    assert answer["ok"] is False
+    assert {"code", "message", "where", "fix"} <= set(answer["error"])
+    assert sum(problem["severity"] == "error" for problem in answer["problems"]) >= 2
+    assert "campaign" not in answer
+
+
+def test_a_campaign_that_is_not_there(call, tmp_path):
+    done = call("check", tmp_path / "nope.toml")
+    assert done.code == 3
+    assert "nope.toml" in done.err
+    assert call("check", tmp_path / "nope.toml", "--json").json()["error"]["where"].endswith("nope.toml")

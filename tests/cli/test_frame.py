@@ -1,0 +1,281 @@
+"""The frame of the command line: exit codes, pure JSON, words on stderr, help that starts light."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import pytest
+import typer
+
+from ropefric.cli import app
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.commands.catalogue import find_commands
+from ropefric.cli.jsontext import json_text
+from ropefric.errors import DataError, FitError, Problem
+from ropefric.registry import Registry
+
+NOT_TRUSTED = 4
+
+
+@pytest.fixture
+def run(monkeypatch, capfd):
+    """Run a made-up command `do` through the real frame; return exit code, stdout, stderr."""
+
+    def run(body, *argv):
+        def do(out, *, size: Annotated[int, typer.Option(help="How large.")] = 1):
+            """Do it."""
+            return body(out, size)
+
+        command = Command(name="do", run=do, example="ropefric do", order=1)
+        monkeypatch.setattr(app, "find_commands", lambda: Registry("command", [command]))
+        code = app.main(argv)
+        said = capfd.readouterr()
+        return code, said.out, said.err
+
+    return run
+
+
+def answer(data=None, text="done", exit_code=0):
+    return Answer(
+        data=data or {"b": 1, "a": 2}, show=lambda console: console.print(text), exit_code=exit_code
+    )
+
+
+def fail(error):
+    def body(out, size):
+        raise error
+
+    return body
+
+
+def test_a_result_goes_to_stdout_and_notes_to_stderr(run):
+    def body(out, size):
+        out.note(f"working on {size}")
+        return answer(text=f"size {size}")
+
+    assert run(body, "do", "--size", "3") == (0, "size 3\n", "working on 3\n")
+    assert run(body, "do", "--quiet") == (0, "size 1\n", "")
+    assert run(body, "--quiet", "do") == (0, "size 1\n", "")
+
+
+@pytest.mark.parametrize("argv", [("do", "--json"), ("--json", "do")])
+def test_json_is_alone_on_stdout_sorted_and_strict(run, argv, strict):
+    def body(out, size):
+        out.note("a note")
+        return answer({"nan": float("nan"), "inf": [float("-inf")], "a": {"z": 1, "y": Path("x/y")}})
+
+    code, out, err = run(body, *argv)
+    assert code == 0
+    assert strict(out) == {"nan": None, "inf": [None], "a": {"z": 1, "y": "x/y"}}
+    assert out.index('"a"') < out.index('"inf"') < out.index('"nan"')
+    assert err == "a note\n"
+
+
+def test_a_result_not_to_be_trusted_has_its_exit_code_and_still_its_output(run):
+    code, out, _ = run(lambda out, size: answer(exit_code=NOT_TRUSTED), "do")
+    assert (code, out) == (NOT_TRUSTED, "done\n")
+
+
+def test_an_error_says_what_where_and_the_fix(run):
+    error = DataError(
+        'cannot read "12,47"', code="RF102", path="run07.csv", line=4, fix='[import] decimal = ","'
+    )
+    code, out, err = run(fail(error), "do")
+    assert (code, out) == (3, "")
+    assert err == 'error RF102 run07.csv:4  cannot read "12,47"\n  fix: [import] decimal = ","\n'
+
+
+def test_all_problems_are_said_and_listed(run, strict):
+    problems = [Problem(code=f"RF12{i}", message=f"wrong {i}", path="c.toml", line=i) for i in range(3)]
+    error = DataError("wrong 0", problems=problems)
+    _, _, err = run(fail(error), "do")
+    assert [line.split()[2] for line in err.splitlines()] == ["c.toml:0", "c.toml:1", "c.toml:2"]
+    code, out, err = run(fail(error), "do", "--json")
+    assert (code, err) == (3, "")
+    assert [p["message"] for p in strict(out)["error"]["problems"]] == ["wrong 0", "wrong 1", "wrong 2"]
+
+
+def test_an_error_is_said_even_when_quiet(run):
+    assert "RF101" in run(fail(DataError("empty")), "do", "--quiet")[2]
+
+
+def test_markup_in_a_message_is_left_alone(run):
+    assert "[import] [/bold]" in run(fail(DataError("[import] [/bold]")), "do")[2]
+
+
+def test_json_errors_have_the_agreed_shape(run, strict):
+    code, out, err = run(fail(FitError("no minimum", fix="give starts")), "do", "--json")
+    assert (code, err) == (3, "")
+    assert strict(out) == {
+        "error": {"code": "RF400", "message": "no minimum", "where": "", "fix": "give starts"}
+    }
+
+
+def test_an_unexpected_failure_is_owned_up_to_without_a_traceback(run, monkeypatch, strict):
+    monkeypatch.delenv("ROPEFRIC_DEBUG", raising=False)
+    code, out, err = run(fail(ZeroDivisionError("by zero")), "do")
+    assert (code, out) == (1, "")
+    assert "internal fault, ZeroDivisionError: by zero" in err
+    assert "report" in err
+    assert "Traceback" not in err
+    monkeypatch.setenv("ROPEFRIC_DEBUG", "1")
+    code, out, err = run(fail(ZeroDivisionError("by zero")), "do", "--json")
+    assert code == 1
+    assert strict(out)["error"]["code"] == "RF000"
+    assert "Traceback" in err
+
+
+def test_a_file_the_system_refuses_is_the_users_to_mend(run):
+    code, _, err = run(lambda out, size: open("no/such.toml"), "do")  # noqa: PTH123, SIM115
+    assert code == 3
+    assert "no/such.toml" in err
+    assert "no such file" in err
+
+
+def test_an_interruption_is_130(run):
+    assert run(fail(KeyboardInterrupt()), "do")[0] == 130
+
+
+@pytest.mark.parametrize(
+    ("argv", "message", "hint"),
+    [
+        (["od"], "no such command 'od'", "see ropefric --help"),
+        (["doo"], "no such command 'doo'", "did you mean 'do'?"),
+        (["do", "--sise", "3"], "no such option: --sise", "did you mean '--size'?"),
+        (["do", "--size", "big"], "invalid value for '--size'", "see ropefric do --help"),
+        (["do", "--size"], "requires", "see ropefric --help"),
+        (["do", "surplus"], "surplus", "see ropefric do --help"),
+    ],
+)
+def test_wrong_usage_is_2_and_says_what_would_have_worked(run, argv, message, hint, strict):
+    code, out, err = run(lambda out, size: answer(), *argv)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert hint in err
+    code, out, err = run(lambda out, size: answer(), "--json", *argv)
+    assert (code, err) == (2, "")
+    assert message in strict(out)["error"]["message"]
+
+
+def test_no_command_shows_the_help(run):
+    code, out, _ = run(lambda out, size: answer())
+    assert code == 0
+    assert "do" in out
+    assert "Exit codes" in out
+
+
+def test_version(capsys, strict):
+    assert app.main(["--version"]) == 0
+    assert capsys.readouterr().out.startswith("ropefric ")
+    assert app.main(["--version", "--json"]) == 0
+    assert "version" in strict(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("name", list(find_commands()))
+def test_every_command_explains_itself_and_takes_the_global_options(name, capsys):
+    assert app.main([name, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert all(option in text for option in ("--json", "--quiet", "--no-color"))
+    command = find_commands()[name]
+    assert command.example.startswith(f"ropefric {name}")
+    assert command.run.__doc__.strip().splitlines()[0].endswith(".")
+
+
+def test_no_color_writes_plain_text_even_to_a_terminal(monkeypatch):
+    import io
+
+    from ropefric.cli.output import console_on
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    stream = Terminal()
+    console_on(stream).print("red", style="red")
+    assert "\x1b[" in stream.getvalue()
+    for name, color in (("NO_COLOR", True), ("IRRELEVANT", False)):
+        monkeypatch.setenv(name, "1")
+        stream = Terminal()
+        console_on(stream, color=color).print("red", style="red")
+        assert stream.getvalue() == "red\n"
+        monkeypatch.delenv(name)
+
+
+def test_json_refuses_what_has_no_place_in_it():
+    with pytest.raises(TypeError, match="object has no place"):
+        json_text({"a": object()})
+
+
+def test_json_takes_numpy(strict):
+    import numpy as np
+
+    data = {
+        "flag": np.bool_(True),
+        "n": np.int64(3),
+        "x": np.float64("nan"),
+        "array": np.array([[1.5, np.inf]]),
+    }
+    assert strict(json_text(data)) == {"flag": True, "n": 3, "x": None, "array": [[1.5, None]]}
+
+
+def test_help_starts_light():
+    """Asserted on what is loaded, never on the clock."""
+    code = (
+        "import sys\n"
+        "from ropefric.cli.app import main\n"
+        "assert main(['--help']) == 0\n"
+        "heavy = {'numpy', 'scipy', 'pandas', 'matplotlib', 'lmfit', 'pint', 'pydantic', 'asteval'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+def test_python_m_runs_it():
+    done = subprocess.run(
+        [sys.executable, "-m", "ropefric", "chekc"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert "did you mean 'check'?" in done.stderr
+
+
+def test_a_reader_that_goes_away_is_no_failure():
+    """As in `ropefric … | head -1`: the pipe's reading end is closed before anything is written."""
+    code = (
+        "import os, sys\n"
+        "from ropefric.cli import app\n"
+        "from ropefric.cli.command import Answer, Command\n"
+        "from ropefric.registry import Registry\n"
+        "def run(out):\n"
+        "    'Say much.'\n"
+        "    return Answer(data={'x': ['y' * 99] * 9999}, show=lambda c: c.print('y' * 99999), exit_code=4)\n"
+        "command = Command(name='do', run=run, example='', order=1)\n"
+        "app.find_commands = lambda: Registry('command', [command])\n"
+        "sys.exit(app.main(sys.argv[1:]))\n"
+    )
+    for argv, expected in ((["do"], 4), (["do", "--json"], 4), (["--help"], 0)):
+        process = subprocess.Popen(
+            [sys.executable, "-c", code, *argv], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        process.stdout.close()
+        process.stdout = None
+        _, err = process.communicate()
+        assert (process.returncode, err) == (expected, "")
+
+
+def test_work_goes_on_when_nobody_listens_to_stderr(tmp_path):
+    done = tmp_path / "done"
+    code = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "from ropefric.cli.output import Output\n"
+        "for i in range(9):\n"
+        "    Output().note('y' * 99999)\n"
+        "Path(sys.argv[1]).touch()\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code, str(done)], stderr=subprocess.PIPE)
+    process.stderr.close()
+    assert process.wait() == 0
+    assert done.exists()

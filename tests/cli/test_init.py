@@ -1,0 +1,24 @@
+"""`init`: templates that `check` understands."""
+
+
+def test_templates_are_written_and_never_over_others_work(call, tmp_path):
+    done = call("init", tmp_path / "mine")
+    assert done.code == 0
+    assert "wrote" in done.out
+    assert "ropefric check" in done.err
+    campaign = tmp_path / "mine" / "campaign.toml"
+    campaign.write_text("mine", encoding="utf-8")
+    again = call("init", tmp_path / "mine", "--json")
+    assert again.code == 3
+    assert "already" in again.json()["error"]["message"]
+    assert campaign.read_text(encoding="utf-8") == "mine"
+    assert call("init", tmp_path / "mine", "--force", "-q").code == 0
+    assert campaign.read_text(encoding="utf-8") != "mine"
+
+
+def test_what_is_left_to_do_is_said_by_check(call, tmp_path):
+    call("init", tmp_path / "mine")
+    done = call("check", tmp_path / "mine")
+    assert done.code == 3
+    codes = {problem["code"] for problem in call("check", tmp_path / "mine", "--json").json()["problems"]}
+    assert codes == {"RF109"}  # only the recordings are missing

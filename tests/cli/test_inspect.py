@@ -1,0 +1,82 @@
+"""`inspect`: what is in a file, told so that a stranger to it can write the profile."""
+
+import tomllib
+
+import pytest
+
+GERMAN = "Zeit (ms);Kraft (kN)\n" + "".join(f"{10 * i};{i // 10},{i % 10}\n" for i in range(30))
+
+
+@pytest.fixture
+def recording(tmp_path):
+    path = tmp_path / "pull.csv"
+    path.write_text(GERMAN, encoding="utf-8")
+    return path
+
+
+def test_people_see_columns_units_ranges_and_the_profile(call, recording):
+    done = call("inspect", recording)
+    assert done.code == 0
+    for fact in ("30 rows", "separator semicolon", "decimal comma", "100 Hz", "Kraft", "kN", "290", "2.9"):
+        assert fact in done.out
+    assert "[import]" in done.out
+    assert done.err == ""
+
+
+def test_json_carries_the_profile(call, recording):
+    found = call("inspect", recording, "--json").json()
+    assert found["decimal"] == ","
+    assert tomllib.loads(found["profile_toml"])["import"]["decimal"] == ","
+
+
+def test_the_profile_is_written_and_nothing_is_overwritten_unasked(call, recording, tmp_path):
+    target = tmp_path / "import.toml"
+    assert call("inspect", recording, "--write-profile", target, "-q").err == ""
+    first = target.read_bytes()
+    assert tomllib.loads(first.decode())["import"]["separator"] == ";"
+    target.write_text("mine", encoding="utf-8")
+    refused = call("inspect", recording, "--write-profile", target)
+    assert refused.code == 3
+    assert "--force" in refused.err
+    assert target.read_text(encoding="utf-8") == "mine"
+    assert call("inspect", recording, "--write-profile", target, "--force").code == 0
+    assert target.read_bytes() == first
+
+
+def test_numbers_are_never_folded_on_a_narrow_terminal(call, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    path = tmp_path / "many.csv"
+    header = ",".join(f"channel_{i}" for i in range(30))
+    path.write_text("\n".join([header, *[",".join(["123456.789012"] * 30)] * 9]) + "\n", encoding="utf-8")
+    lines = call("inspect", path).out.splitlines()
+    shown = [line for line in lines if line.startswith("123456.789012")]
+    assert len(shown) == 5
+    assert all(len(line) <= 80 for line in shown)
+    assert "(25 more columns)" in lines
+
+
+def test_an_unusual_ending_can_be_told_its_format(call, recording, tmp_path):
+    odd = recording.rename(tmp_path / "pull.log")
+    assert "known" in call("inspect", odd).err
+    assert call("inspect", odd, "--format", "delimited").code == 0
+    assert "did you mean 'delimited'?" in call("inspect", odd, "--format", "delimted").err
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00\x01\x02\xff" * 50])
+def test_what_is_no_recording_is_refused_with_3(call, tmp_path, content):
+    path = tmp_path / "odd.csv"
+    path.write_bytes(content)
+    done = call("inspect", path)
+    assert (done.code, done.out) == (3, "")
+    assert "odd.csv" in done.err
+
+
+def test_a_missing_file_is_called_missing(call, tmp_path):
+    assert "there is no such file" in call("inspect", tmp_path / "nope").err
+
+
+def test_real_recordings_of_every_layout(call, real_data):
+    wide = call("inspect", real_data / "mecmesin_wide" / "example_forces_big.csv")
+    assert "10 recordings side by side" in wide.out
+    ragged = call("inspect", next((real_data / "rock_direct_shear").glob("TM11*")))
+    assert "please check" in ragged.out

@@ -1,0 +1,80 @@
+"""Progress: lines for logs, a bar at terminals, silence on request."""
+
+import io
+import sys
+
+import pytest
+
+from ropefric.cli.output import Output
+from ropefric.cli.progress import Progress
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def work(out, items):
+    with Progress(out, "extract") as progress:
+        for done, item in enumerate(items, start=1):
+            progress.update(done, len(items), item)
+
+
+def test_a_log_gets_one_line_every_ten_percent(capsys):
+    work(Output(), [f"run_{i}" for i in range(200)])
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.splitlines() == [f"extract {20 * k}/200  {10 * k} %" for k in range(1, 11)]
+
+
+def test_few_items_get_a_line_each(capsys):
+    work(Output(), ["a", "b", "c"])
+    assert capsys.readouterr().err.splitlines() == [
+        "extract 1/3  33 %",
+        "extract 2/3  66 %",
+        "extract 3/3  100 %",
+    ]
+
+
+def test_flagged_and_failed_are_counted_on_the_way(capsys):
+    work(Output(), ["run_1 ok", "run_2 no-peak", "run_3 unreadable", "run_4 saturated"])
+    assert capsys.readouterr().err.splitlines()[-1] == "extract 4/4  100 % · 2 flagged · 1 failed"
+
+
+def test_quiet_is_silent(capsys):
+    work(Output(quiet=True), ["a", "b"])
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("columns", ["40", "80", "160"])
+def test_a_terminal_gets_a_bar_that_fits_on_its_line(monkeypatch, columns):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setenv("COLUMNS", columns)
+    monkeypatch.setenv("TERM", "xterm")
+    work(Output(color=False), [f"run_{i} ok" for i in range(147)])
+    text = stream.getvalue()
+    assert "extract 147/147" in text
+    assert "100 %" in text
+    assert "147 ok" not in text
+
+
+def test_the_bar_gives_the_cursor_back_after_a_failure(monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setenv("TERM", "xterm")
+
+    def interrupted():
+        with Progress(Output(), "extract") as progress:
+            progress.update(1, 3, "a")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert stream.getvalue().rfind("\x1b[?25h") > stream.getvalue().rfind("\x1b[?25l")
+
+
+def test_nothing_to_do_says_nothing(capsys):
+    with Progress(Output(), "extract") as progress:
+        progress.update(0, 0, "")
+    assert capsys.readouterr().err == ""

@@ -8,11 +8,12 @@ import numpy as np
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.quantities import unit_factor
 from ropefric.registry import did_you_mean
+from ropefric.traces.arrays import FloatArray, IntArray
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.counts import as_counts
 from ropefric.traces.readers.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
-from ropefric.traces.trace import FloatArray, ForceTrace, IntArray
+from ropefric.traces.trace import ForceTrace
 
 if TYPE_CHECKING:
     from ropefric.traces.calibration import Calibration

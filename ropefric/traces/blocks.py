@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.noise import noise_std, resolution
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["BLOCK_S", "Glance", "glance"]
 

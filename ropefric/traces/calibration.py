@@ -147,8 +147,10 @@ class Calibration:
             raise InputError(
                 f"{counts.size} counts and an interval mask of shape {np.shape(interval)}", code="RF212"
             )
-        untared = replace(self, tare_N=0.0)
-        force_N, saturation = untared.apply(counts[np.asarray(interval, dtype=bool)])
+        return self._tare_of_all(counts[np.asarray(interval, dtype=bool)])
+
+    def _tare_of_all(self, counts: Any) -> Tare:
+        force_N, saturation = replace(self, tare_N=0.0).apply(counts)
         return measure_tare(force_N, saturation, lsb_N=self.lsb_N)
 
     def to_dict(self) -> dict[str, Any]:
@@ -237,7 +239,11 @@ def tare_from_interval(
             key="tare",
             fix="name an interval inside the recording",
         )
-    tare = calibration.tare_of(counts, (time_s >= start_s) & (time_s <= end_s))
+    counts = np.asarray(counts)
+    if counts.shape != time_s.shape:
+        raise InputError(f"{counts.size} counts for {time_s.size} time stamps", code="RF212")
+    first, stop = np.searchsorted(time_s, start_s, side="left"), np.searchsorted(time_s, end_s, side="right")
+    tare = calibration._tare_of_all(counts[first:stop])  # noqa: SLF001  (a function of this class's module)
     return replace(calibration, tare_N=tare.force_N, tare_std_N=tare.std_N), tare.problems
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.traces.trace import FloatArray
+from ropefric.traces.arrays import FloatArray
 
 __all__ = ["Climb", "climb_to", "flattened"]
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.traces.trace import FloatArray, IntArray
+from ropefric.traces.arrays import FloatArray, IntArray, median
 
 __all__ = ["Cleaned", "noise_std", "remove_spikes", "resolution"]
 
-MAX_SAMPLES_FOR_NOISE = 8192
+MAX_SAMPLES_FOR_NOISE = 4096
 MAX_SPIKE_SAMPLES = 2
 MAX_DROPOUT_SAMPLES = 40
 SPIKE_SIGMAS = 8.0
@@ -60,7 +60,7 @@ def noise_std(values: FloatArray) -> float:
     """
     if values.size < 4:
         return 0.0
-    sigma = 1.4826 * float(np.median(np.abs(_windows(values)))) / np.sqrt(6.0)
+    sigma = 1.4826 * median(np.abs(_windows(values))) / np.sqrt(6.0)
     return float(max(sigma, resolution(values) / np.sqrt(12.0)))
 
 
@@ -101,18 +101,14 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
     [3]
     """
     steps = np.diff(values)
-    jumps = np.flatnonzero(np.abs(steps) > SPIKE_SIGMAS * noise)
     bad: list[int] = []
     last_bad = -1
-    # A trace whose noise is far from white jumps everywhere: then nothing stands out, and nothing is removed.
-    if jumps.size <= max(50, values.size // 20):
-        for jump in jumps:
-            start = int(jump) + 1  # first sample of the excursion
-            if start > last_bad:
-                stop = _excursion_end(values, steps, start, noise)
-                if stop:
-                    bad.extend(range(start, stop))
-                    last_bad = stop - 1
+    for start in _candidates(values, steps, SPIKE_SIGMAS * noise):
+        if start > last_bad:
+            stop = _excursion_end(values, steps, start, noise)
+            if stop:
+                bad.extend(range(start, stop))
+                last_bad = stop - 1
     if not bad:
         return Cleaned(values=values, bad=np.empty(0, dtype=np.int64))
     index = np.array(bad, dtype=np.int64)
@@ -121,6 +117,23 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
     cleaned = values.copy()
     cleaned[index] = np.interp(index, np.flatnonzero(good), values[good])
     return Cleaned(values=cleaned, bad=index)
+
+
+def _candidates(values: FloatArray, steps: FloatArray, smallest: float) -> list[int]:
+    """First samples of what may be excursions: large steps that are nearly undone soon, or lead to a frozen value."""
+    starts = np.flatnonzero((steps > smallest) | (steps < -smallest)) + 1
+    # A trace whose noise is far from white jumps everywhere: then nothing stands out, and nothing is removed.
+    if starts.size > max(50, values.size // 20):
+        return []
+    out = np.abs(steps[starts - 1])
+    last = values.size - 1
+    maybe = starts + MAX_SPIKE_SAMPLES > last
+    for length in range(1, MAX_SPIKE_SAMPLES + 1):
+        back = np.abs(values[np.minimum(starts + length, last)] - values[starts - 1])
+        # The step is at least four times any usual one, so a spike rejoins to well within the step.
+        maybe |= back <= np.maximum(0.75 * out, smallest)
+    maybe |= values[np.minimum(starts + MAX_SPIKE_SAMPLES, last)] == values[starts]
+    return [int(start) for start in starts[maybe]]
 
 
 def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: float) -> int:

@@ -59,7 +59,8 @@ def peak_result(
         notes.append("too few samples for the two-line fit; the smoothed peak is given")
     index = int(np.searchsorted(prepared.time_s, peak.time_s))
     steps_s = np.diff(prepared.time_s[max(0, index - 2) : index + 4])
-    if steps_s.size and steps_s.max() > WIDE_GAP * np.median(np.diff(prepared.time_s)):
+    usual_s = np.median(np.diff(prepared.time_s[max(0, index - 250) : index + 250]))
+    if steps_s.size and steps_s.max() > WIDE_GAP * usual_s:
         notes.append(
             f"there is a gap of {1000 * steps_s.max():.3g} ms in the samples next to the peak: the force may have "
             "been higher in it"

@@ -5,8 +5,8 @@ from math import nan
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.smoothing import average_over_samples, window_samples
-from ropefric.traces.trace import FloatArray
 from ropefric.traces.window import choose_window, peak_uncertainty_N, window_bias_N
 
 __all__ = ["Neighbourhood", "Peak", "measure_peak"]
@@ -14,6 +14,7 @@ __all__ = ["Neighbourhood", "Peak", "measure_peak"]
 LONGEST_WINDOW_S = 0.02
 """A window longer than a tooth is short would smooth the peak itself away [s]."""
 
+STEPS_LOOKED_AT = 500
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 
@@ -136,7 +137,7 @@ def _window_that_keeps_the_peak(
 
 
 def _step_s(time_s: FloatArray, where: Neighbourhood) -> float:
-    around = time_s[where.loading : where.stop + 1]
+    around = time_s[max(where.loading, where.stop - STEPS_LOOKED_AT) : where.stop + 1]
     if around.size < 2:
         around = time_s
     return float(np.median(np.diff(around))) if around.size > 1 else 1.0

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray, IntArray
 from ropefric.traces.blocks import Glance, glance
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.noise import noise_std, remove_spikes
 from ropefric.traces.settings import PickSettings
-from ropefric.traces.trace import FloatArray, ForceTrace, IntArray
+from ropefric.traces.trace import ForceTrace
 
 __all__ = ["Prepared", "failed", "prepare", "too_short"]
 

@@ -4,15 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray, median
 from ropefric.traces.blocks import Glance
 from ropefric.traces.loading import climb_to
-from ropefric.traces.slips import slips
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["PIECE_BLOCKS", "Sliding", "roughness_N", "sliding_after"]
 
 SHORTEST_BLOCKS = 4
-MAX_FALLS = 20
 FEW_PIECES = 4
 PIECE_BLOCKS = 25
 """A tenth of a second at three kilohertz: drift is slow against it."""
@@ -32,10 +30,6 @@ class Sliding:
         Median force of its first part [N], before it drifts.
     spread_N : float
         Robust standard deviation around a straight line [N].
-    roughness_N : float
-        The same within a tenth of a second [N]: slow drift and a release at the end do not count.
-    falls_N : tuple of float
-        Heights of the sudden falls in it [N], largest first.
     """
 
     first: int
@@ -43,8 +37,6 @@ class Sliding:
     level_N: float
     onset_N: float
     spread_N: float
-    roughness_N: float
-    falls_N: tuple[float, ...]
 
 
 def sliding_after(view: Glance, block: int) -> Sliding | None:
@@ -61,7 +53,7 @@ def sliding_after(view: Glance, block: int) -> Sliding | None:
     if force_N.size - first < SHORTEST_BLOCKS:
         return None
     n_first = int(np.clip((block - climb.start) // 4, PIECE_BLOCKS, 4 * PIECE_BLOCKS))
-    level_N = float(np.median(force_N[first : first + n_first]))
+    level_N = median(force_N[first : first + n_first])
     low = force_N[first:] < base_N + 0.4 * (level_N - base_N)
     gone = np.flatnonzero(low[:-1] & low[1:]) if level_N > base_N else np.zeros(1, dtype=np.int64)
     stop = first + (int(gone[0]) if gone.size else force_N.size - first)
@@ -80,10 +72,8 @@ def sliding_after(view: Glance, block: int) -> Sliding | None:
         first=first,
         stop=stop,
         level_N=level_N,
-        onset_N=float(np.median(stretch[:n_first])),
+        onset_N=median(stretch[:n_first]),
         spread_N=spread_N,
-        roughness_N=roughness_N(stretch),
-        falls_N=tuple(height_N for _, height_N in slips(stretch, view.noise_N, most=MAX_FALLS)),
     )
 
 
@@ -97,14 +87,16 @@ def roughness_N(stretch: FloatArray) -> float:
     >>> roughness_N(np.linspace(0.0, 9.0, 100)) < 1e-12
     True
     """
-    pieces = np.array_split(stretch, max(1, stretch.size // PIECE_BLOCKS))
-    stds = []
-    for piece in pieces:
-        x = np.arange(piece.size) - (piece.size - 1) / 2
-        slope = float(x @ (piece - piece.mean())) / float(x @ x) if piece.size > 1 else 0.0
-        stds.append(float(np.sqrt(np.mean((piece - piece.mean() - slope * x) ** 2))))
+    length = min(PIECE_BLOCKS, stretch.size)
+    n_pieces = stretch.size // length
+    pieces = stretch[: n_pieces * length].reshape(n_pieces, length)
+    x = np.arange(length) - (length - 1) / 2
+    flat = pieces - pieces.mean(axis=1, keepdims=True)
+    if length > 1:
+        flat -= np.outer(flat @ x / float(x @ x), x)
+    stds = np.sort(np.sqrt(np.mean(flat**2, axis=1)))
     # Half of a short stretch may be the release at its end.
-    return sorted(stds)[(len(stds) - 1) // 2 if len(stds) > FEW_PIECES else 0]
+    return float(stds[(n_pieces - 1) // 2 if n_pieces > FEW_PIECES else 0])
 
 
 def _level_and_spread(stretch: FloatArray) -> tuple[float, float]:
@@ -113,7 +105,7 @@ def _level_and_spread(stretch: FloatArray) -> tuple[float, float]:
     x = np.arange(stretch.size) - (stretch.size - 1) / 2
     slope = 0.0
     if half >= SHORTEST_BLOCKS:
-        slope = float(np.median(stretch[-half:]) - np.median(stretch[:half])) / (stretch.size - half)
+        slope = (median(stretch[-half:]) - median(stretch[:half])) / (stretch.size - half)
     flat = stretch - slope * x
-    middle_N = float(np.median(flat))
-    return float(np.median(stretch)), 1.4826 * float(np.median(np.abs(flat - middle_N)))
+    middle_N = median(flat)
+    return median(stretch), 1.4826 * median(np.abs(flat - middle_N))

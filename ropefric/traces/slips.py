@@ -6,8 +6,8 @@ is a record followed by a drop of more than the noise.
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.blocks import Glance
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["DROP_SIGMAS", "SLIP_SIGMAS", "breaks", "fast_drop_N", "is_slip", "slips"]
 

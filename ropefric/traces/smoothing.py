@@ -11,7 +11,8 @@ import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from ropefric.errors import InputError
-from ropefric.traces.trace import FloatArray, ForceTrace, frozen_array
+from ropefric.traces.arrays import FloatArray, frozen_array
+from ropefric.traces.trace import ForceTrace
 
 __all__ = ["SmoothedForce", "average_over_samples", "average_over_time", "smooth", "window_samples"]
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.blocks import Glance
 from ropefric.traces.sliding import sliding_after
 from ropefric.traces.slips import breaks, is_slip
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["first_static_break"]
 

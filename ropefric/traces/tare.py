@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropefric.errors import DataError, Problem
-from ropefric.traces.noise import noise_std, remove_spikes
+from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std, remove_spikes
 from ropefric.traces.saturation import Saturation
 
 __all__ = ["MIN_TARE_SAMPLES", "Tare", "measure_tare"]
@@ -70,11 +70,9 @@ def measure_tare(force_N: NDArray[np.float64], saturation: Saturation, *, lsb_N:
     (12.0, 0.2887)
     """
     present_N = force_N[np.isfinite(force_N)]
-    cleaned = remove_spikes(present_N, noise_std(present_N)) if present_N.size else None
-    if cleaned is not None and cleaned.bad.size:
+    if present_N.size:
         # A spike of two samples at full scale moves the mean of a quarter second by more than a count.
-        present_N = np.delete(present_N, cleaned.bad)
-    n_spikes = int(cleaned.bad.size) if cleaned is not None else 0
+        present_N = np.delete(present_N, remove_spikes(present_N, noise_std(present_N)).bad)
     if present_N.size < MIN_TARE_SAMPLES or 2 * present_N.size < force_N.size:
         raise DataError(
             f"the tare interval holds {present_N.size} usable of {force_N.size} samples; at least "
@@ -83,7 +81,7 @@ def measure_tare(force_N: NDArray[np.float64], saturation: Saturation, *, lsb_N:
             key="tare",
             fix="name a longer idle interval",
         )
-    if saturation.n_high > n_spikes:
+    if saturation.longest_high > MAX_SPIKE_SAMPLES:
         raise DataError(
             f"{saturation.n_high} samples of the tare interval are at the ADC ceiling: the rig is not idle",
             code="RF212",

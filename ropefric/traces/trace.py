@@ -4,34 +4,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from ropefric.errors import DataError
+from ropefric.traces.arrays import BoolArray, FloatArray, IntArray, frozen_array
 
 if TYPE_CHECKING:
     from ropefric.traces.calibration import Calibration, Saturation
 
 __all__ = ["BoolArray", "FloatArray", "ForceTrace", "IntArray", "frozen_array"]
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-BoolArray = npt.NDArray[np.bool_]
-
-
-def frozen_array(values: npt.ArrayLike) -> FloatArray:
-    """Return values as a read-only float64 array that nobody else can write to.
-
-    Integers become floats here, once: `scipy.ndimage.uniform_filter1d` answers integer input with truncated
-    integers.
-
-    Examples
-    --------
-    >>> frozen_array([1, 2]).flags.writeable
-    False
-    """
-    array = np.array(values, dtype=np.float64)
-    array.flags.writeable = False
-    return array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.noise import noise_std
 from ropefric.traces.prepare import Prepared, failed
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.sliding import PIECE_BLOCKS, Sliding, roughness_N
 from ropefric.traces.slips import SLIP_SIGMAS, fast_drop_N, is_slip, slips
-from ropefric.traces.trace import FloatArray, ForceTrace
+from ropefric.traces.trace import ForceTrace
 
 __all__ = ["is_quiet", "saturation_detail", "unresolved_detail", "was_let_down", "without_break"]
 
@@ -100,7 +101,7 @@ def is_quiet(prepared: Prepared, block: int, sliding: Sliding) -> bool:
     if sliding.stop - sliding.first < 2 * PIECE_BLOCKS:
         # So short a stretch may be a rope held for a moment and the start of its release.
         return roughness_N(prepared.view.force_N[block : block + PIECE_BLOCKS]) <= roughest_N
-    return sliding.roughness_N <= roughest_N
+    return roughness_N(prepared.view.force_N[sliding.first : sliding.stop]) <= roughest_N
 
 
 def was_let_down(prepared: Prepared, block: int, sliding: Sliding) -> bool:
@@ -146,5 +147,5 @@ def _stands_out(prepared: Prepared, block: int, sliding: Sliding, above_N: float
     # In stick-slip the spread is that of the teeth: they are slips themselves, and the first one counts.
     if not is_slip(view, block) or sliding.spread_N <= 3.0 * view.noise_N or above_N < 0.2 * fast_N:
         return False
-    largest_N = sliding.falls_N[0] if sliding.falls_N else 0.0
-    return fast_N > 1.5 * largest_N or sum(fall > 0.3 * fast_N for fall in sliding.falls_N) >= 2
+    falls = slips(view.force_N[sliding.first : sliding.stop], view.noise_N, most=2)
+    return len(falls) == 0 or fast_N > 1.5 * falls[0][1] or (len(falls) == 2 and falls[1][1] > 0.3 * fast_N)

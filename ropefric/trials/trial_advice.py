@@ -12,8 +12,8 @@ from ropefric.trials.trial_spec import TrialSpec
 __all__ = ["advise", "radius_doubt"]
 
 SMALLEST_RADIUS_M, LARGEST_RADIUS_M = 1e-3, 10.0
-LARGEST_WRAP_RAD = 100 * 2 * math.pi
-STANDARD_WRAP_RAD = math.radians(90)
+LARGEST_WRAP_TURNS = 100
+SMALLEST_WRAP_DEG = 90
 FEWEST_REPEATS = 6
 
 
@@ -57,38 +57,50 @@ def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each:
     return tuple(replace(problem, path=path) for problem in problems)
 
 
+def _radius(trial: TrialSpec) -> str:
+    return "" if trial.wheel else radius_doubt(trial.wheel_radius_m)
+
+
+def _wrap(trial: TrialSpec) -> str:
+    turns = trial.wrap_angle_rad / (2 * math.pi)
+    return f"a wrap of {turns:g} turns is probably in another unit" if turns > LARGEST_WRAP_TURNS else ""
+
+
+def _short_wrap(trial: TrialSpec) -> str:
+    degrees = math.degrees(trial.wrap_angle_rad)
+    if degrees > SMALLEST_WRAP_DEG * (1 - 1e-9):
+        return ""
+    return f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
+
+
+def _thick_rope(trial: TrialSpec) -> str:
+    if trial.rope_radius_m < trial.wheel_radius_m:
+        return ""
+    return (
+        f"the rope radius, {trial.rope_radius_m * 1e3:g} mm, is not below the wheel radius, "
+        f"{trial.wheel_radius_m * 1e3:g} mm"
+    )
+
+
+def _reason(trial: TrialSpec) -> str:
+    if trial.exclude.lower() not in {"no", "n", "false", "0", "-", "none"}:
+        return ""
+    return f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
+
+
+_CHECKS: tuple[tuple[str, Callable[[TrialSpec], str], str], ...] = (
+    ("wheel_radius", _radius, "check the unit in the header"),
+    ("wrap_angle", _wrap, "check the unit in the header"),
+    ("wrap_angle", _short_wrap, "wrap further where the rig allows it"),
+    ("exclude", _reason, "leave the cell empty to keep the trial"),
+    ("rope_diameter", _thick_rope, "check both, and whether a diameter stands for a radius"),
+)
+"""Column, what is doubtful about it in a row ("" if nothing), remedy."""
+
+
 def _doubts(trials: Sequence[TrialSpec]) -> list[Problem]:
-    def radius(trial: TrialSpec) -> str:
-        return "" if trial.wheel else radius_doubt(trial.wheel_radius_m)
-
-    def wrap(trial: TrialSpec) -> str:
-        turns = trial.wrap_angle_rad / (2 * math.pi)
-        return f"a wrap of {turns:g} turns is probably in another unit" if turns > 100 else ""
-
-    def short(trial: TrialSpec) -> str:
-        degrees = math.degrees(trial.wrap_angle_rad)
-        if degrees > 90 * (1 - 1e-9):
-            return ""
-        return (
-            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
-        )
-
-    def thick(trial: TrialSpec) -> str:
-        if trial.rope_radius_m < trial.wheel_radius_m:
-            return ""
-        return (
-            f"the rope radius, {trial.rope_radius_m * 1e3:g} mm, is not below the wheel radius, "
-            f"{trial.wheel_radius_m * 1e3:g} mm"
-        )
-
-    checks: list[tuple[str, Callable[[TrialSpec], str], str]] = [
-        ("wheel_radius", radius, "check the unit in the header"),
-        ("wrap_angle", wrap, "check the unit in the header"),
-        ("wrap_angle", short, "wrap further where the rig allows it"),
-        ("rope_diameter", thick, "check both, and whether a diameter stands for a radius"),
-    ]
     problems = []
-    for key, check, fix in checks:
+    for key, check, fix in _CHECKS:
         hits = [(trial, said) for trial in trials if (said := check(trial))]
         if hits:
             more = f" (and {len(hits) - 1} more rows)" if len(hits) > 1 else ""

@@ -159,6 +159,7 @@ DOUBTS = {
     "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", None, None),
     "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "180 turns is probably in another unit (and 2 more rows)"),
     "short wrap": (",180,", ",60,", "wrap_angle", "60 deg is below the 90 deg that ASTM D3108"),
+    "no as a reason": ("rope jumped", "no", "exclude", "'no' is taken as a reason, so the trial is excluded"),
     "thick rope": (",35,", ",4,", "rope_diameter", "4.9 mm, is not below the wheel radius, 4 mm"),
 }  # fmt: skip
 

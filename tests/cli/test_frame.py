@@ -133,8 +133,11 @@ def test_a_file_the_system_refuses_is_the_users_to_mend(run):
     assert "no such file" in err
 
 
-def test_an_interruption_is_130(run):
-    assert run(fail(KeyboardInterrupt()), "do")[0] == 130
+def test_an_interruption_is_130(run, strict):
+    assert run(fail(KeyboardInterrupt()), "do") == (130, "", "error RF001  interrupted\n")
+    code, out, err = run(fail(KeyboardInterrupt()), "do", "--json")
+    assert (code, err) == (130, "")
+    assert strict(out)["error"]["message"] == "interrupted"
 
 
 @pytest.mark.parametrize(

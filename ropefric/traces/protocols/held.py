@@ -8,11 +8,12 @@ from collections import deque
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.prepare import Prepared, failed, prepare, too_short
 from ropefric.traces.protocols.protocol import Protocol
 from ropefric.traces.settings import PickSettings
-from ropefric.traces.trace import FloatArray, ForceTrace
+from ropefric.traces.trace import ForceTrace
 
 __all__ = ["PROTOCOL", "pick_plateaus"]
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["array_table"]
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropefric.errors import DataError
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.source import Source
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["NAN_TEXTS", "CellStyle", "bad_cell", "is_blank_line", "is_number", "parse_rows", "split_line"]
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.cells import NAN_TEXTS, is_blank_line, parse_rows, split_line
 from ropefric.traces.readers.dialect import Dialect, find_dialect
 from ropefric.traces.readers.profile import ImportProfile
@@ -13,7 +14,6 @@ from ropefric.traces.readers.rows import check_rows
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 from ropefric.traces.readers.text import Text, load_text
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["READER", "TEXT_SUFFIXES", "column_names", "ends_empty", "open_text", "parse_columns"]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ropefric.errors import DataError
 from ropefric.registry import did_you_mean
-from ropefric.traces.trace import FloatArray
+from ropefric.traces.arrays import FloatArray
 
 __all__ = ["FUNCTIONS", "evaluate_derived"]
 

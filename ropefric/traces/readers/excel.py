@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from ropefric.registry import did_you_mean
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.cells import CellStyle, bad_cell, is_number
 from ropefric.traces.readers.header import find_table_rows
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["READER"]
 

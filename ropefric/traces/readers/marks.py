@@ -85,7 +85,12 @@ def find_separator(
         return ","
     no_value = CellStyle(missing=profile.missing).no_value
     best, best_score, best_width = (";" if profile.decimal == "," else ","), (0.0, 0.0), 1
+    joined = "\n".join(sample)
     for candidate in CANDIDATES:
+        if candidate not in joined and not (candidate == " " and "\t" in joined):
+            continue
+        if best_score == (1.0, 1.0):
+            break  # nothing later can be better, only as good
         if candidate == "," == profile.decimal and not any('"' in line for line in sample):
             continue
         # Rows of words are a header or a preamble, and say nothing about numbers.

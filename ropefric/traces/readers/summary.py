@@ -7,13 +7,13 @@ import numpy as np
 
 from ropefric.errors import DataError
 from ropefric.quantities import split_unit_suffix
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.assemble import si_factor
 from ropefric.traces.clock import GAP_STEPS, mend_clock
 from ropefric.traces.readers.columns import bare_unit, guess_channels
 from ropefric.traces.readers.inspection import ColumnSummary, Inspection
 from ropefric.traces.readers.profile import Channel
 from ropefric.traces.readers.table import Table
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["MIN_RUN", "summarise"]
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ropefric.traces.trace import FloatArray
+from ropefric.traces.arrays import FloatArray
 
 __all__ = ["Table"]
 

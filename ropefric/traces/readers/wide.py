@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.cells import split_line
 from ropefric.traces.readers.delimited import ends_empty, open_text, parse_columns
 from ropefric.traces.readers.dialect import Dialect
@@ -14,7 +15,6 @@ from ropefric.traces.readers.rows import check_rows
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 from ropefric.traces.readers.text import Text
-from ropefric.traces.trace import FloatArray
 
 __all__ = ["READER"]
 

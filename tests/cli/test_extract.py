@@ -1,0 +1,156 @@
+"""`extract`: from a campaign to tables, figures, a summary; through the whole library."""
+
+import csv
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+CONDITION_KEYS = {
+    *("wheel_radius_m", "wrap_angle_rad", "end_tension_N", "n", "n_kept", "rejected"),
+    *("mean_all_N", "std_all_N", "mean_kept_N", "std_kept_N"),
+}
+TRIAL_KEYS = {
+    *("trial", "file", "wheel_radius_m", "wrap_angle_rad", "end_tension_N", "peak_N", "peak_raw_N"),
+    *("peak_time_s", "kinetic_N", "status", "kept"),
+}
+
+
+@pytest.fixture
+def campaign(bench, tmp_path):
+    """A copy that may be spoilt."""
+    shutil.copytree(bench, tmp_path / "campaign")
+    return tmp_path / "campaign"
+
+
+@pytest.fixture
+def hopeless(campaign):
+    for path in (campaign / "traces").iterdir():
+        path.write_bytes(b"")
+    return campaign
+
+
+def test_tables_figures_and_a_summary(call, bench, tmp_path):
+    done = call("extract", bench / "campaign.toml", "--out", tmp_path / "out")
+    assert done.code == 0
+    for name in ("trials.csv", "conditions.csv", "problems.csv"):
+        assert (tmp_path / "out" / name).exists()
+    pictures = sorted(path.name for path in (tmp_path / "out" / "figures").glob("*.png"))
+    assert pictures == ["Rw15mm_phi540deg_FB60N.png", "Rw30mm_phi540deg_FB60N.png"]
+    for words in ("R_w [mm]", "φ [deg]", "F_B [N]", "mean F_A [N]", "540"):
+        assert words in done.out
+    assert "12 recordings: 12 ok, 0 flagged, 0 failed → " in done.err.splitlines()[-1]
+
+
+def test_json_is_the_only_thing_on_stdout_and_has_the_agreed_shape(call, bench, tmp_path):
+    done = call("extract", bench, "--out", tmp_path, "--json", "--no-figures")
+    result = done.json()
+    assert len(result["trials"]) == 12
+    assert len(result["conditions"]) == 2
+    assert all(set(trial) >= TRIAL_KEYS for trial in result["trials"])
+    assert all(set(condition) >= CONDITION_KEYS for condition in result["conditions"])
+    assert "extract 12/12" in done.err
+    assert not (tmp_path / "figures").exists()
+
+
+def test_quiet_leaves_the_result_alone(call, bench, tmp_path):
+    done = call("extract", bench, "--out", tmp_path, "--quiet", "--no-figures")
+    assert done.err == ""
+    assert "mean F_A [N]" in done.out
+
+
+def test_the_same_input_gives_the_same_bytes_however_it_is_worked_through(call, bench, tmp_path):
+    runs = []
+    for name, *options in (("a", "--jobs", "1"), ("b", "--jobs", "2"), ("c", "--no-cache"), ("a",)):
+        out = tmp_path / name
+        said = call("extract", bench, "--out", out, "--json", *options).out
+        runs.append([said, *(p.read_bytes() for p in sorted(out.rglob("*")) if p.suffix in (".csv", ".png"))])
+    assert len(runs[0]) == 1 + 3 + 2 * 3
+    assert runs[1:] == runs[:1] * 3
+    assert not (tmp_path / "c" / ".cache").exists()
+
+
+def test_what_has_not_changed_is_not_extracted_again(call, bench, tmp_path):
+    assert "unchanged" not in call("extract", bench, "--out", tmp_path, "--no-figures").err
+    assert (
+        "(12 unchanged, not extracted again)" in call("extract", bench, "--out", tmp_path, "--no-figures").err
+    )
+
+
+def test_a_bad_recording_is_listed_with_its_remedy_and_ends_nothing(call, campaign, tmp_path):
+    victim = sorted((campaign / "traces").iterdir())[3]
+    victim.write_bytes(b"")
+    done = call("extract", campaign, "--out", tmp_path / "out", "--no-figures")
+    assert done.code == 0
+    assert "1 of 12 trials gave no usable force" in done.out
+    assert "unreadable" in done.out
+    assert "extract 12/12  100 % · 1 failed" in done.err
+    assert "12 recordings: 11 ok, 0 flagged, 1 failed" in done.err
+    with (tmp_path / "out" / "problems.csv").open(encoding="utf-8") as stream:
+        assert any(victim.name in row["path"] for row in csv.DictReader(stream))
+
+
+def test_a_campaign_without_a_usable_force_is_3_and_still_tells_everything(call, hopeless, tmp_path):
+    done = call("extract", hopeless, "--out", tmp_path / "out")
+    assert done.code == 3
+    assert "error RF301" in done.err
+    assert "none of the 12 recordings gave a usable force" in done.err
+    assert (tmp_path / "out" / "trials.csv").exists()
+    result = call("extract", hopeless, "--out", tmp_path / "out", "--json")
+    assert result.code == 3
+    assert result.json()["error"]["code"] == "RF301"
+    assert {trial["status"] for trial in result.json()["trials"]} == {"unreadable"}
+
+
+def test_a_broken_campaign_is_3_with_every_problem(call, campaign, tmp_path):
+    text = (campaign / "trials.csv").read_text(encoding="utf-8")
+    (campaign / "trials.csv").write_text(text.replace("wrap_angle_deg", "warp_angle_deg"), encoding="utf-8")
+    done = call("extract", campaign, "--out", tmp_path / "out")
+    assert (done.code, done.out) == (3, "")
+    assert "did you mean 'wrap_angle_deg'?" in done.err
+    assert "error" in call("extract", campaign, "--out", tmp_path / "out", "--json").json()
+
+
+def test_a_folder_that_cannot_be_written_is_said_before_the_work(call, bench, tmp_path):
+    (tmp_path / "taken").write_text("a file", encoding="utf-8")
+    done = call("extract", bench, "--out", tmp_path / "taken")
+    assert done.code == 3
+    assert "taken" in done.err
+    assert "extract 1/12" not in done.err
+
+
+@pytest.mark.parametrize("jobs", ["0", "many"])
+def test_a_wrong_number_of_jobs_is_usage(call, bench, tmp_path, jobs):
+    done = call("extract", bench, "--out", tmp_path, "--jobs", jobs)
+    assert done.code == 2
+    assert "--jobs" in done.err
+
+
+@pytest.mark.parametrize("columns", ["60", "80"])
+def test_the_summary_fits_a_narrow_terminal(call, hopeless, tmp_path, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", columns)
+    out = call("extract", hopeless, "--out", tmp_path / "out", "--no-figures").out
+    assert max(len(line) for line in out.splitlines()) <= int(columns)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to send")
+def test_an_interrupted_run_keeps_what_is_done_and_goes_on(call, tmp_path):
+    call("simulate", tmp_path / "campaign", "--conditions", "10", "-q")
+    out = tmp_path / "out"
+    words = ["extract", str(tmp_path / "campaign"), "--out", str(out), "--jobs", "2", "--no-figures"]
+    process = subprocess.Popen([sys.executable, "-m", "ropefric", *words], stderr=subprocess.PIPE, text=True)
+    deadline_s = time.monotonic() + 30
+    while not list(out.glob(".cache/**/*")) and time.monotonic() < deadline_s:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert "finished recordings are kept in" in err
+    assert not (out / "trials.csv").exists()
+    again = call(*words)
+    assert again.code == 0
+    assert "unchanged, not extracted again" in again.err

@@ -1,1 +1,3 @@
-"""Room under construction."""
+"""The commands: one file each, found by themselves."""
+
+__all__: list[str] = []

@@ -1,0 +1,105 @@
+"""The one place where failures become words and exit codes."""
+
+import os
+import sys
+import traceback
+from typing import Any, Protocol, runtime_checkable
+
+from ropefric.cli.jsontext import json_text
+from ropefric.cli.output import Output
+from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.registry import did_you_mean
+
+__all__ = ["INTERNAL", "INTERRUPTED", "USAGE", "report_failure"]
+
+INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
+
+
+@runtime_checkable
+class UsageFailure(Protocol):
+    """What typer raises for a command line it cannot use, whichever library it has it from."""
+
+    exit_code: int
+
+    def format_message(self) -> str:
+        """Return the message for people."""
+        ...
+
+
+def report_failure(error: BaseException, out: Output) -> int:
+    r"""Say what went wrong, as text on stderr or as the JSON error object on stdout, and return the exit code.
+
+    Parameters
+    ----------
+    error : exception
+        What ended the command.
+    out : Output
+        How the user wants to hear it.
+
+    Returns
+    -------
+    int
+        1 internal, 2 usage, 3 bad data or configuration, 4 not to be trusted, 130 interrupted.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> with contextlib.redirect_stderr(io.StringIO()) as heard:
+    ...     report_failure(DataError("the file is empty", path="run07.csv"), Output())
+    3
+    >>> heard.getvalue()
+    'error RF101 run07.csv  the file is empty\n'
+    """
+    known, exit_code = _in_known_words(error)
+    if out.json:
+        out.result(json_text(known.to_dict()) + "\n")
+    else:
+        out.problems(known.problems)
+    if exit_code == INTERNAL and os.environ.get("ROPEFRIC_DEBUG", "") not in {"", "0"}:
+        traceback.print_exception(error, file=sys.stderr)
+    return exit_code
+
+
+def _in_known_words(error: BaseException) -> tuple[RopefricError, int]:
+    if isinstance(error, RopefricError):
+        return error, error.exit_code
+    if isinstance(error, KeyboardInterrupt):
+        return RopefricError("interrupted", code="RF001"), INTERRUPTED
+    if isinstance(error, UsageFailure):
+        return _usage_error(error), USAGE
+    if isinstance(error, OSError) and error.filename is not None:
+        refused = _file_error(error)
+        return refused, refused.exit_code
+    fault = RopefricError(
+        f"internal fault, {type(error).__name__}: {error}",
+        code="RF000",
+        fix="this is a bug in ropefric, not in your data: please report it with the command you gave; "
+        "ROPEFRIC_DEBUG=1 shows where it happened",
+    )
+    return fault, INTERNAL
+
+
+def _file_error(error: OSError) -> DataError:
+    """Return a file the user named and the system refuses as what it is: bad data, not a bug."""
+    path = os.fsdecode(error.filename)
+    reason = (error.strerror or str(error)).lower()
+    return DataError(
+        reason, code="RF101", path=path, fix="check the path, its permissions and the space left"
+    )
+
+
+def _usage_error(error: Any) -> InputError:
+    """Return typer's complaint with the nearest thing that would have worked."""
+    message = str(error.format_message()).strip()
+    context = getattr(error, "ctx", None)
+    option = getattr(error, "option_name", "")
+    fix = f"see {context.command_path} --help" if context is not None else "see ropefric --help"
+    if option and hasattr(error, "possibilities") and context is not None:
+        known = [name for parameter in context.command.params for name in parameter.opts]
+        message = str(error.message)
+        fix = f"{did_you_mean(option, [*known, '--help'])} {fix}"
+    elif ". Did you mean" in message:
+        message, _, meant = message.partition(". D")
+        fix = f"d{meant} {fix}"
+    code = "RF120" if message.startswith("No such") else "RF110"
+    return InputError(message[:1].lower() + message[1:], code=code, fix=fix)

@@ -1,0 +1,26 @@
+"""Which campaign is meant: its file, or the folder it lies in."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["CampaignArgument", "campaign_file"]
+
+CampaignArgument = Annotated[
+    Path,
+    typer.Argument(
+        metavar="CAMPAIGN.toml", help="The campaign: its TOML file, or the folder with a campaign.toml."
+    ),
+]
+
+
+def campaign_file(path: Path) -> Path:
+    """Return the campaign file that `path` names, which need not exist.
+
+    Examples
+    --------
+    >>> campaign_file(Path("bench/spring.toml")).as_posix()
+    'bench/spring.toml'
+    """
+    return path / "campaign.toml" if path.is_dir() else path

@@ -1,0 +1,71 @@
+"""`ropefric inspect`: what is in a recording file, and the import profile that would read it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.looks import show_inspection
+from ropefric.cli.output import Output
+from ropefric.errors import DataError, InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+__all__ = ["COMMAND"]
+
+RecordingFile = Annotated[Path, typer.Argument(metavar="FILE", help="A recording.")]
+Format = Annotated[
+    str,
+    typer.Option(
+        "--format", metavar="NAME", help="How it is written, where its name does not tell: delimited, …"
+    ),
+]
+Destination = Annotated[
+    Path | None,
+    typer.Option("--write-profile", metavar="PATH", help="Write the suggested \\[import] section there."),
+]
+Force = Annotated[bool, typer.Option("--force", help="Write over a file that is already there.")]
+
+
+def inspect(
+    out: Output,
+    file: RecordingFile,
+    *,
+    file_format: Format = "auto",
+    write_profile: Destination = None,
+    force: Force = False,
+) -> Answer:
+    """Look at a recording: columns, units, ranges, first rows, doubts, and the profile to read it with.
+
+    Paste the section into campaign.toml, after checking the doubts.
+    """
+    from ropefric.traces.readers.profile import ImportProfile  # noqa: PLC0415  (quick start-up)
+    from ropefric.traces.readers.sniff import inspect_file, profile_to_toml  # noqa: PLC0415
+
+    if not file.is_file():
+        raise DataError("there is no such file", path=file, fix="check the path")
+    found = inspect_file(file, ImportProfile(format=file_format))
+    profile = profile_to_toml(found.profile)
+    if write_profile is not None:
+        _write(profile, write_profile, force=force)
+        out.note(f"wrote {write_profile}")
+
+    def show(console: "Console") -> None:
+        show_inspection(found, console)
+        console.print("\nsuggested for campaign.toml:\n", style="bold")
+        console.print(profile.rstrip(), markup=False, soft_wrap=True)
+
+    return Answer(data=found.to_dict(), show=show)
+
+
+def _write(profile: str, path: Path, *, force: bool) -> None:
+    if path.exists() and not force:
+        raise InputError("the file is there already", path=path, fix="choose another name, or add --force")
+    path.write_text(profile, encoding="utf-8", newline="\n")
+
+
+COMMAND = Command(
+    name="inspect", run=inspect, example="ropefric inspect run07.csv --write-profile import.toml", order=20
+)

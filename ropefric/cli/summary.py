@@ -1,0 +1,127 @@
+"""An extraction told to people: conditions in the rig's units, and the recordings that need a look."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ropefric.cli.tables import make_table, number
+from ropefric.cli.tally import count_kinds
+from ropefric.errors import Problem
+from ropefric.traces.breakaway import ADVICE, Status
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
+
+__all__ = ["end_line", "other_problems", "show_extraction"]
+
+MAX_ALIKE = 3
+"""Problems of one code that are said in full; the others are counted."""
+
+# The advice for these says something about the measurement; an unreadable file has advice of its own.
+_FLAGS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED, Status.TOO_SHORT)
+
+
+def show_extraction(extraction: "Extraction", console: "Console") -> None:
+    """Print a row a condition, then the recordings without a usable force and what to do about them.
+
+    Examples
+    --------
+    >>> import io
+    >>> from ropefric.cli.output import console_on
+    >>> from ropefric.trials.result import Extraction
+    >>> stream = io.StringIO()
+    >>> show_extraction(Extraction(name="", trials=(), conditions=(), problems=()), console_on(stream))
+    >>> stream.getvalue().split()[:2]
+    ['R_w', '[mm]']
+    """
+    slack = any(trial.measures_slack for trial in extraction.trials)
+    known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    headings = (
+        *("R_w [mm]", "φ [deg]", f"{known} [N]", "trials", "kept"),
+        *(f"mean {measured} [N]", "s [N]", "rejected "),
+    )
+    rows = [_condition_row(condition, slack=slack) for condition in extraction.conditions]
+    console.print(make_table(headings, rows, left=0))
+    flagged = _flagged(extraction)
+    if not flagged:
+        return
+    console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials gave no usable force:\n")
+    console.print(make_table(("trial", "status", "why "), [_flagged_row(trial) for trial in flagged], left=3))
+    console.print()
+    for status in dict.fromkeys(
+        trial.breakaway.status for trial in flagged if trial.breakaway.status in _FLAGS
+    ):
+        console.print(f"{status}: {ADVICE[status]}", markup=False)
+
+
+def other_problems(extraction: "Extraction") -> list[Problem]:
+    """Return what else was wrong or doubtful, beside the flagged recordings that the summary lists.
+
+    Many problems of one kind are said a few times and then counted.
+
+    Examples
+    --------
+    >>> from ropefric.trials.result import Extraction
+    >>> few = [Problem(code="RF310", message=f"n = {n}", severity="warning") for n in range(5)]
+    >>> found = other_problems(Extraction(name="", trials=(), conditions=(), problems=tuple(few)))
+    >>> [problem.message for problem in found]
+    ['n = 0', 'n = 1', 'n = 2', '2 more like these']
+    """
+    listed = {problem for trial in _flagged(extraction) for problem in trial.problems}
+    others = [problem for problem in extraction.problems if problem not in listed]
+    by_code: dict[str, list[Problem]] = {}
+    for problem in others:
+        by_code.setdefault(problem.code, []).append(problem)
+    said: list[Problem] = []
+    for alike in by_code.values():
+        said += alike[:MAX_ALIKE]
+        rest = alike[MAX_ALIKE:]
+        if rest:
+            worst = next((problem for problem in rest if problem.severity == "error"), rest[0])
+            text = f"{len(rest)} more like these"
+            said.append(Problem(code=worst.code, message=text, severity=worst.severity))
+    return said
+
+
+def end_line(extraction: "Extraction", problems_file: Path) -> str:
+    """Return the last word on a run: how many recordings are fine, and where the others are listed.
+
+    Examples
+    --------
+    >>> from ropefric.trials.result import Extraction
+    >>> end_line(Extraction(name="", trials=(), conditions=(), problems=()), Path("out/problems.csv"))
+    '0 recordings: 0 ok, 0 flagged, 0 failed → out/problems.csv'
+    """
+    trials = extraction.trials
+    n_recordings = len({(trial.file, trial.sample) for trial in trials})
+    what = "recordings" if n_recordings == len(trials) else f"trials in {n_recordings} recordings"
+    counts = count_kinds(trial.breakaway.status for trial in trials)
+    tally = ", ".join(f"{n} {kind}" for kind, n in counts.items())
+    reused = f" ({extraction.n_reused} unchanged, not extracted again)" if extraction.n_reused else ""
+    return f"{len(trials)} {what}: {tally}{reused} → {problems_file}"
+
+
+def _flagged(extraction: "Extraction") -> "list[TrialResult]":
+    return [trial for trial in extraction.trials if trial.breakaway.status != Status.OK]
+
+
+def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, ...]:
+    return (
+        number(1e3 * condition.wheel_radius_m),
+        number(math.degrees(condition.wrap_angle_rad)),
+        number(condition.lift_force_N if slack else condition.end_tension_N),
+        str(condition.n_recorded),
+        str(condition.n_kept),
+        number(condition.mean_kept_N),
+        number(condition.std_kept_N, ".2g"),
+        ", ".join(condition.rejected),
+    )
+
+
+def _flagged_row(trial: "TrialResult") -> tuple[str, str, str]:
+    why = trial.breakaway.detail
+    if trial.breakaway.status not in _FLAGS:
+        why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
+    return trial.trial, str(trial.breakaway.status), why

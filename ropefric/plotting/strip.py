@@ -1,0 +1,129 @@
+"""The repeatability strip: the measured force trial after trial, what was set aside and why."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from ropefric.plotting.labels import figure_label
+from ropefric.plotting.legend import legend_below
+from ropefric.plotting.style import BLUE, GREY, ORANGE
+from ropefric.traces.breakaway import Status
+from ropefric.trials.outliers import RULES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ropefric.trials.result import ConditionSummary, TrialResult
+
+__all__ = ["draw_strip"]
+
+
+def draw_strip(
+    axes: "Axes", summary: "ConditionSummary", trials: "Sequence[TrialResult]", colors: Sequence[Any]
+) -> None:
+    r"""Draw the measured force of each trial in order, the mean and the ±2s band of all of them.
+
+    Rejected trials are hollow, trials the user excluded are diamonds, flagged recordings stand as crosses on
+    the axis with their status.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where.
+    summary : ConditionSummary
+        Mean and sample standard deviation of all values; the rejection rule.
+    trials : sequence of TrialResult, length n
+        In the order of recording.
+    colors : sequence of matplotlib colours, length n
+        The same as for the traces beside it.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> from ropefric.plotting.figure import new_figure
+    >>> axes = new_figure().subplots()
+    >>> draw_strip(axes, SimpleNamespace(mean_all_N=float("nan"), n=0, rule="none"), [], [])
+    >>> axes.get_ylabel()
+    'Break-away force $F_{\\mathrm{A}}$ [N]'
+    """
+    measured = "end_tension_N" if any(trial.measures_slack for trial in trials) else "peak_N"
+    axes.set(xlabel="Trial, in order of recording", ylabel=figure_label(measured))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlim(0.4, max(len(trials), 1) + 0.6)
+    axes.margins(y=0.12)
+    _draw_mean(axes, summary)
+    for order, (trial, color) in enumerate(zip(trials, colors, strict=True), start=1):
+        if trial.breakaway.status == Status.OK:
+            _draw_value(axes, order, trial, color)
+        else:
+            _draw_flag(axes, order, trial)
+    if not any(trial.breakaway.status == Status.OK for trial in trials):
+        axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=GREY)
+    elif warning := RULES[summary.rule].warning(summary.n):
+        axes.set_title(warning.split(" (")[0], fontsize=9, color=GREY, loc="left")
+    legend_below(axes)
+
+
+def _draw_mean(axes: "Axes", summary: "ConditionSummary") -> None:
+    mean_N = summary.mean_all_N
+    if not np.isfinite(mean_N):
+        return
+    axes.axhline(mean_N, color=BLUE, linewidth=1.2, label=f"mean of all, {mean_N:.4g} N")
+    std_N = summary.std_all_N
+    if np.isfinite(std_N) and std_N > 0:
+        axes.axhspan(
+            mean_N - 2 * std_N,
+            mean_N + 2 * std_N,
+            color=BLUE,
+            alpha=0.10,
+            linewidth=0,
+            label=f"±2s of all, s = {std_N:.3g} N",
+        )
+
+
+def _draw_value(axes: "Axes", order: int, trial: "TrialResult", color: Any) -> None:
+    std_N = trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
+    axes.errorbar(
+        order,
+        trial.measured_N,
+        yerr=std_N if np.isfinite(std_N) else None,
+        fmt="D" if trial.excluded else "o",
+        markersize=6,
+        color=color,
+        markerfacecolor=color if trial.kept else "white",
+        markeredgecolor="black" if trial.kept else color,
+        markeredgewidth=0.8 if trial.kept else 1.6,
+        elinewidth=1.0,
+        capsize=2.0,
+        zorder=5,
+        label="excluded" if trial.excluded else "kept" if trial.kept else "rejected",
+    )
+
+
+def _draw_flag(axes: "Axes", order: int, trial: "TrialResult") -> None:
+    on_axis = axes.get_xaxis_transform()
+    axes.plot(
+        order,
+        0.03,
+        "x",
+        markersize=7,
+        color=ORANGE,
+        markeredgewidth=1.6,
+        clip_on=False,
+        transform=on_axis,
+        label="flagged",
+    )
+    status = str(trial.breakaway.status)
+    axes.text(
+        order,
+        0.07,
+        status,
+        rotation=90,
+        fontsize=8,
+        color=ORANGE,
+        ha="center",
+        va="bottom",
+        transform=on_axis,
+    )

@@ -59,6 +59,7 @@ SUFFIX_UNITS: dict[str, str] = {
 """Unit suffixes of names (`wrap_angle_deg`) and what they mean to pint."""
 
 _GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V", "mpa": "MPa"}
+_ENDLESS = re.compile(r"\d{3}|(\^|\*\*)[\s(]*[-+]?[\d.]+\s*(\^|\*\*)|\d\s*(\^|\*\*)|(\^|\*\*)\s*\(")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL)
 
 
@@ -208,6 +209,11 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
     value, unit = float(match[1]), match[2]
     if not math.isfinite(value):
         raise InputError(f"{name}: {text!r} is not a finite number", code="RF130")
+    if len(unit) > 40 or _ENDLESS.search(unit):
+        # pint computes powers before it asks whether they make sense: "9**9**9**9" would never end.
+        raise InputError(
+            f"{name}: '{unit[:40]}' is no unit", code="RF130", fix=f"use '{_example_unit(si_unit)}'"
+        )
     if not unit and si_unit:
         raise InputError(
             f"{name}: {text} has no unit",
@@ -224,7 +230,7 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
         )
     factor = unit_factor(unit, si_unit, name=name)
     # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
-    result = float(Decimal(match[1]) * Decimal(repr(factor)))
+    result = float(Decimal(repr(value) if value in (0.0, -0.0) else match[1]) * Decimal(repr(factor)))
     if not math.isfinite(result):
         raise InputError(f"{name}: {text!r} is too large for a float", code="RF130")
     return result

@@ -12,6 +12,8 @@ MAX_SAMPLES_FOR_NOISE = 4096
 MAX_SPIKE_SAMPLES = 2
 MAX_DROPOUT_SAMPLES = 40
 SPIKE_SIGMAS = 8.0
+REJOINS = 0.4
+"""A spike comes back to within this part of its height: it may fall into the very moment of a slip."""
 NEIGHBOURS = 5
 
 

@@ -107,12 +107,13 @@ def measure_peak(
 
 
 def _smoothed_top(force_N: FloatArray, where: Neighbourhood, n_window: int) -> tuple[int, float]:
-    """Sample and height of the maximum of the smoothed force."""
-    start = max(0, where.first - n_window)
+    """Sample and height of the maximum of the smoothed force: up to half a window before the drop."""
+    first = max(where.loading, where.first - n_window // 2)
+    start = max(0, first - n_window)
     smoothed = average_over_samples(force_N[start : where.stop + n_window], n_window)
-    smoothed = smoothed[where.first - start : where.stop - start]
+    smoothed = smoothed[first - start : where.stop - start]
     top = int(np.argmax(smoothed))
-    return where.first + top, float(smoothed[top])
+    return first + top, float(smoothed[top])
 
 
 def _raw_top_N(force_N: FloatArray, where: Neighbourhood, index: int, n_window: int) -> float:

@@ -145,7 +145,9 @@ def _stands_out(prepared: Prepared, block: int, sliding: Sliding, above_N: float
     if above_N > RESOLVED_SIGMAS * sliding.spread_N:
         return True
     # In stick-slip the spread is that of the teeth: they are slips themselves, and the first one counts.
-    if not is_slip(view, block) or sliding.spread_N <= 3.0 * view.noise_N or above_N < 0.2 * fast_N:
+    if not is_slip(view, block) or above_N < 0.2 * fast_N:
+        return False
+    if not 3.0 * view.noise_N < sliding.spread_N < 0.5 * fast_N:
         return False
     falls = slips(view.force_N[sliding.first : sliding.stop], view.noise_N, most=2)
     return len(falls) == 0 or fast_N > 1.5 * falls[0][1] or (len(falls) == 2 and falls[1][1] > 0.3 * fast_N)

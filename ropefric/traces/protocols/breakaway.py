@@ -99,7 +99,7 @@ def _no_slip(prepared: Prepared, block: int, sliding: Sliding, settings: PickSet
     unresolved = unresolved_detail(prepared, block, sliding, settings)
     if not unresolved:
         return None
-    if is_quiet(prepared, block, sliding):
+    if not is_slip(prepared.view, block) and is_quiet(prepared, block, sliding):
         detail = (
             f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
         )

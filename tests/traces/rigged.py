@@ -1,0 +1,38 @@
+"""Recordings of the virtual rig as the picker gets them: calibrated, tared, clock mended."""
+
+import numpy as np
+
+from ropefric.rig.bench import Bench, simulate_recording
+from ropefric.traces.calibration import Calibration
+from ropefric.traces.clock import mend_clock
+from ropefric.traces.prepare import MIN_SAMPLES
+from ropefric.traces.trace import ForceTrace
+
+IDLE_S = 0.25
+
+
+def rigged_trace(
+    seed, *, lift_force_N=320.0, end_tension_N=80.0, faults=(), protocol="breakaway", bench=None
+):
+    """Return a recording of known truth as a trace, and that truth."""
+    bench = bench or Bench()
+    recording = simulate_recording(
+        bench,
+        lift_force_N=lift_force_N,
+        end_tension_N=end_tension_N,
+        rng=np.random.default_rng(seed),
+        faults=faults,
+        protocol=protocol,
+    )
+    counts = np.where(np.isnan(recording.counts), -1, recording.counts).astype(np.int64)
+    calibration = Calibration(cell=bench.cell_named(recording.truth.cell), adc=bench.adc)
+    if counts.size >= MIN_SAMPLES and protocol != "held":
+        calibration = calibration.with_tare(counts, recording.time_s <= IDLE_S)
+    force_N, saturation = calibration.apply(counts)
+    if protocol == "held":
+        force_N = force_N - np.median(force_N[:10])
+    keep, time_s, notes = mend_clock(recording.time_s, [force_N])
+    trace = ForceTrace(
+        time_s=time_s, force_N=force_N[keep], saturation=saturation, name=f"seed {seed}", notes=notes
+    )
+    return trace, recording.truth

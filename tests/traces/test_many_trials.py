@@ -1,0 +1,82 @@
+"""Protocols that find several trials in one recording."""
+
+import csv
+
+import numpy as np
+import pytest
+from rigged import rigged_trace
+
+from ropefric.rig.bench import HELD_BENCH
+from ropefric.traces.breakaway import Status
+from ropefric.traces.protocols.held import pick_plateaus
+from ropefric.traces.protocols.stick_slip import pick_teeth
+from ropefric.traces.settings import PickSettings
+from ropefric.traces.trace import ForceTrace
+
+AUTO = PickSettings()
+
+
+def test_every_tooth_is_found_once_and_right():
+    errors = []
+    for seed in range(12):
+        trace, truth = rigged_trace(
+            seed, lift_force_N=(120.0, 320.0, 600.0)[seed % 3], end_tension_N=60.0, protocol="stick-slip"
+        )
+        teeth = pick_teeth(trace, AUTO)
+        assert [tooth.status for tooth in teeth] == [Status.OK] * len(truth.tooth_tops_N)
+        times_s = np.array([tooth.peak_time_s for tooth in teeth])
+        np.testing.assert_allclose(times_s, truth.tooth_times_s, atol=0.03)
+        errors.extend(np.array([tooth.peak_N for tooth in teeth]) / truth.tooth_tops_N - 1)
+    assert abs(np.mean(errors)) < 0.003
+    assert np.abs(errors).max() < 0.012
+
+
+def test_a_recording_without_a_slip_gives_the_reason_once():
+    trace, _ = rigged_trace(3, faults=("no-breakaway",))
+    (result,) = pick_teeth(trace, AUTO)
+    assert result.status is Status.NO_BREAKAWAY
+
+
+def test_plateaus_of_the_rig():
+    for seed in range(10):
+        trace, truth = rigged_trace(seed, end_tension_N=60.0, protocol="held", bench=HELD_BENCH)
+        found = pick_plateaus(trace, AUTO)
+        forces_N = [plateau.peak_N for plateau in found]
+        np.testing.assert_allclose(forces_N, truth.plateaus_N, rtol=0.003)
+        for plateau, phase in zip(found, truth.phases, strict=True):
+            assert (
+                phase.start_s - 1.0
+                <= plateau.phases[0].start_s
+                < plateau.phases[0].end_s
+                <= phase.end_s + 0.2
+            )
+
+
+def test_no_plateau_no_load_and_too_few_samples_are_said():
+    time_s = np.arange(0, 40, 0.02)
+    up_and_down = ForceTrace(time_s=time_s, force_N=np.abs(((time_s - 20) % 20) - 10))
+    assert {p.status for p in pick_plateaus(up_and_down, AUTO)} == {Status.NO_BREAKAWAY}
+    (idle,) = pick_plateaus(ForceTrace(time_s=time_s, force_N=0.01 * np.sin(1e4 * time_s)), AUTO)
+    assert "never loaded" in idle.detail
+    (short,) = pick_plateaus(ForceTrace(time_s=time_s[:9], force_N=time_s[:9]), AUTO)
+    assert short.status is Status.TOO_SHORT
+
+
+def test_real_plateaus_of_a_rope_on_a_cylinder(real_data):
+    """Authors' own plateau limits; one of theirs reaches into the release (see the note in this test)."""
+    folder = real_data / "phy_mini_ia_capstan"
+    with (folder / "per_trial.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    for angle in (45, 90, 135, 180, 225, 270, 315):
+        time_s, force_N = np.loadtxt(folder / f"force_{angle}deg.csv", delimiter=",", skiprows=1, unpack=True)
+        found = [p.peak_N for p in pick_plateaus(ForceTrace(time_s=time_s, force_N=force_N), AUTO)]
+        assert len(found) == (4 if angle == 270 else 3)
+        for row in (row for row in rows if row["nominal_deg"] == str(angle)):
+            middle_N, low_N, high_N = (float(row[f"F_hold_{key}_N"]) for key in ("mid", "min", "max"))
+            nearest_N = min(found, key=lambda force_N, middle_N=middle_N: abs(force_N - middle_N))
+            if angle == 315 and row["trial"] == "2":
+                # The smallest force of this plateau before it is let go is 2.93 N; theirs, 2.85 N, comes later.
+                assert low_N < 2.86 < force_N[(time_s > 58) & (time_s < 81)].min()
+                assert low_N < nearest_N < high_N
+            else:
+                assert nearest_N == pytest.approx(middle_N, rel=0.01)

@@ -1,0 +1,90 @@
+"""Noise and spikes: what is removed is a fault, what is kept is the measurement."""
+
+import numpy as np
+import pytest
+
+from ropefric.traces.noise import noise_std, remove_spikes, resolution
+
+
+def ramp_and_teeth(rng, noise):
+    """A loading ramp, a slip of 40 N and saw teeth of 15 N, at 3 kHz."""
+    time_s = np.arange(9000) / 3000
+    teeth = 240 + 150 * np.mod(time_s - 1.5, 0.1)
+    return np.where(time_s < 1.5, 280 * time_s / 1.5, teeth) + rng.normal(0, noise, time_s.size)
+
+
+@pytest.mark.parametrize("noise", [0.05, 0.5, 5.0])
+def test_noise_is_found_under_ramp_slips_and_spikes(noise):
+    rng = np.random.default_rng(1)
+    force_N = ramp_and_teeth(rng, noise)
+    force_N[rng.integers(0, 9000, 20)] += 500
+    assert noise_std(force_N) == pytest.approx(noise, rel=0.08)
+
+
+def test_noise_below_a_count_is_never_called_zero():
+    rng = np.random.default_rng(2)
+    counts = np.round(rng.normal(0, 0.05, 5000) + 100.3)
+    counts[::700] += 1
+    assert noise_std(counts) == pytest.approx(1 / np.sqrt(12))
+    assert resolution(counts) == 1.0
+    assert noise_std(np.full(100, 3.0)) == 0.0
+
+
+@pytest.mark.parametrize("height", [-250.0, 40.0, 700.0])
+@pytest.mark.parametrize("length", [1, 2])
+def test_spikes_of_one_or_two_samples_are_replaced(height, length):
+    rng = np.random.default_rng(4)
+    force_N = ramp_and_teeth(rng, 0.5)
+    spiked = force_N.copy()
+    places = np.array([100, 3000, 4400, 6100, 8990])
+    for place in places:
+        spiked[place : place + length] += height
+    cleaned = remove_spikes(spiked, noise_std(spiked))
+    wanted = np.unique(np.concatenate([places + k for k in range(length)]))
+    np.testing.assert_array_equal(cleaned.bad, wanted)
+    np.testing.assert_allclose(cleaned.values, force_N, atol=4.0)
+
+
+def test_two_spikes_side_by_side_are_both_found():
+    rng = np.random.default_rng(5)
+    force_N = 66 + rng.normal(0, 0.5, 400)
+    force_N[[200, 205]] = -8.7
+    assert remove_spikes(force_N, noise_std(force_N)).bad.tolist() == [200, 205]
+
+
+def test_a_spike_in_the_moment_of_the_slip_is_found():
+    rng = np.random.default_rng(9)
+    force_N = ramp_and_teeth(rng, 0.5)
+    force_N[4499:4501] += 216.0  # the ramp ends after sample 4499, 40 N above what follows
+    assert remove_spikes(force_N, noise_std(force_N)).bad.tolist() == [4499, 4500]
+
+
+def test_a_frozen_stretch_is_replaced_if_it_leaves_the_signal():
+    rng = np.random.default_rng(6)
+    force_N = ramp_and_teeth(rng, 0.5)
+    force_N[2000:2025] = 0.0
+    cleaned = remove_spikes(force_N, noise_std(force_N))
+    np.testing.assert_array_equal(cleaned.bad, np.arange(2000, 2025))
+
+
+def test_slips_and_narrow_peaks_are_kept():
+    rng = np.random.default_rng(7)
+    assert remove_spikes(ramp_and_teeth(rng, 0.5), 0.5).bad.size == 0
+    # A static peak two samples wide, as a 100 Hz logger sees it.
+    peak = np.array(
+        [2.0, 2, 2, 2.1, 2.3, 3.8, 7.2, 11.8, 15.2, 15.1, 11.9, 4.4, 4.5, 4.4, 4.6, 4.4, 4.5, 4.4]
+    )
+    assert remove_spikes(peak, 0.1).bad.size == 0
+
+
+def test_a_signal_that_jumps_everywhere_is_left_alone():
+    rng = np.random.default_rng(8)
+    wild = rng.choice([0.0, 100.0], 2000)
+    assert remove_spikes(wild, 0.1).bad.size == 0
+
+
+def test_nothing_is_written_to_the_input():
+    force_N = np.array([0.0, 0.1, 0.0, 50.0, 0.1, 0.0, 0.1, 0.0])
+    before = force_N.copy()
+    assert remove_spikes(force_N, 0.1).values[3] == pytest.approx(0.05)
+    np.testing.assert_array_equal(force_N, before)

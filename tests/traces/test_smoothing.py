@@ -1,0 +1,115 @@
+"""The moving average: exact on lines, honest at edges and gaps, never in integers."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from ropefric.errors import InputError
+from ropefric.traces.smoothing import (
+    average_over_samples,
+    average_over_time,
+    is_uniform,
+    smooth,
+    window_samples,
+)
+from ropefric.traces.trace import ForceTrace
+
+
+def naive(values, n_window):
+    """The definition: mean of what is present within a window that shrinks on both sides alike at the ends."""
+    n, half = len(values), n_window // 2
+    out = np.full(n, np.nan)
+    for i in range(n):
+        h = min(half, i, n - 1 - i)
+        near = values[i - h : i + h + 1]
+        near = near[~np.isnan(near)]
+        if near.size:
+            out[i] = near.mean()
+    return out
+
+
+samples = arrays(
+    np.float64, st.integers(1, 60), elements=st.one_of(st.floats(-1e6, 1e6), st.just(float("nan")))
+)
+
+
+@given(samples, st.integers(0, 50))
+def test_it_is_the_mean_of_what_is_in_the_window(values, half):
+    got = average_over_samples(values, 2 * half + 1)
+    wanted = naive(values, 2 * half + 1)
+    np.testing.assert_array_equal(np.isnan(got), np.isnan(wanted))
+    scale = np.nanmax(np.abs(values), initial=1.0) if not np.isnan(values).all() else 1.0
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-11 * scale)
+
+
+@given(samples, st.integers(0, 50))
+def test_over_time_and_over_samples_agree_on_a_uniform_clock(values, half):
+    time_s = np.arange(values.size) * 0.25
+    by_time = average_over_time(time_s, values, 2 * half * 0.25)
+    np.testing.assert_allclose(by_time, average_over_samples(values, 2 * half + 1), rtol=1e-9, atol=1e-4)
+
+
+@pytest.mark.parametrize("n_window", [1, 3, 31, 999, 1001])
+def test_a_ramp_stays_a_ramp_up_to_its_last_sample(n_window):
+    ramp = np.linspace(-3.0, 40.0, 500)
+    np.testing.assert_allclose(average_over_samples(ramp, n_window), ramp, rtol=0, atol=1e-11)
+
+
+def test_integers_do_not_truncate():
+    counts = np.array([707, 708, 707, 706, 708, 707], dtype=np.int16)
+    assert average_over_samples(counts, 3)[1] == pytest.approx(707 + 1 / 3)
+
+
+def test_a_large_common_offset_costs_no_digits():
+    rng = np.random.default_rng(3)
+    wiggle = rng.normal(0, 1, 20_000)
+    got = average_over_samples(wiggle + 1e9, 301) - 1e9
+    # A double near 1e9 holds 1e-7; the running sum must not make that worse.
+    np.testing.assert_allclose(got, average_over_samples(wiggle, 301), atol=4e-7)
+    gappy = np.where(rng.random(20_000) < 0.1, np.nan, wiggle)
+    got = average_over_samples(gappy + 1e9, 301) - 1e9
+    np.testing.assert_allclose(got, average_over_samples(gappy, 301), atol=4e-7)
+
+
+def test_samples_across_a_gap_in_time_never_mix():
+    time_s = np.concatenate((np.arange(50) * 0.01, 10 + np.arange(50) * 0.01))
+    force_N = np.where(time_s < 5, 100.0, 0.0)
+    assert not is_uniform(time_s)
+    smoothed = smooth(ForceTrace(time_s=time_s, force_N=force_N), 0.1)
+    np.testing.assert_allclose(smoothed.force_N, force_N, atol=1e-9)
+
+
+def test_missing_samples_are_counted_and_left_out():
+    force_N = np.full(100, 7.0)
+    force_N[40:60] = np.nan
+    smoothed = smooth(ForceTrace(time_s=np.arange(100.0), force_N=force_N), 5.0)
+    assert smoothed.n_missing == 20
+    assert np.isnan(smoothed.force_N[45:55]).all()
+    assert np.nanmax(np.abs(smoothed.force_N - 7.0)) < 1e-12
+
+
+def test_the_conventions_bias_of_a_ramp_and_drop():
+    # 200 N/s at 3 kHz: 301 samples lower the peak by 2 % of it at 500 N, 31 samples by 0.2 %.
+    time_s = np.arange(9000) / 3000
+    force_N = np.where(time_s <= 2.5, 200 * time_s, 300.0)
+    for n_window, wanted in ((301, -0.02), (31, -0.002)):
+        top = average_over_samples(force_N, n_window).max()
+        assert top / 500 - 1 == pytest.approx(wanted, rel=0.02)
+
+
+def test_senseless_windows_are_refused():
+    with pytest.raises(InputError, match="not odd and positive"):
+        average_over_samples([1.0], 2)
+    with pytest.raises(InputError, match="makes no sense"):
+        window_samples(float("nan"), 0.1)
+    with pytest.raises(InputError, match=r"sample 1 \(the first is 0\) is infinite"):
+        average_over_samples([0.0, np.inf], 3)
+
+
+def test_the_input_stays_as_it_was():
+    values = np.array([1.0, np.nan, 3.0, 4.0])
+    before = values.copy()
+    average_over_samples(values, 3)
+    np.testing.assert_array_equal(values, before)

@@ -6,6 +6,7 @@ from typing import Any
 
 from ropefric.errors import Problem
 from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.calibration import Calibration
 from ropefric.traces.trace import FloatArray
 
 __all__ = ["ConditionSummary", "Extraction", "Outline", "TrialResult"]
@@ -71,6 +72,9 @@ class TrialResult:
         Samples at the converter's ceiling.
     sha256 : str
         Of the recording's bytes; "" where the file could not be read.
+    calibration : Calibration, optional
+        How newtons came from the recording's counts, tare included; with the recording, which `sha256` identifies, a
+        better calibration can be applied later (`ropefric.traces.recalibration`).
     outline : Outline, optional
         The recording for drawing.
     problems : tuple of Problem
@@ -98,6 +102,7 @@ class TrialResult:
     tare_N: float = nan
     saturated_samples: int = 0
     sha256: str = ""
+    calibration: Calibration | None = None
     outline: Outline | None = None
     problems: tuple[Problem, ...] = field(default=())
 
@@ -234,7 +239,11 @@ class Extraction:
         """Return `{"trials": […], "conditions": […], "problems": […]}`, numbers that are not there as None."""
         return {
             "campaign": self.name,
-            "trials": [trial.to_dict() for trial in self.trials],
+            "trials": [
+                trial.to_dict()
+                | {"calibration": None if trial.calibration is None else trial.calibration.to_dict()}
+                for trial in self.trials
+            ],
             "conditions": [condition.to_dict() for condition in self.conditions],
             "problems": [
                 {"severity": p.severity, "code": p.code, "where": p.where, "message": p.message, "fix": p.fix}

@@ -1,0 +1,112 @@
+"""Units at the edge: what people write comes out in SI, or is refused with the right words."""
+
+import contextlib
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ropefric.errors import InputError
+from ropefric.quantities import SUFFIX_UNITS, parse_quantity, split_unit_suffix, unit_factor
+
+
+@pytest.mark.parametrize(
+    ("text", "si_unit", "wanted"),
+    [
+        ("40 mm", "m", 0.04),
+        ("9.8mm", "m", 0.0098),
+        ("540 deg", "rad", 3 * math.pi),
+        ("1.5 turn", "rad", 3 * math.pi),
+        ("62 g/m", "kg/m", 0.062),
+        ("0.3 %", "", 0.003),
+        ("0.25", "", 0.25),
+        ("5 kN", "N", 5000.0),
+        ("120 kgf", "N", 1176.798),
+        ("0.5 in", "m", 0.0127),
+        ("3 kHz", "Hz", 3000.0),
+        ("30 ms", "s", 0.03),
+        ("490.9 mm^2", "m^2", 490.9e-6),
+        ("3 bar", "Pa", 3e5),
+        ("-2 mV", "V", -0.002),
+        ("1e3 N", "N", 1000.0),
+    ],
+)
+def test_what_people_write(text, si_unit, wanted):
+    assert parse_quantity(text, si_unit) == pytest.approx(wanted, rel=1e-15)
+
+
+def test_decimal_numbers_stay_what_was_written():
+    assert parse_quantity("9.8 mm", "m") == 0.0098
+    assert parse_quantity("0.1 mm", "m") == 0.0001
+
+
+@pytest.mark.parametrize(
+    ("text", "si_unit", "words"),
+    [
+        (40, "m", r'radius: 40 has no unit Fix: write it with one, for example "40 mm"'),
+        ("5 kn", "N", "'kn' is a knot, not a force. Fix: write 'kN'"),
+        ("5 hz", "Hz", "write 'Hz'"),
+        ("40 N", "m", "'N' is not a unit of length"),
+        ("40,5 mm", "m", "has a decimal comma"),
+        ("40 foos", "m", "unknown unit 'foos'"),
+        ("mm", "m", "cannot read 'mm' as a number with a unit"),
+        ("", "m", "cannot read ''"),
+        (True, "m", "True is not a quantity"),
+        (None, "m", "None is not a quantity"),
+        ("1e999 m", "m", "not a finite number"),
+        ("1 9**9**9**9", "m", "is no unit"),
+        ("1 m^9^9^9^9", "m", "is no unit"),
+    ],
+)
+def test_what_is_refused_and_how(text, si_unit, words):
+    with pytest.raises(
+        InputError, match=words.replace("(", r"\(").replace("^", r"\^").replace("*", r"\*")
+    ) as caught:
+        parse_quantity(text, si_unit, name="radius")
+    assert caught.value.code == "RF130"
+
+
+@given(st.text(max_size=30), st.sampled_from(["m", "N", "rad", "s", ""]))
+def test_any_text_is_a_number_or_refused(text, si_unit):
+    with contextlib.suppress(InputError):
+        assert math.isfinite(parse_quantity(text, si_unit))
+
+
+@given(st.floats(-1e6, 1e6).map(lambda x: float(f"{x:.9g}")))
+def test_millimetres_are_thousandths(number):
+    assert parse_quantity(f"{number!r} mm", "m") == pytest.approx(number / 1000, rel=1e-15, abs=1e-300)
+
+
+@pytest.mark.parametrize(
+    ("header", "wanted"),
+    [
+        ("wrap_angle_deg", ("wrap_angle", "deg")),
+        ("Force (kN)", ("Force", "kN")),
+        ("Force [kN]", ("Force", "kN")),
+        ("Time.(s)", ("Time", "s")),
+        ("linear_density_g_m", ("linear_density", "g/m")),
+        ("speed_m_s", ("speed", "m/s")),
+        ("file", ("file", "")),
+        ("_mm", ("_mm", "")),
+    ],
+)
+def test_headers_give_up_their_units(header, wanted):
+    assert split_unit_suffix(header) == wanted
+
+
+def test_every_suffix_is_a_unit_that_pint_knows():
+    for unit in SUFFIX_UNITS.values():
+        if unit == "degC":
+            continue
+        assert any(
+            _converts(unit, si)
+            for si in ("N", "m", "rad", "s", "Hz", "V", "kg", "Pa", "m/s", "kg/m", "N/m", "N/s")
+        )
+
+
+def _converts(unit, si_unit):
+    try:
+        return unit_factor(unit, si_unit) > 0
+    except InputError:
+        return False

@@ -1,0 +1,115 @@
+"""Damped Gauss-Newton steps inside bounds for many small problems at once."""
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.friction.condition import FloatArray
+
+__all__ = ["bounded_steps", "column_scale"]
+
+# Keeps the scaled normal equations invertible where the data do not see a direction at all.
+_RIDGE = 1e-13
+# Near the smallest floats a square is held only in part.
+_NOTHING = 1e-280
+# A scaled gradient below this is rounding.
+_PUSH = 1e-12
+
+
+def bounded_steps(
+    normal: FloatArray,
+    downhill: FloatArray,
+    *,
+    curvature: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    vary: npt.NDArray[np.bool_],
+    damping: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the steps that lower ‖r + J s‖² + sᵀS s most among those inside the bounds, and their squared length.
+
+    Parameters
+    ----------
+    normal : ndarray, shape (m, p, p)
+        JᵀJ of the weighted residuals.
+    downhill : ndarray, shape (m, p)
+        −Jᵀr.
+    curvature : ndarray, shape (m, p, p)
+        S, what the second derivatives of the model add to JᵀJ; JᵀJ + S must be positive definite.
+    low, high : ndarray, shape (m, p)
+        Bounds of the step, at most and at least zero; may be infinite.
+    vary : ndarray of bool, shape (m, p)
+        Which parameters may move.
+    damping : ndarray, shape (m,)
+        Marquardt's λ relative to the diagonal of JᵀJ, zero or more.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (m, p) and (m,)
+        The steps s, and sᵀJᵀJs: how far the weighted model moves, squared.
+
+    Notes
+    -----
+    The columns are scaled to unit length first, so parameters of any units are solved alike. A parameter that
+    presses against its bound is held there, one that would pass it stops at it, and the others are solved again
+    with that known, until no parameter wants to change sides (or 2 p rounds are over).
+
+    Examples
+    --------
+    >>> step, length2 = bounded_steps(
+    ...     np.array([[[4.0]]]), np.array([[8.0]]), curvature=np.zeros((1, 1, 1)), low=np.array([[-1.0]]),
+    ...     high=np.array([[0.5]]), vary=np.array([[True]]), damping=np.zeros(1),
+    ... )
+    >>> step.tolist(), length2.tolist()
+    ([[0.5]], [1.0])
+    """
+    whole = normal + curvature
+    scale = column_scale(whole)
+    A = whole / (scale[:, :, np.newaxis] * scale[:, np.newaxis, :])
+    b = downhill / scale
+    floor, roof = low * scale, high * scale
+    held = ~vary | ((low >= 0.0) & (b < 0.0)) | ((high <= 0.0) & (b > 0.0))
+    stop = np.zeros_like(b)
+    step = _solve(A, b, damping, held, stop)
+    for _ in range(2 * b.shape[1]):
+        beyond = ~held & ((step < floor) | (step > roof))
+        inward = held & vary
+        if inward.any():
+            push = b - np.einsum("mij,mj->mi", A, step)
+            inward &= np.where(step <= floor, push > _PUSH, push < -_PUSH)
+            # Letting go waits until nothing is beyond a bound, or two parameters could swap for ever.
+            inward &= ~beyond.any(axis=1, keepdims=True)
+        again = np.flatnonzero((beyond | inward).any(axis=1))
+        if not again.size:
+            break
+        stop = np.where(beyond, np.clip(step, floor, roof), np.where(inward, 0.0, stop))
+        held = (held | beyond) & ~inward
+        step[again] = _solve(A[again], b[again], damping[again], held[again], stop[again])
+    step = np.clip(step / scale, low, high)
+    length2 = np.einsum("mi,mij,mj->m", step, normal, step)
+    return step, np.maximum(length2, 0.0)
+
+
+def column_scale(normal: FloatArray) -> FloatArray:
+    """Return the lengths of the columns of J from JᵀJ, shape (m, p), and 1 where there is none.
+
+    Examples
+    --------
+    >>> column_scale(np.array([[[4.0, 0.0], [0.0, 0.0]]])).tolist()
+    [[2.0, 1.0]]
+    """
+    square = np.einsum("mii->mi", normal)
+    return np.sqrt(np.where(square > _NOTHING, square, 1.0))
+
+
+def _solve(
+    A: FloatArray, b: FloatArray, damping: FloatArray, held: npt.NDArray[np.bool_], fixed: FloatArray
+) -> FloatArray:
+    """Return the minimum over the parameters that are not held, the others standing at their fixed steps."""
+    system, right = A, b
+    if held.any():
+        system = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, A)
+        right = np.where(held, fixed, b - np.einsum("mij,mj->mi", A, fixed))
+    diagonal = np.einsum("mii->mi", system)
+    extra = np.where(diagonal > 0.0, damping[:, np.newaxis] + _RIDGE, 1.0)
+    system = system + np.eye(b.shape[1]) * extra[:, np.newaxis, :]
+    return np.asarray(np.linalg.solve(system, right[..., np.newaxis])[..., 0])

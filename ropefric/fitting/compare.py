@@ -1,0 +1,278 @@
+"""Which law the data ask for: all laws on one trial table, ranked by AICc over the conditions."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ropefric.errors import InputError, RopefricError
+from ropefric.fitting.comparison import Comparison, ComparisonEntry, Unit
+from ropefric.fitting.criteria import ConditionMeans, FTest, akaike_weights, condition_means, scatter_fit
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.measured import Measured, measured_force, measured_residual
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.standing import NESTED, Standing, leave_one_out, nested_test, standing
+from ropefric.fitting.status import FitStatus
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.laws import ALL_LAWS, LAWS
+
+__all__ = ["ALWAYS", "REFUSED", "compare_laws"]
+
+ALWAYS = ("constant", "constant-offset")
+"""Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
+
+REFUSED = "refused"
+"""Status of a law that has no answer on the data."""
+
+# Laws whose ln F_A agree to this at every condition are one law on these data.
+_SAME = 1e-6
+# Twice a log-likelihood this far below the best that the law can do is another solution.
+_STRAYED = 10.0
+
+
+def compare_laws(
+    table: TrialTable,
+    laws: Iterable[str | FrictionLaw] | None = None,
+    *,
+    unit: Unit = "conditions",
+    law_options: Mapping[str, Mapping[str, Any]] | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+    **fit_options: Any,
+) -> Comparison:
+    """Return how friction laws stand against each other on a trial table.
+
+    Parameters
+    ----------
+    table : TrialTable
+        Trials.
+    laws : iterable of str or FrictionLaw, optional
+        Laws to compare, all of `LAWS` by default. The two constant laws are added if they are not among them.
+    unit : {"conditions", "trials"}
+        What counts as one observation. Repeats of a condition share what makes it differ from the law, so they
+        are not independent evidence about the law: by default n is the number of conditions, each standing with
+        its mean, whose variance is that of the repeats (known from their spread) plus a scatter between
+        conditions (estimated for each law). "trials" counts every trial, which is right only where repeats
+        scatter no less than conditions do; without repeats both are the same.
+    law_options : mapping of str to mapping, optional
+        Options of `fit_law` for single laws: `{"groove": {"fixed": {"half_angle": 0.3}}}`.
+    progress : callable, optional
+        Called with (law, number of it, number of laws) before each fit.
+    **fit_options
+        Options of `fit_law` for all laws.
+
+    Returns
+    -------
+    Comparison
+        A law that cannot be fitted stands in it with its status and no weight.
+
+    Raises
+    ------
+    UnknownNameError
+        For a law that is not known.
+    InputError
+        If the table has no usable trial, or an option names a law that is not compared.
+    RopefricError
+        If not even the constant law can be fitted.
+
+    Examples
+    --------
+    >>> wraps = np.repeat([2.0, 4.0, 6.0, 8.0, 10.0], 2)
+    >>> noise = 0.01 * np.array([1, -2, 2, -1, -1, 1, 0, -2, 1, 1])
+    >>> table = TrialTable(
+    ...     trial=tuple("abcdefghij"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps,
+    ...     end_tension_N=20, peak_N=20 * np.exp(0.2 * wraps + noise),
+    ... )
+    >>> [entry.law for entry in compare_laws(table, ["constant-offset"]).ranking]
+    ['constant', 'constant-offset']
+    """
+    chosen = _chosen(laws)
+    options = {name: dict(values) for name, values in (law_options or {}).items()}
+    for name in options:
+        if name not in {law.name for law in chosen}:
+            raise InputError(f"options for {name!r}, which is not compared", key=name)
+    fits: dict[str, FitResult | RopefricError] = {}
+    for number, law in enumerate(chosen, start=1):
+        if progress is not None:
+            progress(law.name, number, len(chosen))
+        try:
+            fits[law.name] = fit_law(table, law, **(fit_options | options.get(law.name, {})))
+        except RopefricError as error:
+            if law.name == "constant":
+                raise
+            # The law itself knows best why it has no answer on these conditions.
+            reasons = law.validity([parameter.start for parameter in law.parameters], table.conditions())
+            fits[law.name] = InputError(reasons[0], code="RF420") if reasons else error
+    constant = _problem(fits["constant"])
+    means = condition_means(
+        constant if unit == "conditions" else replace(constant, group=np.arange(constant.n_points))
+    )
+    measured = measured_force(table)
+    standings = {
+        name: standing(_problem(fit), means, fit.theta, measured=measured)
+        for name, fit in fits.items()
+        if isinstance(fit, FitResult)
+    }
+    ranking = _ranking(fits, standings, means)
+    return Comparison(
+        ranking=ranking,
+        tests=_tests(standings),
+        unit=unit,
+        n=len(means),
+        n_trials=constant.n_points,
+        scatter_within=means.scatter_within,
+        notes=_notes(ranking, means, unit, measured),
+    )
+
+
+def _chosen(laws: Iterable[str | FrictionLaw] | None) -> list[FrictionLaw]:
+    if isinstance(laws, str | FrictionLaw):
+        laws = [laws]
+    given = (
+        LAWS.values() if laws is None else [ALL_LAWS[law] if isinstance(law, str) else law for law in laws]
+    )
+    # In one order whatever was asked for, so that ties are always settled alike.
+    unique = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
+    return list(unique.values())
+
+
+def _problem(fit: FitResult | RopefricError) -> FitProblem:
+    if isinstance(fit, RopefricError):
+        raise fit
+    if fit.problem is None:
+        raise InputError(f"the fit of {fit.law} carries no data", fix="compare fits that were just made")
+    return fit.problem
+
+
+def _ranking(
+    fits: Mapping[str, FitResult | RopefricError], standings: Mapping[str, Standing], means: ConditionMeans
+) -> tuple[ComparisonEntry, ...]:
+    notes = {name: _why_not(fit) for name, fit in fits.items()}
+    for name, note in notes.items():
+        notes[name] = (
+            note
+            or _too_few(standings[name], means)
+            or _strayed(fits[name], standings[name], means)
+            or _twin(name, standings, notes)
+        )
+    counted = [name for name in fits if not notes[name]]
+    best = min((standings[name].aicc for name in counted), default=math.nan)
+    shares = akaike_weights([standings[name].aicc for name in counted])
+    weights = dict(zip(counted, shares.tolist(), strict=True))
+    entries = [
+        _entry(name, fit, standings.get(name), means, best=best, weight=weights.get(name), note=notes[name])
+        for name, fit in fits.items()
+    ]
+    return tuple(sorted(entries, key=lambda e: (not e.counted, math.inf if math.isnan(e.aicc) else e.aicc)))
+
+
+def _entry(
+    name: str,
+    fit: FitResult | RopefricError,
+    stands: Standing | None,
+    means: ConditionMeans,
+    *,
+    best: float,
+    weight: float | None,
+    note: str,
+) -> ComparisonEntry:
+    nan = math.nan
+    if stands is None or isinstance(fit, RopefricError):
+        return ComparisonEntry(
+            law=name, n=len(means), k=0, chi2=nan, aicc=nan, bic=nan, delta_aicc=nan, weight=0.0,
+            loco_error=nan, status=REFUSED, counted=False, note=note, fit=None,
+        )  # fmt: skip
+    # Two laws that follow the data exactly both stand at −inf, no distance apart.
+    delta = 0.0 if stands.aicc == best else stands.aicc - best
+    return ComparisonEntry(
+        law=name,
+        n=len(means),
+        k=stands.k,
+        chi2=stands.chi2,
+        aicc=stands.aicc,
+        bic=stands.bic,
+        delta_aicc=delta,
+        weight=weight or 0.0,
+        loco_error=nan if weight is None else leave_one_out(stands),
+        status=fit.status.value,
+        counted=weight is not None,
+        note=note,
+        fit=fit,
+    )
+
+
+def _why_not(fit: FitResult | RopefricError) -> str:
+    """Return why a fit has no say in the weights; empty if it has."""
+    if isinstance(fit, RopefricError):
+        return str(fit)
+    if fit.status in {FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS}:
+        return fit.status.advice
+    if fit.identifiability.unseen:
+        named = ", ".join(fit.identifiability.unseen)
+        return f"the data do not show {named}, so the law is a simpler one here and is not counted twice"
+    return ""
+
+
+def _too_few(stands: Standing, means: ConditionMeans) -> str:
+    if stands.aicc == math.inf:
+        return f"{len(means)} observations cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
+    return ""
+
+
+def _strayed(fit: FitResult | RopefricError, stands: Standing, means: ConditionMeans) -> str:
+    """Return whether the fit of ln F_A missed the measured end tensions; empty if it did not."""
+    if stands.measured == "lift" or isinstance(fit, RopefricError):
+        return ""
+    residual = measured_residual(stands.problem, fit.theta, stands.measured)
+    if scatter_fit(residual, means).deviance <= stands.scatter.deviance + _STRAYED:
+        return ""
+    return "its fit answers the lift that was set whatever the end tension, and so says nothing of what was measured"
+
+
+def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]) -> str:
+    """Return which simpler or earlier law gives the same forces; empty if none does."""
+    mine, earlier = standings[name], True
+    for other, theirs in standings.items():
+        if other == name:
+            earlier = False
+            continue
+        simpler = theirs.k < mine.k or (earlier and theirs.k == mine.k)
+        if simpler and not notes[other] and float(np.abs(theirs.log_lift() - mine.log_lift()).max()) <= _SAME:
+            return f"gives the same forces as {other} on these data, and is counted once"
+    return ""
+
+
+def _tests(standings: Mapping[str, Standing]) -> tuple[FTest, ...]:
+    tests = []
+    for fuller, stands in standings.items():
+        for simpler in NESTED.get(fuller, ()):
+            found = nested_test(standings[simpler], stands) if simpler in standings else None
+            if found is not None:
+                F, dof, p_value = found
+                tests.append(FTest(simpler=simpler, fuller=fuller, f=F, dof=dof, p_value=p_value))
+    return tuple(tests)
+
+
+def _notes(
+    ranking: tuple[ComparisonEntry, ...], means: ConditionMeans, unit: Unit, measured: Measured
+) -> tuple[str, ...]:
+    notes = [
+        f"AICc counts {len(means)} {unit}, not repeats" if unit == "conditions" else "AICc counts every trial"
+    ]
+    if not means.repeated and unit == "conditions":
+        notes.append("no condition was repeated, so every trial is a condition of its own")
+    if measured == "end-tension":
+        notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
+    rivals = [e.law for e in ranking if e.counted and e.delta_aicc <= 2.0]
+    if len(rivals) > 1:
+        notes.append(f"within 2 of the best AICc, so not told apart: {', '.join(rivals)}")
+    wraps = [law for law in rivals if "wrap-dependence" in LAWS.get(law, ALL_LAWS[law]).effects]
+    if wraps and "constant-offset" in rivals:
+        notes.append(
+            f"a constant μ with an offset looks like a wrap effect, and these data do not tell constant-offset from "
+            f"{', '.join(wraps)}: measure the offset at a wrap near zero"
+        )
+    return tuple(notes)

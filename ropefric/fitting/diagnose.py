@@ -1,0 +1,280 @@
+"""Why does my rope not obey the capstan equation? Each possible cause, with the evidence for and against it."""
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.special import fdtrc, stdtr
+
+from ropefric.errors import InputError
+from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.comparison import Comparison, ComparisonEntry
+from ropefric.fitting.criteria import ConditionMeans, condition_means
+from ropefric.fitting.diagnosis import Cause, Diagnosis, Supported
+from ropefric.fitting.measured import measured_force
+from ropefric.fitting.problem import FloatArray
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.laws import ALL_LAWS
+
+__all__ = ["diagnose"]
+
+# Differences of AICc: an effect is supported when it makes the data e^3 = 20 times likelier after its price.
+_STRONG = 6.0
+_WEAK = 2.0
+_SIGNIFICANT = 0.01
+_SAME_LEVEL_DIGITS = 6
+_MANY = 0.2
+
+_EFFECTS = {
+    "load dependence": (
+        "end-tension",
+        "end tension",
+        "the same wheel and wrap at end tensions a factor 10 or more apart, with repeats",
+    ),
+    "size effect": (
+        "size",
+        "size ratio R_w/R_r",
+        "the same wrap and end tension on wheels from 3 to 15 rope radii",
+    ),
+    "wrap effect": (
+        "wrap-dependence",
+        "wrap",
+        "wraps from a quarter turn to two turns at several end tensions: a wrap series at one load cannot fix a law",
+    ),
+}
+_OFFSET_TEST = (
+    "pull at a wrap near zero, or over the same wrap on a free wheel: ln(F_A/F_B) there is the offset itself"
+)
+
+
+def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_options: Any) -> Diagnosis:
+    """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do.
+
+    Parameters
+    ----------
+    table : TrialTable
+        Trials.
+    comparison : Comparison, optional
+        Of these trials, just made; by default all laws are compared, those that count the wrap from zero too.
+    **fit_options
+        Options of `fit_law` for that comparison.
+
+    Returns
+    -------
+    Diagnosis
+        An effect is supported if the best law with it has an AICc at least 6 below that of every law without it;
+        not supported if no law with it comes 2 below the constant law, or a law without it explains the data
+        better by 6; and cannot be told otherwise, or where the data hold one wrap, one size or one load.
+
+    Raises
+    ------
+    RopefricError
+        If the constant law cannot be fitted.
+    """
+    ranked = compare_laws(table, ALL_LAWS.values(), **fit_options) if comparison is None else comparison
+    constant = ranked["constant"].fit
+    if constant is None or constant.problem is None:
+        raise InputError(
+            "the comparison carries no data", fix="compare the laws again, or leave the comparison out"
+        )
+    means = condition_means(constant.problem)
+    levels = {
+        "end-tension": means.log_lift
+        if measured_force(table) == "end-tension"
+        else means.conditions.log_end_tension,
+        "size": np.log(means.conditions.size_ratio),
+        "wrap-dependence": np.log(np.maximum(means.conditions.wrap_angle_rad, 1e-9)),
+    }
+    causes = [_offset(ranked, means)]
+    causes += [_effect(title, ranked, means, levels) for title in _EFFECTS]
+    causes += [_no_slip(table), _scatter(ranked, means)]
+    return Diagnosis(causes=tuple(causes), summary=_summary(ranked, causes))
+
+
+def _best(ranked: Comparison, effect: str, *, with_it: bool) -> ComparisonEntry | None:
+    for entry in ranked.ranking:
+        if entry.counted and (effect in ALL_LAWS[entry.law].effects) == with_it:
+            return entry
+    return None
+
+
+def _verdict(ranked: Comparison, effect: str) -> tuple[Supported, str, dict[str, float]]:
+    """Return the verdict on an effect, why, and the differences of AICc behind it."""
+    plain = ranked["constant"]
+    best, other = _best(ranked, effect, with_it=True), _best(ranked, effect, with_it=False)
+    if best is None or not math.isfinite(plain.aicc):
+        return "cannot-tell", f"{ranked.n} {ranked.unit} are too few for any law with it", {}
+    rival = plain if other is None else other
+    gain, lead = plain.aicc - best.aicc, rival.aicc - best.aicc
+    numbers = {"gain_on_constant": gain, "lead_on_others": lead}
+    text = f"AICc of the best law with it, {best.law}, is {_against(gain)} the constant law's"
+    if rival.law != "constant":
+        text += f" and {_against(lead)} that of {rival.law}, which does without"
+    if lead >= _STRONG:
+        return "yes", text, numbers
+    if gain < _WEAK or lead <= -_STRONG:
+        return "no", text, numbers
+    return "cannot-tell", text, numbers
+
+
+def _doubted(supported: Supported, p_value: float, numbers: Mapping[str, float]) -> Supported:
+    """Return "cannot-tell" for a "no" that rests on few conditions alone, where a trend is there to be seen."""
+    gain, lead = numbers.get("gain_on_constant", 0.0), numbers.get("lead_on_others", 0.0)
+    explained_by_another = lead < gain and lead <= -_STRONG
+    return (
+        "cannot-tell"
+        if supported == "no" and p_value < _SIGNIFICANT and not explained_by_another
+        else supported
+    )
+
+
+def _against(difference: float) -> str:
+    return f"{abs(difference):.1f} {'below' if difference > 0 else 'above'}"
+
+
+def _effect(title: str, ranked: Comparison, means: ConditionMeans, levels: dict[str, FloatArray]) -> Cause:
+    effect, quantity, experiment = _EFFECTS[title]
+    level = levels[effect]
+    if np.unique(np.round(level, _SAME_LEVEL_DIGITS)).size < 2:
+        return Cause(
+            cause=title,
+            supported="cannot-tell",
+            evidence=f"all conditions have one {quantity}",
+            experiment=experiment,
+        )
+    supported, why, numbers = _verdict(ranked, effect)
+    trend, found = _trend(means, level, quantity)
+    supported = _doubted(supported, found.get("p_value", 1.0), numbers)
+    evidence = "; ".join(part for part in (trend, why, _lookalike(title, ranked)) if part)
+    return Cause(
+        cause=title, supported=supported, evidence=evidence, experiment=experiment, numbers=numbers | found
+    )
+
+
+def _lookalike(title: str, ranked: Comparison) -> str:
+    """Return the warning that an offset and a wrap effect look alike, where both explain what the constant cannot."""
+    offset, wrap = ranked["constant-offset"], _best(ranked, "wrap-dependence", with_it=True)
+    if title != "wrap effect" or wrap is None or not offset.counted:
+        return ""
+    plain = ranked["constant"].aicc
+    if min(plain - offset.aicc, plain - wrap.aicc) < _WEAK or abs(offset.aicc - wrap.aicc) >= _STRONG:
+        return ""
+    return "a constant μ with a constant offset in ln F looks exactly like a wrap effect, and here both fit"
+
+
+def _trend(means: ConditionMeans, level: FloatArray, quantity: str) -> tuple[str, dict[str, float]]:
+    """Return the slope of the average μ over a doubling, from a weighted straight line."""
+    wrap = means.conditions.wrap_angle_rad
+    usable = wrap > 0.0
+    mu = (means.log_lift - means.conditions.log_end_tension)[usable] / wrap[usable]
+    x, weight = level[usable] / math.log(2.0), (wrap[usable] / means.std[usable]) ** 2
+    if mu.size < 3:
+        return "", {}
+    x = x - np.average(x, weights=weight)
+    spread = float((weight * x**2).sum())
+    if spread <= 0.0:
+        return "", {}
+    slope = float((weight * x * mu).sum()) / spread
+    rest = mu - np.average(mu, weights=weight) - slope * x
+    std = math.sqrt(float((weight * rest**2).sum()) / (mu.size - 2) / spread)
+    p_value = 2.0 * float(stdtr(mu.size - 2, -abs(slope) / std)) if std > 0.0 else 0.0
+    text = f"average μ changes by {slope:+.2g} ± {std:.1g} per doubling of the {quantity} (p = {p_value:.2g})"
+    return text, {"slope_per_doubling": slope, "slope_std": std, "p_value": p_value}
+
+
+def _offset(ranked: Comparison, means: ConditionMeans) -> Cause:
+    wraps = np.unique(np.round(means.conditions.wrap_angle_rad, _SAME_LEVEL_DIGITS))
+    fit = ranked["constant-offset"].fit
+    if wraps.size < 2 or fit is None:
+        return Cause(
+            cause="offset",
+            supported="cannot-tell",
+            evidence="all conditions have one wrap, where an offset cannot be told from μ",
+            experiment=_OFFSET_TEST,
+        )
+    supported, why, numbers = _verdict(ranked, "offset")
+    k = fit["k"]
+    test = next((t for t in ranked.tests if (t.simpler, t.fuller) == ("constant", "constant-offset")), None)
+    evidence = f"offset of ln F_A k = {k.value:+.3g} ± {k.std:.2g}"
+    numbers["k"], numbers["k_std"] = k.value, k.std
+    if test is not None:
+        evidence += f" (F-test p = {test.p_value:.2g})"
+        numbers["p_value"] = test.p_value
+        supported = _doubted(supported, test.p_value, numbers)
+    return Cause(
+        cause="offset",
+        supported=supported,
+        evidence=f"{evidence}; {why}",
+        experiment=_OFFSET_TEST,
+        numbers=numbers,
+    )
+
+
+def _no_slip(table: TrialTable) -> Cause:
+    experiment = "raise the motor torque until the rope slides all round, and record the slide after the peak"
+    bad = Counter(word for word in table.status if word != "ok")
+    share = sum(bad.values()) / max(len(table), 1)
+    words = ", ".join(f"{count} {word}" for word, count in sorted(bad.items()))
+    numbers = {"not_ok": float(sum(bad.values())), "trials": float(len(table))}
+    if not bad:
+        evidence = (
+            f"all {len(table)} trials have status ok; the recordings, which decide this, are not in the table"
+        )
+        return Cause(
+            cause="no gross slip", supported="no", evidence=evidence, experiment=experiment, numbers=numbers
+        )
+    supported: Supported = "yes" if bad["no-breakaway"] > _MANY * len(table) else "cannot-tell"
+    evidence = f"{sum(bad.values())} of {len(table)} trials ({share:.0%}) gave no break-away force: {words}"
+    return Cause(
+        cause="no gross slip", supported=supported, evidence=evidence, experiment=experiment, numbers=numbers
+    )
+
+
+def _scatter(ranked: Comparison, means: ConditionMeans) -> Cause:
+    """Return whether conditions lie further off the best law than their repeats allow."""
+    experiment = "repeat each condition with a new rope in random order, and again with the same rope"
+    repeats = int(means.size.sum()) - len(means)
+    if repeats < 1 or len(means) < 3:
+        evidence = "no condition was repeated, or there are fewer than three"
+        return Cause(
+            cause="condition scatter", supported="cannot-tell", evidence=evidence, experiment=experiment
+        )
+    best = ranked.best.fit
+    left = len(means) - ranked.best.k + 1
+    if best is None or left < 2:
+        evidence = f"{len(means)} conditions are too few to tell scatter between them from an effect"
+        return Cause(
+            cause="condition scatter", supported="cannot-tell", evidence=evidence, experiment=experiment
+        )
+    excess = (best.friction_law.log_lift(best.theta, means.conditions) - means.log_lift) / means.std
+    F = float((excess**2).sum()) / left
+    p_value = float(fdtrc(left, repeats, F))
+    evidence = (
+        f"condition means lie {math.sqrt(F):.2g} times as far off {ranked.best.law} as their repeats allow "
+        f"(p = {p_value:.2g}), by new ropes, settings, or an effect it misses; repeats scatter by "
+        f"{100 * means.scatter_within:.2g} %"
+    )
+    return Cause(
+        cause="condition scatter",
+        supported="yes" if p_value < _SIGNIFICANT else "no",
+        evidence=evidence,
+        experiment=experiment,
+        numbers={"ratio": math.sqrt(F), "p_value": p_value, "scatter_within": means.scatter_within},
+    )
+
+
+def _summary(ranked: Comparison, causes: list[Cause]) -> str:
+    found = [item.cause for item in causes if item.supported == "yes"]
+    open_ = [item.cause for item in causes if item.supported == "cannot-tell"]
+    plain = ranked["constant"]
+    mu = plain.fit["mu"] if plain.fit is not None else None
+    law = "the capstan equation" + ("" if mu is None else f" with μ = {mu.value:.3g} ± {mu.std:.2g}")
+    if found:
+        text = f"{law} does not describe the trials; the data support: {', '.join(found)}"
+    elif ranked.best.law == "constant" or plain.delta_aicc <= _WEAK:
+        text = f"{law} describes the trials; no cause to leave it is supported"
+    else:
+        text = f"{law} is not the best description ({ranked.best.law} is), but the data do not show why"
+    return text + (f"; cannot be told: {', '.join(open_)}" if open_ else "")

@@ -1,0 +1,147 @@
+"""A friction law fitted to a trial table: ln F_A by weighted least squares through the integral."""
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.fitting.assemble import assemble
+from ropefric.fitting.losses import Loss
+from ropefric.fitting.nonlinear import check_start
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.search import search
+from ropefric.fitting.settings import FitSettings, check_settings
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.laws import ALL_LAWS
+
+__all__ = ["fit_law", "problem_of"]
+
+
+def fit_law(
+    table: TrialTable,
+    law: str | FrictionLaw,
+    *,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    start: Mapping[str, float] | None = None,
+    scale_covar: Literal["auto"] | bool = "auto",
+    loss: Loss = "linear",
+    clustered: bool = True,
+    n_starts: int = 4,
+    seed: int = 0,
+) -> FitResult:
+    """Return a law fitted to the used trials of a table.
+
+    Parameters
+    ----------
+    table : TrialTable
+        The trials.
+    law : str or FrictionLaw
+        The law or its name.
+    fixed : mapping, optional
+        Parameters to hold, and at what.
+    bounds : mapping of name to (lower, upper), optional
+        Narrower or wider bounds than the law's own.
+    start : mapping, optional
+        Start values; the law guesses the others.
+    scale_covar : "auto" or bool
+        Whether the covariance is multiplied by χ²/dof. "auto": only where no repeats tell the scatter.
+    loss : str
+        "linear" for least squares; "soft_l1", "huber", "cauchy", "arctan" give outliers less weight.
+    clustered : bool
+        Whether the errors are taken from the scatter between conditions (sandwich), where there are repeats and
+        more conditions than parameters.
+    n_starts : int
+        Starts of the search: the guess, and others spread about it.
+    seed : int
+        Of those others.
+
+    Raises
+    ------
+    UnknownNameError
+        For an unknown law, parameter or loss.
+    InputError
+        For bounds that are none, a start or fixed value outside them, or scale_covar = False where nothing is known
+        of the scatter.
+
+    Notes
+    -----
+    A doubtful result comes back with a status that says so; see `FitResult.status`.
+
+    Examples
+    --------
+    >>> wraps = np.repeat([3.0, 6.0, 9.0, 12.0], 2)
+    >>> table = TrialTable(
+    ...     trial=tuple("abcdefgh"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20,
+    ...     peak_N=20 * np.exp(0.2 * wraps + 0.01 * np.array([1, -1, 1, -1, -1, 1, -1, 1])),
+    ... )
+    >>> fit = fit_law(table, "constant")
+    >>> round(fit["mu"].value, 6), str(fit.status)
+    (0.2, 'ok')
+    """
+    chosen = ALL_LAWS[law] if isinstance(law, str) else law
+    settings = FitSettings(
+        fixed=dict(fixed or {}),
+        bounds=dict(bounds or {}),
+        start=dict(start or {}),
+        scale_covar=scale_covar,
+        loss=loss,
+        clustered=clustered,
+        n_starts=n_starts,
+        seed=seed,
+    )
+    problem = problem_of(table, chosen, settings)
+    return assemble(search(problem, table, settings), table, settings)
+
+
+def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> FitProblem:
+    """Return the data of a table as a least-squares problem with equal weights, start values and bounds.
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        As `fit_law`.
+
+    Examples
+    --------
+    >>> table = TrialTable(
+    ...     trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6], end_tension_N=20,
+    ...     peak_N=[40, 80],
+    ... )
+    >>> problem_of(table, ALL_LAWS["groove"], FitSettings(fixed={})).vary.tolist()
+    [True, False]
+    """
+    check_settings(settings, law)
+    if not table.used.any():
+        raise InputError(
+            "no trial of the table can be used", code="RF410", fix="check the columns kept and status"
+        )
+    conditions, log_lift = table.conditions(), table.log_lift()
+    bounds, starts, held = settings.bounds or {}, settings.start or {}, settings.fixed
+    spans = [bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
+    lower, upper = np.array(spans, dtype=np.float64).T
+    given = {item.name: item.start for item in law.parameters if item.fixed} | dict(starts) | dict(held)
+    guess = np.clip(law.guess(conditions, log_lift), lower, upper)
+    theta = [given.get(name, value) for name, value in zip(law.parameter_names, guess, strict=True)]
+    vary = [
+        item.name not in held and (not item.fixed or item.name in starts or item.name in bounds)
+        for item in law.parameters
+    ]
+    start = np.array(theta, dtype=np.float64)
+    check_start(
+        start, lower, upper, law.parameter_names, lambda theta: bool(law.admissible(theta, conditions))
+    )
+    return FitProblem(
+        law=law,
+        conditions=conditions,
+        log_lift=log_lift,
+        std=np.ones_like(log_lift),
+        group=table.group(),
+        start=start,
+        lower=lower,
+        upper=upper,
+        vary=np.array(vary),
+    )

@@ -1,0 +1,110 @@
+"""Other 95 % intervals for a fit that was just made: from the profile likelihood, or from a bootstrap."""
+
+from dataclasses import replace
+from math import inf, isfinite
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.fitting.bootstrap import bootstrap
+from ropefric.fitting.covariance import bread
+from ropefric.fitting.problem import FitProblem, FloatArray
+from ropefric.fitting.profile import profile_intervals
+from ropefric.fitting.result import FitResult
+from ropefric.registry import did_you_mean
+
+__all__ = ["INTERVALS", "with_intervals"]
+
+INTERVALS = ("covariance", "profile", "bootstrap")
+"""Ways to the 95 % intervals of the parameters."""
+
+# With fewer conditions than this, drawing whole conditions gives intervals that are too narrow.
+_ENOUGH_TO_DRAW = 20
+_NORMAL = 1.959963984540054
+
+
+def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0) -> FitResult:
+    """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too.
+
+    Parameters
+    ----------
+    fit : FitResult
+        Just made, so that it carries its data.
+    method : {"covariance", "profile", "bootstrap"}
+        "covariance" leaves the intervals by Student's t as they are; "profile" follows the likelihood, and is
+        one-sided near a bound; "bootstrap" refits resampled data, whole conditions where there are 20 or more.
+    n, seed : int
+        Resamples of the bootstrap, and their seed.
+
+    Raises
+    ------
+    UnknownNameError
+        For another method.
+    InputError
+        If the fit was loaded from a file, or had a robust loss.
+
+    Examples
+    --------
+    >>> from ropefric.fitting.fit import fit_law
+    >>> from ropefric.fitting.table import TrialTable
+    >>> wraps = np.repeat([3.0, 6.0, 9.0, 12.0], 2)
+    >>> table = TrialTable(
+    ...     trial=tuple("abcdefgh"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20,
+    ...     peak_N=20 * np.exp(0.2 * wraps + 0.01 * np.array([1, -1, 1, -1, -1, 1, -1, 1])),
+    ... )
+    >>> fit = fit_law(table, "constant", clustered=False)
+    >>> profiled = with_intervals(fit, "profile")  # one linear parameter: both ways are the same
+    >>> bool(np.allclose(profiled["mu"].ci95, fit["mu"].ci95, rtol=1e-6))
+    True
+    """
+    if method not in INTERVALS:
+        raise UnknownNameError(
+            f"unknown way to intervals {method!r}", key="intervals", fix=did_you_mean(method, INTERVALS)
+        )
+    if method == "covariance":
+        return fit
+    if fit.problem is None:
+        raise InputError(f"the fit of {fit.law} carries no data", key="intervals", fix="fit the trials again")
+    if fit.provenance.get("settings", {}).get("loss", "linear") != "linear":
+        raise InputError(
+            f"{method} intervals are those of least squares, not of a robust loss",
+            key="intervals",
+            fix="use loss = 'linear', or intervals = 'covariance'",
+        )
+    ends, notes = _profile(fit, fit.problem) if method == "profile" else _bootstrap(fit, fit.problem, n, seed)
+    parameters = tuple(
+        replace(item, ci95=(float(low), float(high))) if item.vary else item
+        for item, (low, high) in zip(fit.parameters, ends, strict=True)
+    )
+    how = {"method": method} | ({"n": n, "seed": seed} if method == "bootstrap" else {})
+    return replace(
+        fit,
+        parameters=parameters,
+        notes=(*fit.notes, f"95 % intervals by {method}", *notes),
+        provenance=dict(fit.provenance) | {"intervals": how},
+    )
+
+
+def _profile(fit: FitResult, problem: FitProblem) -> tuple[FloatArray, tuple[str, ...]]:
+    if fit.covariance_kind == "scaled":
+        found = profile_intervals(problem, fit.theta)
+        return found.ci, found.notes
+    # χ² believes in independent trials and a normal quantile; the fit's own covariance and Student's t know better.
+    variance = np.diag(fit.covariance)
+    shown = variance > 0.0
+    plain = np.ones_like(variance)
+    plain[shown] = np.diag(bread(problem.jacobian(fit.theta)[:, shown]))
+    ratio = np.where(shown & (plain > 0.0), variance / np.where(plain > 0.0, plain, 1.0), 1.0)
+    ratio = np.where(np.isfinite(ratio) & (ratio > 0.0), ratio, 1.0)
+    dof = fit.statistics.interval_dof
+    quantile = float(stdtrit(dof, 0.975)) if isfinite(dof) and 0 < dof < inf else _NORMAL
+    found = profile_intervals(problem, fit.theta, scale=ratio * (quantile / _NORMAL) ** 2, absolute_std=True)
+    return found.ci, found.notes
+
+
+def _bootstrap(fit: FitResult, problem: FitProblem, n: int, seed: int) -> tuple[FloatArray, tuple[str, ...]]:
+    many = fit.statistics.n_conditions >= max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
+    repeated = fit.statistics.n_conditions < fit.statistics.n
+    found = bootstrap(problem, fit.theta, kind="clustered" if many and repeated else "parametric", n=n, seed=seed)
+    return found.ci95, found.notes

@@ -1,0 +1,281 @@
+"""Levenberg-Marquardt on thousands of data sets at once, inside bounds, with the analytic Jacobian of the law."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError
+from ropefric.fitting.bounded_step import bounded_steps
+from ropefric.fitting.curvature import learnt_curvature, usable
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.reduced import Reduced, reduced
+from ropefric.friction.condition import FloatArray
+
+__all__ = ["BatchFit", "batched_fit"]
+
+BoolArray = npt.NDArray[np.bool_]
+
+_EPS = float(np.finfo(np.float64).eps)
+_FIRST_DAMPING = 1e-4
+_NO_DAMPING = 1e-9
+_RAISE = 6.0
+_LOWER = 0.2
+# A step no shorter than this part (of its square) of the one before: Gauss-Newton creeps or swings.
+_SLOW = 0.1
+_CAUTION = 20.0
+_HOPELESS_DAMPING = 1e14
+# ln F_A from a closed form carries an error of this relative size, so a step that moves it less is rounding.
+_MODEL_ROUNDING = 1e-14
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BatchFit:
+    """Least-squares parameters of m data sets.
+
+    Attributes
+    ----------
+    theta : ndarray, shape (m, p)
+        Parameters, always finite; where a data set did not converge, the best that was met.
+    chi2 : ndarray, shape (m,)
+        Weighted sum of squares at theta; infinite where the law has no answer at the start.
+    converged : ndarray of bool, shape (m,)
+        Whether theta is a minimum inside the bounds. One at a bound counts.
+    n_iterations : int
+        Steps of the data set that took longest.
+    """
+
+    theta: FloatArray
+    chi2: FloatArray
+    converged: BoolArray
+    n_iterations: int
+
+
+def batched_fit(
+    problem: FitProblem,
+    log_lift: npt.ArrayLike | None = None,
+    starts: npt.ArrayLike | None = None,
+    *,
+    std: npt.ArrayLike | None = None,
+    multiplicity: npt.ArrayLike | None = None,
+    vary: npt.ArrayLike | None = None,
+    tolerance: float = 1e-9,
+    max_iterations: int = 300,
+) -> BatchFit:
+    """Return the bounded least-squares fits of m data sets, all iterated together.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The law, the n conditions, the bounds, and everything that is not given otherwise.
+    log_lift : array_like, shape (n,) or (m, n), optional
+        ln(F_A / 1 N) of the data sets.
+    starts : array_like, shape (p,) or (m, p), optional
+        Where each begins; clipped to the bounds. A parameter that does not vary stays at this value, bounds or not.
+    std : array_like, shape (n,) or (m, n), optional
+        Standard deviations of ln F_A [-]; infinite leaves a point out.
+    multiplicity : array_like, shape (n,) or (m, n), optional
+        How often each point counts, as in a bootstrap; zero leaves it out.
+    vary : array_like of bool, shape (p,) or (m, p), optional
+        Which parameters are fitted.
+    tolerance : float
+        A data set is done when the next step would move its weighted model by less than this many root mean
+        square residuals: 1e-9 standard errors, roughly.
+    max_iterations : int
+        After so many steps a data set is given up.
+
+    Returns
+    -------
+    BatchFit
+        In the order of the data sets.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree or a number is not finite. A step to where the law has no answer is turned down and
+        never raised.
+
+    Notes
+    -----
+    Marquardt's damping, relative to the diagonal of JᵀWJ, belongs to each data set by itself and starts at zero:
+    the first steps are plain Gauss-Newton, and only a step that fails is damped. Bounds are held by an active set
+    (`bounded_steps`). Data sets that are done leave the batch. Repeats of a condition are summed first, so the law
+    is evaluated once per distinct condition.
+
+    Examples
+    --------
+    >>> from ropefric.friction.condition import Conditions
+    >>> from ropefric.friction.laws import LAWS
+    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9], end_tension_N=20)
+    >>> law, one = LAWS["constant"], np.ones(3)
+    >>> problem = FitProblem(
+    ...     law=law, conditions=pulls, log_lift=law.log_lift([0.2], pulls), std=one, group=np.arange(3),
+    ...     start=np.array([1.0]), lower=law.lower, upper=law.upper, vary=np.array([True]),
+    ... )
+    >>> batched_fit(problem, law.log_lift([[0.1], [0.3]], pulls)).theta.round(9).tolist()
+    [[0.1], [0.3]]
+    """
+    data = reduced(
+        problem, *(None if x is None else np.asarray(x, np.float64) for x in (log_lift, std, multiplicity))
+    )
+    p = problem.start.size
+    theta = np.atleast_2d(np.asarray(problem.start if starts is None else starts, dtype=np.float64))
+    free = np.atleast_2d(np.asarray(problem.vary if vary is None else vary, dtype=np.bool_))
+    if theta.shape[1:] != (p,) or free.shape[1:] != (p,) or not np.isfinite(theta).all():
+        raise InputError(
+            f"starts of shape {theta.shape} and vary of shape {free.shape}; law {problem.law.name} needs (m, {p}), "
+            "finite",
+            code="RF400",
+        )
+    lengths = {len(rows) for rows in (data.weight, data.mean, data.rest, theta, free)} - {1}
+    if len(lengths) > 1:
+        raise InputError(
+            f"the data sets are {' or '.join(map(str, sorted(lengths)))} in number", code="RF400"
+        )
+    m = lengths.pop() if lengths else 1
+    free = np.broadcast_to(free, (m, p))
+    theta = np.where(free, np.clip(theta, problem.lower, problem.upper), theta)
+    search = _Search(data=data, problem=problem, theta=np.broadcast_to(theta, (m, p)).copy(), vary=free)
+    search.begin(same_start=bool((theta == theta[0]).all()))
+    steps = search.run(tolerance, max_iterations)
+    return BatchFit(theta=search.theta, chi2=search.chi2, converged=search.converged, n_iterations=steps)
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class _Search:
+    """The state of m fits on their way; one row a data set."""
+
+    data: Reduced
+    problem: FitProblem
+    theta: FloatArray
+    vary: BoolArray
+    chi2: FloatArray = field(init=False)
+    normal: FloatArray = field(init=False)
+    downhill: FloatArray = field(init=False)
+    curvature: FloatArray = field(init=False)
+    damping: FloatArray = field(init=False)
+    last_length2: FloatArray = field(init=False)
+    slow: BoolArray = field(init=False)
+    converged: BoolArray = field(init=False)
+    alive: BoolArray = field(init=False)
+
+    def begin(self, *, same_start: bool) -> None:
+        """Evaluate the starts; where the law has no answer, try the problem's own start."""
+        m = len(self.theta)
+        rows = np.arange(m)
+        if same_start and bool(self.problem.law.admissible(self.theta[0], self.data.conditions)):
+            self.chi2, self.normal, self.downhill = self.data.evaluate_shared(self.theta[0], m)
+        else:
+            nowhere = np.full(m, np.inf)
+            self.chi2, self.normal, self.downhill = self.data.evaluate(self.theta, rows, nowhere)
+            lost = np.flatnonzero(~np.isfinite(self.chi2))
+            if lost.size:
+                self.theta[lost] = np.where(self.vary[lost], self.problem.start, self.theta[lost])
+                self.chi2[lost], self.normal[lost], self.downhill[lost] = self.data.evaluate(
+                    self.theta[lost], lost, nowhere[lost]
+                )
+        self.curvature = np.zeros_like(self.normal)
+        self.damping = np.zeros(m)
+        self.last_length2 = np.full(m, np.inf)
+        self.slow = np.zeros(m, dtype=np.bool_)
+        self.converged = np.zeros(m, dtype=np.bool_)
+        self.alive = np.isfinite(self.chi2)
+
+    def run(self, tolerance: float, max_iterations: int) -> int:
+        """Step until no data set is left; return the number of steps."""
+        signal = np.broadcast_to(self.data.signal, self.chi2.shape)
+        for steps in range(max_iterations):
+            rows = np.flatnonzero(self.alive)
+            if not rows.size:
+                return steps
+            step, length2 = self._propose(rows, np.zeros(rows.size))
+            enough2 = (
+                tolerance**2 * self.chi2[rows] / self.problem.n_points + _MODEL_ROUNDING**2 * signal[rows]
+            )
+            # χ² cannot resolve steps shorter than its own rounding: they are taken as they come, until they no
+            # longer shrink.
+            blur = _EPS * (64.0 * self.chi2[rows] + 4.0 * np.sqrt(self.chi2[rows] * signal[rows]))
+            blind = length2 <= blur
+            done = (length2 <= enough2) | (blind & (length2 > 0.25 * self.last_length2[rows]))
+            rate = length2 / self.last_length2[rows]
+            # At this rate the step after this one would be too short to take: no slope is needed any more.
+            final = ~self.slow[rows] & (rate > 0.0) & (rate < _SLOW) & (_CAUTION * rate * length2 <= enough2)
+            self.slow[rows] |= rate > _SLOW
+            self.last_length2[rows] = length2
+            self.converged[rows[done]] = True
+            self.alive[rows[done]] = False
+            left = np.flatnonzero(~done)
+            if not left.size:
+                continue
+            damped = np.flatnonzero((self.damping[rows] > 0.0) & ~blind & ~done)
+            if damped.size:
+                step[damped], length2[damped] = self._propose(rows[damped], self.damping[rows[damped]])
+                final[damped] = False
+            slack = np.where(blind, 4.0 * blur, 0.0)
+            self._try(rows[left], step[left], length2[left], slack[left], final[left])
+        return max_iterations
+
+    def _propose(self, rows: npt.NDArray[np.intp], damping: FloatArray) -> tuple[FloatArray, FloatArray]:
+        theta = self.theta[rows]
+        return bounded_steps(
+            self.normal[rows],
+            self.downhill[rows],
+            curvature=self.curvature[rows],
+            low=np.minimum(self.problem.lower - theta, 0.0),
+            high=np.maximum(self.problem.upper - theta, 0.0),
+            vary=self.vary[rows],
+            damping=damping,
+        )
+
+    def _try(
+        self,
+        rows: npt.NDArray[np.intp],
+        step: FloatArray,
+        length2: FloatArray,
+        slack: FloatArray,
+        final: BoolArray,
+    ) -> None:
+        """Take the steps that lower χ² (or keep it within a slack), and learn from how well that was foretold."""
+        theta, old = self.theta[rows], self.chi2[rows]
+        inside = np.clip(theta + step, self.problem.lower, self.problem.upper)
+        trial = np.where(self.vary[rows], inside, theta)
+        limit = np.where(slack > 0.0, old + slack, np.nextafter(old, 0.0))
+        chi2, normal, downhill = self.data.evaluate(trial, rows, np.where(final, -1.0, limit))
+        better = chi2 <= limit
+        bend = np.einsum("mi,mij,mj->m", step, self.curvature[rows], step)
+        foretold = 2.0 * np.einsum("mi,mi->m", step, self.downhill[rows]) - length2 - bend
+        gain = (old - np.where(better, chi2, old)) / np.where(foretold > 0.0, foretold, np.inf)
+        self._adapt(rows, np.where(slack > 0.0, 1.0, gain), better)
+        self._learn(rows, step, better & ~final, normal, downhill)
+        taken, arrived = rows[better], rows[better & final]
+        self.theta[taken], self.chi2[taken] = trial[better], chi2[better]
+        self.normal[taken], self.downhill[taken] = normal[better], downhill[better]
+        self.converged[arrived] = True
+        self.alive[arrived] = False
+
+    def _learn(
+        self,
+        rows: npt.NDArray[np.intp],
+        step: FloatArray,
+        better: BoolArray,
+        normal: FloatArray,
+        downhill: FloatArray,
+    ) -> None:
+        """Learn the model's curvature where Gauss-Newton alone is slow; forget it where a step failed."""
+        self.curvature[rows[~better]] = 0.0
+        use = better & self.slow[rows]
+        if not use.any():
+            return
+        taken = rows[use]
+        change = self.downhill[taken] - downhill[use]
+        S = learnt_curvature(self.curvature[taken], normal[use], step[use], change)
+        self.curvature[taken] = np.where(usable(normal[use], S)[:, np.newaxis, np.newaxis], S, 0.0)
+
+    def _adapt(self, rows: npt.NDArray[np.intp], gain: FloatArray, better: BoolArray) -> None:
+        """Damp more after a step that failed or gained little of what was foretold, less after a good one."""
+        old = self.damping[rows]
+        raised = np.where(old > 0.0, _RAISE * old, _FIRST_DAMPING)
+        lowered = np.where(old > _NO_DAMPING, old * _LOWER, 0.0)
+        new = np.where(gain > 0.75, lowered, np.where(gain < 0.25, 2.0 * old, old))
+        self.damping[rows] = np.where(better, new, raised)
+        self.alive[rows[raised > _HOPELESS_DAMPING]] = False

@@ -1,0 +1,125 @@
+"""What a prediction hands on: lift forces with their intervals, and what to know before trusting them."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.fitting.extrapolation import Validity, outside_words
+from ropefric.fitting.problem import FloatArray
+from ropefric.friction.condition import Conditions
+
+__all__ = ["Method", "Prediction"]
+
+Method = Literal["linear", "monte-carlo"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prediction:
+    """Lift forces of a fitted law for n conditions, with what is known about them.
+
+    Attributes
+    ----------
+    law : str
+        The law.
+    conditions : Conditions
+        n conditions.
+    log_lift, std_log : ndarray, shape (n,)
+        ln(F_A / 1 N) of the mean law and its standard deviation [-].
+    lift_force_N, std_N : ndarray, shape (n,)
+        F_A [N] and its standard deviation F_A · std_log [N].
+    interval_N : ndarray, shape (n, 2)
+        Confidence interval of the mean law [N]: where the average of many ropes lies. It is made in ln F_A and
+        so is longer upward.
+    prediction_interval_N : ndarray, shape (n, 2)
+        Where the F_A of one pull with one new rope lies [N]: the scatter between repeats and between
+        conditions comes on top. NaN where the fit knows no scatter.
+    level : float
+        Level of both.
+    dof : float
+        Degrees of freedom of Student's t in them.
+    method : {"linear", "monte-carlo"}
+        How the uncertainty of the law was carried over.
+    linear_agrees : ndarray of bool, shape (n,), or None
+        Whether the ends of the linear and of the Monte-Carlo interval agree within 10 % of its half width;
+        None where this was not looked at.
+    drawn_interval_N : ndarray, shape (n, 2), or None
+        The Monte-Carlo interval [N], where it was made.
+    outside : ndarray of bool, shape (n, 4)
+        Which of R_w, R_r, φ, F_B lie outside the tested range.
+    validity : mapping
+        Lowest and highest tested value of each.
+    draws, seed : int
+        Monte-Carlo draws and their seed; 0 draws if there were none.
+    """
+
+    law: str
+    conditions: Conditions
+    log_lift: FloatArray
+    std_log: FloatArray
+    lift_force_N: FloatArray
+    std_N: FloatArray
+    interval_N: FloatArray
+    prediction_interval_N: FloatArray
+    level: float
+    dof: float
+    method: Method
+    linear_agrees: npt.NDArray[np.bool_] | None
+    drawn_interval_N: FloatArray | None
+    outside: npt.NDArray[np.bool_]
+    validity: Validity
+    draws: int
+    seed: int
+
+    def __len__(self) -> int:
+        return len(self.conditions)
+
+    @property
+    def extrapolated(self) -> npt.NDArray[np.bool_]:
+        """Return which conditions lie outside the tested range in any regressor, shape (n,)."""
+        return np.asarray(self.outside.any(axis=1))
+
+    def notes(self, index: int = 0) -> tuple[str, ...]:
+        """Return what to know about one condition before trusting its numbers; empty if nothing."""
+        notes = list(outside_words(self.validity, self.conditions, index))
+        if self.linear_agrees is not None and not self.linear_agrees[index]:
+            notes.append(self._disagreement(index))
+        return tuple(notes)
+
+    def _disagreement(self, index: int) -> str:
+        text = "the parameters are too uncertain to be carried over linearly"
+        if self.drawn_interval_N is None:
+            return f"{text}: the law has no answer for most of what they may be"
+        low, high = self.drawn_interval_N[index]
+        return f"{text}: drawn from their covariance they give {low:.4g}–{high:.4g} N"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON shape: one flat object for one condition, `{"predictions": [...]}` for several."""
+        rows = [self._row(i) for i in range(len(self))]
+        return rows[0] if len(rows) == 1 else {"predictions": rows}
+
+    def _row(self, i: int) -> dict[str, Any]:
+        at = self.conditions
+        return {
+            "law": self.law,
+            "wheel_radius_m": float(at.wheel_radius_m[i]),
+            "rope_radius_m": float(at.rope_radius_m[i]),
+            "wrap_angle_rad": float(at.wrap_angle_rad[i]),
+            "end_tension_N": float(at.end_tension_N[i]),
+            "lift_force_N": float(self.lift_force_N[i]),
+            "std_N": _number(self.std_N[i]),
+            "interval_N": [_number(end) for end in self.interval_N[i]],
+            "prediction_interval_N": [_number(end) for end in self.prediction_interval_N[i]],
+            "level": self.level,
+            "dof": _number(self.dof),
+            "extrapolated": bool(self.extrapolated[i]),
+            "method": self.method,
+            "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
+            "notes": list(self.notes(i)),
+        }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

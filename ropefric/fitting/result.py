@@ -1,0 +1,248 @@
+"""What a fit hands on: parameters with their uncertainty, how they were got, and whether to trust them."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from math import inf, isfinite, nan
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.fitting.identifiability import Identifiability
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.status import FitStatus
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.laws import ALL_LAWS
+
+__all__ = ["SCHEMA", "CovarianceKind", "FitResult", "FitStatistics", "FittedParameter"]
+
+FloatArray = npt.NDArray[np.float64]
+CovarianceKind = Literal["absolute", "scaled", "clustered"]
+
+SCHEMA = "ropefric.fit/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FittedParameter:
+    """One parameter of a fitted law.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the law.
+    value : float
+        The estimate, or the value it was fixed at.
+    std : float
+        Standard error; 0 for a fixed one, NaN on a bound, infinite where the data do not show it.
+    ci95 : tuple of float
+        95 % interval by Student's t, cut off at the bounds.
+    lower, upper : float
+        Bounds.
+    at_bound : bool
+        Whether the estimate lies on one of them.
+    vary : bool
+        Whether it was fitted.
+    """
+
+    name: str
+    value: float
+    std: float
+    ci95: tuple[float, float]
+    lower: float
+    upper: float
+    at_bound: bool
+    vary: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitStatistics:
+    """How well the law fits.
+
+    Attributes
+    ----------
+    n : int
+        Trials used.
+    n_conditions : int
+        Conditions k they belong to.
+    dof : int
+        n less the number of fitted parameters.
+    chi2, chi2_reduced : float
+        Sum of squared residuals over their variances, and the same per degree of freedom.
+    aicc, bic : float
+        n ln(χ²/n) + Σ ln σ² plus the penalty for q fitted parameters and the scatter (q + 1); infinite where n is too
+        small. For comparing laws fitted to the same trials.
+    scatter_within : float
+        Standard deviation of ln F_A between repeats of one condition [-]; NaN without repeats.
+    scatter_between : float
+        What the conditions scatter beyond that, per condition, by the method of moments [-]; NaN where it cannot
+        be told from the scatter of the repeats.
+    interval_dof : float
+        Degrees of freedom of Student's t in `ci95`.
+    """
+
+    n: int
+    n_conditions: int
+    dof: int
+    chi2: float
+    chi2_reduced: float
+    aicc: float
+    bic: float
+    scatter_within: float
+    scatter_between: float
+    interval_dof: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FitResult:
+    """A fitted friction law.
+
+    Attributes
+    ----------
+    law : str
+        Name of the law.
+    parameters : tuple of FittedParameter
+        In the law's order.
+    covariance : ndarray, shape (p, p)
+        Covariance of the parameters in the law's order; zero for those that are fixed or on a bound.
+    covariance_kind : {"absolute", "scaled", "clustered"}
+        "absolute": from the known scatter as it stands; "scaled": times χ²/dof, because the scatter is not known;
+        "clustered": sandwich over conditions, which includes what the repeats of a condition share.
+    statistics : FitStatistics
+        How well it fits.
+    status : FitStatus
+        The gravest finding.
+    advice : tuple of str
+        All findings, gravest first; what was decided on the way is in `notes`.
+    notes : tuple of str
+        Decisions: whether the covariance was scaled and why, other minima, weights.
+    identifiability : Identifiability
+        How well the data tell the parameters apart.
+    validity : dict of str to (min, max)
+        Range of every regressor in the data, in SI.
+    provenance : dict
+        Resolved settings, input and its hash, versions.
+    trials : dict of str to list
+        The data by condition: enough to fit again.
+    problem : FitProblem, optional
+        What was fitted; None after loading from a file.
+    """
+
+    law: str
+    parameters: tuple[FittedParameter, ...]
+    covariance: FloatArray
+    covariance_kind: CovarianceKind
+    statistics: FitStatistics
+    status: FitStatus
+    advice: tuple[str, ...]
+    identifiability: Identifiability
+    validity: Mapping[str, tuple[float, float]]
+    notes: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    trials: Mapping[str, list[float]] = field(default_factory=dict)
+    problem: FitProblem | None = None
+
+    @property
+    def theta(self) -> FloatArray:
+        """Return the parameter values, shape (p,)."""
+        return np.array([parameter.value for parameter in self.parameters])
+
+    @property
+    def friction_law(self) -> FrictionLaw:
+        """Return the law itself."""
+        return ALL_LAWS[self.law]
+
+    @property
+    def trustworthy(self) -> bool:
+        """Return whether the result may be used as it stands."""
+        return self.status is FitStatus.OK
+
+    def __getitem__(self, name: str) -> FittedParameter:
+        return {parameter.name: parameter for parameter in self.parameters}[name]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
+        tree = {
+            "schema": SCHEMA,
+            "law": self.law,
+            "parameters": {item.name: _without(asdict(item), "name") for item in self.parameters},
+            "parameter_order": [item.name for item in self.parameters],
+            "covariance": self.covariance.tolist(),
+            "covariance_kind": self.covariance_kind,
+            "statistics": asdict(self.statistics),
+            "status": self.status.value,
+            "trustworthy": self.trustworthy,
+            "advice": list(self.advice),
+            "notes": list(self.notes),
+            "identifiability": asdict(self.identifiability),
+            "validity": {name: list(span) for name, span in self.validity.items()},
+            "provenance": dict(self.provenance),
+            "trials": dict(self.trials),
+        }
+        plain: dict[str, Any] = _plain(tree)
+        return plain
+
+    @classmethod
+    def from_dict(cls, tree: Mapping[str, Any]) -> "FitResult":
+        """Return the result of such a tree; `ropefric.fitting.store.load_fit` checks one from a file.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            If it is no such tree.
+        """
+        return cls(
+            law=ALL_LAWS[tree["law"]].name,
+            parameters=tuple(_parameter(name, tree["parameters"][name]) for name in tree["parameter_order"]),
+            covariance=np.array(
+                [[_number(cell) for cell in row] for row in tree["covariance"]], dtype=np.float64
+            ),
+            covariance_kind=tree["covariance_kind"],
+            statistics=FitStatistics(**{key: _number(value) for key, value in tree["statistics"].items()}),
+            status=FitStatus(tree["status"]),
+            advice=tuple(tree["advice"]),
+            notes=tuple(tree["notes"]),
+            identifiability=Identifiability.from_dict(tree["identifiability"]),
+            validity={name: (float(low), float(high)) for name, (low, high) in tree["validity"].items()},
+            provenance=dict(tree["provenance"]),
+            trials={name: [_number(cell) for cell in column] for name, column in tree["trials"].items()},
+        )
+
+
+def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
+    at_bound = bool(item["at_bound"])
+    # On a bound there is no error; elsewhere a number that JSON cannot hold was infinite.
+    gone = nan if at_bound else inf
+    low, high = item["ci95"]
+    return FittedParameter(
+        name=name,
+        value=float(item["value"]),
+        std=_number(item["std"], gone),
+        ci95=(_number(low, -gone), _number(high, gone)),
+        lower=_number(item["lower"], -inf),
+        upper=_number(item["upper"], inf),
+        at_bound=at_bound,
+        vary=bool(item["vary"]),
+    )
+
+
+def _number(value: Any, gone: float = nan) -> Any:
+    if value is None:
+        return gone
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{value!r:.40} is no number")
+    return value
+
+
+def _without(tree: dict[str, Any], key: str) -> dict[str, Any]:
+    return {name: value for name, value in tree.items() if name != key}
+
+
+def _plain(value: Any) -> Any:
+    """Return a tree of dict, list, str, int, float, bool and None only."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    return None if isinstance(value, float) and not isfinite(value) else value

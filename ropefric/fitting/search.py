@@ -1,0 +1,145 @@
+"""The search for the best parameters: from several starts, with weights that follow the parameters."""
+
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.fitting.nonlinear import Minimum, least_squares
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.settings import FitSettings
+from ropefric.fitting.table import TrialTable
+from ropefric.fitting.weights import Scatter, pooled_scatter, shared_variance, trial_std
+
+__all__ = ["Found", "search"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# Weights depend on the parameters through the errors of the settings; they settle in two rounds.
+_ROUNDS = 5
+_SETTLED = 1e-4
+# Scatter so small that it is rounding; weights need some number.
+_SMALLEST_STD = 1e-12
+_MAD_TO_STD = 1.4826
+# How far other starts are spread, as a factor e^±this.
+_SPREAD = 0.7
+_OTHER_EVALUATIONS = 100
+# Minima closer than this in χ² describe the data equally well (two standard deviations).
+_AS_GOOD = 4.0
+_APART = 0.01
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found:
+    """What a search found.
+
+    Attributes
+    ----------
+    problem : FitProblem
+        With the weights at the minimum.
+    minimum : Minimum
+        The best minimum.
+    scatter : Scatter
+        Of the repeats about the fit.
+    shared : ndarray, shape (n,)
+        Variance of ln F_A known beforehand, shared by the repeats of a condition.
+    notes : tuple of str
+        What was met on the way.
+    """
+
+    problem: FitProblem
+    minimum: Minimum
+    scatter: Scatter
+    shared: FloatArray
+    notes: tuple[str, ...]
+
+
+def search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Found:
+    """Return the best minimum, with weights taken at it.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        Data, bounds and start; its standard deviations are replaced.
+    table : TrialTable
+        Where the data come from, for the errors of the settings.
+    settings : FitSettings
+        Loss, starts and seed.
+    """
+    theta = problem.start
+    weighed, scatter, shared = _weighed(problem, table, theta, settings)
+    minimum, notes = _from_all_starts(weighed, settings)
+    for _ in range(_ROUNDS):
+        before = weighed.std
+        weighed, scatter, shared = _weighed(problem, table, minimum.theta, settings)
+        if np.allclose(weighed.std, before, rtol=_SETTLED, atol=0.0):
+            break
+        minimum = _minimum(weighed, minimum.theta, settings)
+    return Found(problem=weighed, minimum=minimum, scatter=scatter, shared=shared, notes=notes)
+
+
+def _weighed(
+    problem: FitProblem, table: TrialTable, theta: FloatArray, settings: FitSettings
+) -> tuple[FitProblem, Scatter, FloatArray]:
+    residuals = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
+    scatter = pooled_scatter(residuals, problem.group)
+    shared = shared_variance(problem.law, theta, table)
+    dof = max(problem.n_points - problem.n_varying, 1)
+    if settings.loss != "linear":
+        # Outliers must not widen the yardstick that is to tell them.
+        within = _MAD_TO_STD * float(np.median(np.abs(residuals - np.median(residuals))))
+    elif scatter.known:
+        within = scatter.within
+    else:
+        within = sqrt(max(float(residuals @ residuals) / dof - float(shared.mean()), 0.0))
+    std = np.maximum(trial_std(within, shared, problem.group), _SMALLEST_STD)
+    return replace(problem, std=std), scatter, shared
+
+
+def _minimum(problem: FitProblem, start: FloatArray, settings: FitSettings, most: int = 400) -> Minimum:
+    law, conditions = problem.law, problem.conditions
+    return least_squares(
+        problem.residuals,
+        problem.jacobian,
+        start,
+        lower=problem.lower,
+        upper=problem.upper,
+        vary=problem.vary,
+        names=law.parameter_names,
+        loss=settings.loss,
+        admissible=lambda theta: bool(law.admissible(theta, conditions)),
+        max_evaluations=most,
+    )
+
+
+def _from_all_starts(problem: FitProblem, settings: FitSettings) -> tuple[Minimum, tuple[str, ...]]:
+    best = _minimum(problem, problem.start, settings)
+    others = [_minimum(problem, start, settings, _OTHER_EVALUATIONS) for start in _starts(problem, settings)]
+    every = [best, *(other for other in others if other.converged)]
+    best = min(every, key=lambda one: (not one.converged, one.cost))
+    rivals = [other for other in every if other.cost - best.cost < _AS_GOOD and _apart(other, best, problem)]
+    if not rivals:
+        return best, ()
+    rival = min(rivals, key=lambda one: one.cost)
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in problem.law.as_mapping(rival.theta).items())
+    note = f"another minimum is as good (χ² larger by {rival.cost - best.cost:.2g}): {values}"
+    return best, (note,)
+
+
+def _starts(problem: FitProblem, settings: FitSettings) -> list[FloatArray]:
+    """Return starts spread about the first one; a law of one parameter has one minimum."""
+    if problem.n_varying < 2:
+        return []
+    rng = np.random.default_rng(settings.seed)
+    p = problem.start.size
+    spread = problem.start * np.exp(rng.normal(0.0, _SPREAD, (settings.n_starts - 1, p)))
+    spread = np.clip(np.where(problem.vary, spread, problem.start), problem.lower, problem.upper)
+    good = problem.law.admissible(spread, problem.conditions)
+    return list(spread[good])
+
+
+def _apart(one: Minimum, other: Minimum, problem: FitProblem) -> bool:
+    """Return whether two ends of a search are different minima, not two points of one."""
+    size = np.maximum(np.maximum(np.abs(one.theta), np.abs(other.theta)), 1e-6)
+    return bool((np.abs(one.theta - other.theta) > _APART * size)[problem.vary].any())

@@ -1,0 +1,94 @@
+"""How a fit is to be made, checked before it starts."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.fitting.losses import LOSSES, Loss
+from ropefric.friction.law import FrictionLaw
+from ropefric.registry import did_you_mean
+
+__all__ = ["FitSettings", "check_settings"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitSettings:
+    """How a fit is made; the meaning of each is that of `fit_law`.
+
+    Attributes
+    ----------
+    fixed, bounds, start : mapping
+        By name of parameter.
+    scale_covar : "auto" or bool
+        Whether the covariance is multiplied by χ²/dof.
+    loss : str
+        Loss function.
+    clustered : bool
+        Whether errors come from the scatter between conditions.
+    n_starts, seed : int
+        Of the search.
+
+    Examples
+    --------
+    >>> FitSettings(fixed={"a": 0.2}).to_dict()["fixed"]
+    {'a': 0.2}
+    """
+
+    fixed: Mapping[str, float]
+    bounds: Mapping[str, tuple[float, float]] | None = None
+    start: Mapping[str, float] | None = None
+    scale_covar: Literal["auto"] | bool = "auto"
+    loss: Loss = "linear"
+    clustered: bool = True
+    n_starts: int = 4
+    seed: int = 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the settings as plain data, which `fit_law` takes as keyword arguments again."""
+        tree = asdict(self)
+        bounds = {name: list(span) for name, span in (self.bounds or {}).items()}
+        return tree | {"fixed": dict(self.fixed), "bounds": bounds, "start": dict(self.start or {})}
+
+
+def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
+    """Refuse settings that no fit of this law can follow; return quietly otherwise.
+
+    Raises
+    ------
+    UnknownNameError
+        For a parameter the law does not have, or an unknown loss.
+    InputError
+        For bounds with nothing between them, or less than one start.
+
+    Examples
+    --------
+    >>> from ropefric.friction.laws import LAWS
+    >>> check_settings(FitSettings(fixed={"Mu": 0.2}), LAWS["constant"])
+    Traceback (most recent call last):
+    ...
+    ropefric.errors.UnknownNameError: fixed: constant has no parameter 'Mu' Fix: did you mean 'mu'?
+    """
+    for key in ("fixed", "bounds", "start"):
+        for name in getattr(settings, key) or {}:
+            if name not in law.parameter_names:
+                fix = did_you_mean(name, law.parameter_names)
+                raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
+    for name, (low, high) in (settings.bounds or {}).items():
+        if not low < high:
+            raise InputError(
+                f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them",
+                code="RF402",
+                key="bounds",
+                fix="give (lower, upper), or fix the parameter",
+            )
+    if settings.loss not in LOSSES:
+        raise UnknownNameError(
+            f"unknown loss {settings.loss!r}", key="loss", fix=did_you_mean(str(settings.loss), LOSSES)
+        )
+    if settings.scale_covar not in {"auto", True, False}:
+        raise InputError(
+            f"{settings.scale_covar!r} is no setting", key="scale_covar", fix="use 'auto', True or False"
+        )
+    if settings.n_starts < 1:
+        raise InputError(f"n_starts is {settings.n_starts}; a search needs at least one", key="n_starts")

@@ -1,0 +1,182 @@
+"""Fits as files: readable JSON that loads in a clean process and predicts the same to the last digit."""
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ropefric.errors import DataError
+from ropefric.fitting.result import SCHEMA, FitResult
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.registry import did_you_mean
+
+__all__ = ["fit_text", "load_fit", "save_fit"]
+
+_FAMILY, _VERSION = SCHEMA.split("/")
+_FIELDS = {
+    "parameters": dict,
+    "parameter_order": list,
+    "covariance": list,
+    "covariance_kind": str,
+    "statistics": dict,
+    "status": str,
+    "advice": list,
+    "notes": list,
+    "identifiability": dict,
+    "validity": dict,
+    "provenance": dict,
+    "trials": dict,
+}
+_AGAIN = "fit again and save the result with save_fit"
+
+
+def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:
+    """Return a fit as the text of a JSON file in a folder; the same fit always gives the same text.
+
+    Keys are sorted, there is no time of writing, and the data file is named relative to the folder.
+
+    Parameters
+    ----------
+    fit : FitResult
+        The fit.
+    folder : path-like
+        Where the file will stand.
+    """
+    provenance = dict(fit.provenance)
+    source = dict(provenance.get("input", {}))
+    if "sha256" in source and fit.problem is not None:
+        # What was loaded from a file is relative to that file already.
+        source["path"] = Path(os.path.relpath(source["path"], folder)).as_posix()
+    tree = replace(fit, provenance=provenance | {"input": source}).to_dict()
+    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def save_fit(fit: FitResult, path: str | os.PathLike[str]) -> Path:
+    """Write a fit as JSON of schema `ropefric.fit/1` and return the file's path.
+
+    Parameters
+    ----------
+    fit : FitResult
+        The fit.
+    path : path-like
+        The file; its folder is made if it is not there.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be written.
+    """
+    target = Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(fit_text(fit, target.parent), encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise DataError(
+            f"cannot write the fit: {error.strerror}", code="RF105", path=target, fix="choose another folder"
+        ) from None
+    return target
+
+
+def load_fit(path: str | os.PathLike[str]) -> FitResult:
+    """Return a fit from its file; it predicts what the fit that was saved predicts.
+
+    Raises
+    ------
+    DataError
+        RF101 if there is no such file or it is no JSON; RF430 if its schema is unknown or newer, RF431 if a field
+        is missing or damaged.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from ropefric.fitting.fit import fit_law
+    >>> from ropefric.fitting.table import TrialTable
+    >>> table = TrialTable(
+    ...     trial=("a", "b", "c"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9],
+    ...     end_tension_N=20, peak_N=[36.6, 66.1, 121.7],
+    ... )
+    >>> fit = fit_law(table, "constant")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     loaded = load_fit(save_fit(fit, Path(folder, "constant.json")))
+    >>> bool(loaded["mu"] == fit["mu"])
+    True
+    """
+    shown = Path(path).as_posix()
+    try:
+        tree = json.loads(Path(path).read_bytes())
+    except OSError as error:
+        reason = "no such file" if isinstance(error, FileNotFoundError) else str(error.strerror)
+        raise DataError(f"cannot read the fit: {reason}", path=shown, fix="give a file from fits/") from None
+    except UnicodeDecodeError:
+        raise DataError("the file is no UTF-8 text", path=shown, fix=_AGAIN) from None
+    except json.JSONDecodeError as error:
+        raise DataError(
+            f"the JSON is damaged: {error.msg}", path=shown, line=error.lineno, fix=_AGAIN
+        ) from None
+    except RecursionError:
+        raise DataError("the JSON is nested too deep for a fit", path=shown, fix=_AGAIN) from None
+    _check_schema(tree, shown)
+    _check_fields(tree, shown)
+    try:
+        fit = FitResult.from_dict(tree)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        what = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
+        raise DataError(f"the fit is damaged: {what}", code="RF431", path=shown, fix=_AGAIN) from None
+    p = len(fit.parameters)
+    if fit.covariance.shape != (p, p) or fit.friction_law.parameter_names != tuple(
+        item.name for item in fit.parameters
+    ):
+        names = ", ".join(fit.friction_law.parameter_names)
+        raise DataError(
+            f"the fit does not belong to the law {fit.law}, whose parameters are {names}",
+            code="RF431",
+            path=shown,
+            fix=_AGAIN,
+        )
+    return fit
+
+
+def _check_schema(tree: Any, shown: str) -> None:
+    schema = tree.get("schema") if isinstance(tree, dict) else None
+    if schema == SCHEMA:
+        return
+    family, _, number = str(schema).partition("/")
+    if family == _FAMILY and number.isdigit() and int(number) > int(_VERSION):
+        raise DataError(
+            f"the schema {schema} is newer than {SCHEMA}, the newest this version of ropefric reads",
+            code="RF430",
+            path=shown,
+            key="schema",
+            fix="upgrade ropefric",
+        )
+    found = "there is no schema" if schema is None else f"the schema is {str(schema)[:60]!r}"
+    raise DataError(
+        f"this is no stored fit: {found}, not {SCHEMA!r}",
+        code="RF430",
+        path=shown,
+        key="schema",
+        fix="give a file that save_fit or `ropefric fit` wrote",
+    )
+
+
+def _check_fields(tree: dict[str, Any], shown: str) -> None:
+    law = tree.get("law")
+    if law not in ALL_LAWS:
+        raise DataError(
+            f"the friction law {str(law)[:60]!r} is not known",
+            code="RF430",
+            path=shown,
+            key="law",
+            fix=did_you_mean(str(law), ALL_LAWS),
+        )
+    for name, kind in _FIELDS.items():
+        if name not in tree:
+            raise DataError("the field is missing", code="RF431", path=shown, key=name, fix=_AGAIN)
+        if not isinstance(tree[name], kind):
+            message = f"the field is no {_KINDS[kind]}"
+            raise DataError(message, code="RF431", path=shown, key=name, fix=_AGAIN)
+
+
+_KINDS = {dict: "object", list: "list", str: "text"}

@@ -1,0 +1,154 @@
+"""Whether what a law leaves over follows the conditions: lack of fit, and trends in wrap, size and load."""
+
+from dataclasses import dataclass
+from math import nan, sqrt
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import fdtrc
+
+from ropefric.fitting.weights import Scatter, group_means
+from ropefric.friction.condition import Conditions
+
+__all__ = ["LackOfFit", "Trend", "find_trends", "lack_of_fit"]
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LackOfFit:
+    """What the conditions scatter beyond their repeats.
+
+    Attributes
+    ----------
+    between : float
+        Standard deviation of ln F_A between conditions, beyond the repeats and what is known to be shared [-].
+    p_value : float
+        Probability of at least this much if the law were right and conditions differed by nothing else.
+    """
+
+    between: float
+    p_value: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trend:
+    """Residuals that follow a regressor.
+
+    Attributes
+    ----------
+    regressor : str
+        "wrap angle", "size ratio" or "end tension".
+    size : float
+        Root mean square of the trend in ln F_A [-].
+    p_value : float
+        Probability of at least this much without a trend.
+    """
+
+    regressor: str
+    size: float
+    p_value: float
+
+
+def lack_of_fit(
+    jacobian: FloatArray, log_residuals: FloatArray, std: FloatArray, group: IntArray, scatter: Scatter
+) -> LackOfFit:
+    """Return the scatter between conditions by the method of moments, and its F-test against the repeats.
+
+    Parameters
+    ----------
+    jacobian : ndarray, shape (n, q)
+        Derivatives of the residuals in standard deviations by the fitted parameters.
+    log_residuals : ndarray, shape (n,)
+        Measured less fitted ln F_A.
+    std : ndarray, shape (n,)
+        From `trial_std`.
+    group : ndarray of int, shape (n,)
+        Condition numbers.
+    scatter : Scatter
+        Of the repeats.
+
+    Notes
+    -----
+    Q = Σ w_c r̄_c² over the conditions, w_c the inverse variance of a mean, has the expectation
+    k − q + s_b² Σ w_c (1 − h_c).
+    """
+    k, q = int(group.max(initial=-1)) + 1, jacobian.shape[1]
+    if not scatter.known or k <= q:
+        return LackOfFit(between=nan, p_value=nan)
+    weight = np.bincount(group, 1.0 / std**2)
+    excess = float(weight @ group_means(log_residuals, group) ** 2)
+    orthonormal = np.linalg.qr(jacobian)[0] if q else jacobian
+    leverage = np.bincount(group, (orthonormal**2).sum(axis=1), k)
+    variance = (excess - (k - q)) / float(weight @ (1.0 - np.minimum(leverage, 1.0)))
+    p_value = float(fdtrc(k - q, scatter.dof, excess / (k - q)))
+    return LackOfFit(between=sqrt(max(variance, 0.0)), p_value=p_value)
+
+
+def find_trends(
+    jacobian: FloatArray, log_residuals: FloatArray, std: FloatArray, group: IntArray, conditions: Conditions
+) -> tuple[Trend, ...]:
+    """Return how far the means of the conditions follow each regressor, the surest first.
+
+    Linear and quadratic terms of the regressor are fitted beside the law's own parameters to the means of the
+    conditions and tested (F) against what is left between conditions, so that a scatter between conditions alone
+    makes no trend. A regressor with fewer than three values gets the linear term alone.
+
+    Parameters
+    ----------
+    jacobian, log_residuals, std, group
+        As for `lack_of_fit`.
+    conditions : Conditions
+        Of the n trials.
+    """
+    k = int(group.max(initial=-1)) + 1
+    weight = np.sqrt(np.bincount(group, 1.0 / std**2))
+    means = group_means(log_residuals, group)
+    columns = [group_means(column * std, group) * weight for column in jacobian.T]
+    own = np.stack(columns, axis=-1) if columns else np.zeros((k, 0))
+    regressors = {
+        "wrap angle": conditions.wrap_angle_rad,
+        "size ratio": conditions.size_ratio,
+        "end tension": conditions.log_end_tension,
+    }
+    trends = [
+        _trend(name, group_means(values, group), own, means, weight) for name, values in regressors.items()
+    ]
+    return tuple(sorted((trend for trend in trends if trend is not None), key=lambda trend: trend.p_value))
+
+
+def _trend(
+    name: str, values: FloatArray, own: FloatArray, means: FloatArray, weight: FloatArray
+) -> Trend | None:
+    spread = np.ptp(values) if values.size else 0.0
+    if spread <= _SAME * np.abs(values).max(initial=1.0):
+        return None
+    x = (values - values.mean()) / spread
+    powers = 1 if np.unique(np.round(x, 9)).size < 3 else 2
+    extra = np.stack([x ** (power + 1) for power in range(powers)], axis=-1) * weight[:, None]
+    # Only what the law's own parameters cannot take up counts.
+    basis = _basis(own)
+    extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
+    left = weight * means
+    left = left - basis @ (basis.T @ left)
+    explained = extra.T @ left
+    dof = values.size - basis.shape[1] - extra.shape[1]
+    rest = float(left @ left - explained @ explained)
+    if not extra.shape[1] or dof < 1 or rest <= 0.0:
+        return None
+    ratio = float(explained @ explained) / extra.shape[1] / (rest / dof)
+    size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
+    return Trend(regressor=name, size=size, p_value=float(fdtrc(extra.shape[1], dof, ratio)))
+
+
+def _basis(columns: FloatArray, scale: float = 0.0) -> FloatArray:
+    """Return orthonormal columns that span the given ones, without those that are only rounding."""
+    if not columns.shape[1]:
+        return columns
+    length = np.linalg.norm(columns, axis=0)
+    length = np.maximum(np.where(length > 0.0, length, 1.0), scale)
+    left, values, _ = np.linalg.svd(columns / length, full_matrices=False)
+    return np.asarray(left[:, values > _SAME * max(values.max(initial=0.0), 1.0)])

@@ -1,0 +1,158 @@
+"""The columns a trial table may have: their meanings, their units, and what a header calls them."""
+
+from difflib import get_close_matches
+
+from ropefric.errors import InputError, Problem
+from ropefric.quantities import split_unit_suffix, unit_factor
+from ropefric.registry import did_you_mean
+from ropefric.trials.toml_quantities import readable_unit
+from ropefric.trials.trial_columns import STANDARD_GRAVITY_M_S2, BoundColumn
+
+__all__ = ["OPTIONAL_NUMBERS", "REQUIRED_NUMBERS", "TEXTS", "bind_table_columns"]
+
+REQUIRED_NUMBERS = {
+    "wheel_radius_m": "wheel_radius_mm",
+    "rope_radius_m": "rope_diameter_mm",
+    "wrap_angle_rad": "wrap_angle_deg",
+    "end_tension_N": "end_tension_N",
+    "peak_N": "peak_N",
+}
+"""Fields every table needs, and a header that gives each."""
+
+OPTIONAL_NUMBERS = ("peak_std_N", "end_tension_std_N", "wrap_std_rad", "wheel_radius_std_m")
+"""Fields that may be absent."""
+
+TEXTS = ("trial", "kept", "status")
+"""Text fields, all optional."""
+
+# stem -> (field, SI unit, factor)
+_STEMS = {
+    "wheel_radius": ("wheel_radius_m", "m", 1.0),
+    "wheel_diameter": ("wheel_radius_m", "m", 0.5),
+    "rope_radius": ("rope_radius_m", "m", 1.0),
+    "rope_diameter": ("rope_radius_m", "m", 0.5),
+    "wrap_angle": ("wrap_angle_rad", "rad", 1.0),
+    "wrap": ("wrap_angle_rad", "rad", 1.0),
+    "end_tension": ("end_tension_N", "N", 1.0),
+    "end_mass": ("end_tension_N", "kg", STANDARD_GRAVITY_M_S2),
+    "peak": ("peak_N", "N", 1.0),
+    "breakaway_force": ("peak_N", "N", 1.0),
+    "lift_force": ("peak_N", "N", 1.0),
+    "lift_mass": ("peak_N", "kg", STANDARD_GRAVITY_M_S2),
+    "peak_std": ("peak_std_N", "N", 1.0),
+    "lift_force_std": ("peak_std_N", "N", 1.0),
+    "end_tension_std": ("end_tension_std_N", "N", 1.0),
+    "wrap_angle_std": ("wrap_std_rad", "rad", 1.0),
+    "wrap_std": ("wrap_std_rad", "rad", 1.0),
+    "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
+    "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
+}
+_UNITS = {"m": "mm", "rad": "deg", "N": "N", "kg": "kg"}
+_KNOWN = (*TEXTS, *(f"{stem}_{_UNITS[unit]}" for stem, (_, unit, _) in _STEMS.items()))
+# What an extraction writes beside the columns a fit reads.
+_PASSED_OVER = frozenset(
+    {
+        "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
+        "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
+        "dwell", "tare", "saturated_samples", "sha256", "wheel",
+    }
+)  # fmt: skip
+# Closer than this a strange name is more likely a slip than a column of the user's own.
+_SLIP = 0.8
+
+
+def bind_table_columns(
+    header: tuple[str, ...], path: str, line: int | None
+) -> tuple[dict[str, BoundColumn], tuple[str, ...], tuple[Problem, ...]]:
+    """Return the columns by the field they give, the names passed over, and what is wrong with the header.
+
+    Parameters
+    ----------
+    header : tuple of str
+        Column headers: "wheel_radius_mm", "Lift force (kN)", "kept".
+    path, line
+        Where the header stands, for messages.
+
+    Examples
+    --------
+    >>> columns, others, problems = bind_table_columns(
+    ...     ("R_w", "wheel_radius_mm", "wrap_angle_deg", "rope_diameter_mm", "end_tension_N", "peak_kN"), "a.csv", 1
+    ... )
+    >>> columns["peak_N"].unit, others, problems
+    ('kN', ('R_w',), ())
+    """
+    bound: dict[str, BoundColumn] = {}
+    others: list[str] = []
+    problems: list[Problem] = []
+    for index, name in enumerate(header):
+        try:
+            column = _bind(index, name, bound)
+        except InputError as error:
+            message = error.problem.message.removeprefix(f"{name}: ")
+            problems.append(
+                Problem(code=error.code, message=message, path=path, line=line, key=name, fix=error.fix)
+            )
+        else:
+            if column is None:
+                others.append(name)
+            else:
+                bound[column.field] = column
+    # A column with a wrong unit is there; that it is missing as well would only confuse.
+    there = set(bound) | {_field_of(problem.key) for problem in problems}
+    problems += [_missing(field, example, path, line) for field, example in REQUIRED_NUMBERS.items()
+                 if field not in there]  # fmt: skip
+    return bound, tuple(others), tuple(problems)
+
+
+def _field_of(name: str) -> str:
+    stem = _word(split_unit_suffix(name)[0])
+    close = get_close_matches(stem, _STEMS, n=1, cutoff=_SLIP)
+    return _STEMS[close[0]][0] if close else ""
+
+
+def _missing(field: str, example: str, path: str, line: int | None) -> Problem:
+    named = field.rsplit("_", 1)[0].replace("_", " ").replace("peak", "break-away force")
+    return Problem(
+        code="RF121",
+        message=f"there is no column for the {named}; every trial needs one",
+        path=path,
+        line=line,
+        fix=f"add a column {example} (any unit will do, it stands in the name)",
+    )
+
+
+def _bind(index: int, name: str, bound: dict[str, BoundColumn]) -> BoundColumn | None:
+    column = _column(index, name)
+    if column is not None and column.field in bound:
+        message = f"this column says the same as '{bound[column.field].header}'"
+        raise InputError(message, code="RF122", fix="remove one of the two")
+    return column
+
+
+def _column(index: int, name: str) -> BoundColumn | None:
+    word = _word(name)
+    if not word or word.startswith("_"):
+        return None
+    if word in TEXTS:
+        return BoundColumn(index=index, header=name, field=word)
+    stem, unit = split_unit_suffix(name)
+    known = _STEMS.get(_word(stem))
+    if known is None:
+        if _word(stem) not in _PASSED_OVER and get_close_matches(_word(stem), _STEMS, n=1, cutoff=_SLIP):
+            fix = f"{did_you_mean(name, _KNOWN)} A column whose name starts with '_' is ignored."
+            raise InputError("this column is not known", code="RF120", fix=fix)
+        return None
+    field, si_unit, scale = known
+    if not unit:
+        example = f"{_word(stem)}_{_UNITS[si_unit]}"
+        raise InputError(
+            "the column has no unit",
+            code="RF130",
+            fix=f"name it with the unit of its numbers, for example {example}",
+        )
+    unit_factor(readable_unit(unit, name=name), si_unit, name=name)
+    return BoundColumn(index=index, header=name, field=field, unit=unit, si_unit=si_unit, scale=scale)
+
+
+def _word(name: str) -> str:
+    return "_".join(name.lower().replace("_", " ").split())

@@ -1,0 +1,123 @@
+"""Stored fits made again from their data, and compared."""
+
+import hashlib
+import os
+from dataclasses import dataclass
+from math import inf, isfinite, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ropefric.errors import DataError, RopefricError
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.store import load_fit
+from ropefric.fitting.table import read_trial_table
+
+__all__ = ["Verification", "verify_fit", "verify_fits"]
+
+# Part of a standard error that another processor's rounding may move an estimate by.
+_MOST = 1e-3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verification:
+    """What became of one stored fit.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    law : str
+        Its law; "" where the file cannot be read.
+    ok : bool
+        Whether the same data give the same fit.
+    difference : float
+        Largest difference of a parameter in its standard errors; NaN where nothing could be compared.
+    message : str
+        What was found.
+    """
+
+    path: str
+    law: str
+    ok: bool
+    difference: float
+    message: str
+
+
+def verify_fits(folder: str | os.PathLike[str]) -> tuple[Verification, ...]:
+    """Return, for every `*.json` of a folder by name, whether the fit comes out of its data again.
+
+    Parameters
+    ----------
+    folder : path-like
+        Where the fits are.
+
+    Raises
+    ------
+    DataError
+        If the folder is not there or holds no fit.
+    """
+    place = Path(folder)
+    if not place.is_dir():
+        raise DataError("there is no such folder", path=place, fix="give the folder of the stored fits")
+    paths = sorted(place.glob("*.json"))
+    if not paths:
+        raise DataError("the folder holds no *.json", path=place, fix="save a fit there with save_fit")
+    return tuple(verify_fit(path) for path in paths)
+
+
+def verify_fit(path: str | os.PathLike[str]) -> Verification:
+    """Return whether one stored fit comes out of its data again.
+
+    The data file is looked up relative to the fit's folder and must have the recorded hash.
+    """
+    shown = Path(path).as_posix()
+    law = ""
+    try:
+        stored = load_fit(path)
+        law = stored.law
+        again = _again(stored, Path(path).parent)
+    except RopefricError as error:
+        return Verification(path=shown, law=law, ok=False, difference=nan, message=str(error))
+    difference = _difference(stored, again)
+    ok = difference <= _MOST and stored.status == again.status
+    message = f"the data give the fit again, within {difference:.1g} standard errors"
+    if not ok:
+        message = f"the data give another fit: {difference:.3g} standard errors away, status {again.status}"
+    return Verification(path=shown, law=law, ok=ok, difference=difference, message=message)
+
+
+def _again(stored: FitResult, folder: Path) -> FitResult:
+    source: dict[str, Any] = dict(stored.provenance.get("input", {}))
+    if "sha256" not in source:
+        raise DataError(
+            "the fit names no data file, so it cannot be made again",
+            code="RF432",
+            fix="fit a CSV trial table and save the result",
+        )
+    data = folder / source["path"]
+    if not data.is_file():
+        raise DataError("the data file of the fit is not there", code="RF432", path=data, fix="put it back")
+    if hashlib.sha256(data.read_bytes()).hexdigest() != source["sha256"]:
+        raise DataError(
+            "the data file has changed since the fit was made", code="RF432", path=data, fix="fit again"
+        )
+    settings = dict(stored.provenance["settings"])
+    settings["bounds"] = {
+        name: (-inf if low is None else low, inf if high is None else high)
+        for name, (low, high) in settings["bounds"].items()
+    }
+    return fit_law(read_trial_table(data), stored.law, **settings)
+
+
+def _difference(stored: FitResult, again: FitResult) -> float:
+    """Return the largest change of a value or a standard error, in standard errors."""
+    changes = []
+    for old, new in zip(stored.parameters, again.parameters, strict=True):
+        scale = old.std if isfinite(old.std) and old.std > 0 else max(abs(old.value), 1e-12)
+        changes.append(abs(new.value - old.value) / scale)
+        if isfinite(old.std) and old.std > 0:
+            changes.append(abs(new.std - old.std) / scale)
+    return float(np.max(changes, initial=0.0))

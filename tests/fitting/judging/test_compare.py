@@ -1,0 +1,280 @@
+"""Comparisons: printed AICc values, what counts as an observation, laws that cannot stand, nested tests."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import optimize, stats
+
+from ropefric.errors import InputError, RopefricError, UnknownNameError
+from ropefric.fitting.average import averaged_prediction
+from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.criteria import (
+    aicc,
+    akaike_weights,
+    bic,
+    condition_means,
+    f_test,
+    least_squares_deviance,
+    scatter_fit,
+)
+from ropefric.fitting.measured import measured_force
+from ropefric.fitting.predict import predict
+from ropefric.fitting.standing import NESTED
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS, LAWS
+
+
+def _average_form_rss(wrap, y, shape, rates):
+    """Least squares of y = (a g(wrap, b) + c) wrap, linear in a and c, over the best b."""
+
+    def rss(b):
+        columns = np.column_stack([shape(wrap, b) * wrap, wrap])
+        return float(np.sum((y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]) ** 2))
+
+    best = min(rates, key=rss)
+    bounds = (best - 0.1, best + 0.1)
+    return optimize.minimize_scalar(rss, bounds=bounds, method="bounded", options={"xatol": 1e-9}).fun
+
+
+def test_printed_aicc_of_a_rope_on_a_cylinder(cylinder_table):
+    """Four printed values, on 21 trials with the scatter counted among the estimated quantities."""
+    wrap, y = cylinder_table.wrap_angle_rad, np.log(cylinder_table.peak_N / cylinder_table.end_tension_N)
+    mu = wrap @ y / (wrap @ wrap)
+    line = np.polyfit(wrap, y, 1)
+    rates = np.linspace(-3, 2, 400)
+    rates = rates[np.abs(rates) > 0.02]
+    rss = {
+        2: np.sum((y - mu * wrap) ** 2),
+        3: np.sum((y - np.polyval(line, wrap)) ** 2),
+        "power": _average_form_rss(wrap, y, lambda x, b: x**b, rates),
+        "exponential": _average_form_rss(wrap, y, lambda x, b: np.exp(b * x), rates),
+    }
+    printed = {2: (-134.9, 2), 3: (-132.5, 3), "power": (-129.5, 4), "exponential": (-129.6, 4)}
+    assert round(float(mu), 3) == 0.181
+    for name, (value, k) in printed.items():
+        assert round(aicc(least_squares_deviance(rss[name], 21), 21, k), 1) == value
+
+
+def test_comparison_itself_gives_the_printed_values_and_constant_wins(cylinder_comparisons):
+    trials = cylinder_comparisons["trials"]
+    assert trials.best.law == "constant"
+    assert trials["constant"].aicc == pytest.approx(-134.9, abs=0.05)
+    assert trials["constant-offset"].aicc == pytest.approx(-132.5, abs=0.05)
+    # Bounded to a falling μ ≥ 0, the wrap laws cannot do better than the free forms printed.
+    for law in ("wrap-power", "wrap-exponential"):
+        assert trials[law].aicc > -134.9 + 5
+    conditions = cylinder_comparisons["conditions"]
+    assert (conditions.best.law, conditions.n, conditions.n_trials) == ("constant", 7, 21)
+    assert conditions.best.weight > 0.7
+    assert conditions.best.fit["mu"].value == pytest.approx(0.181, abs=0.006)
+
+
+def test_measured_force(cylinder_table, campaign):
+    assert measured_force(cylinder_table) == "end-tension"
+    assert measured_force(campaign("constant", [0.2])) == "lift"
+
+
+def test_a_law_that_ignores_the_measured_end_tension_has_no_weight(cylinder_comparisons):
+    """ln F_A is the same in all trials, so a law that saturates fits it exactly and explains nothing."""
+    for comparison in cylinder_comparisons.values():
+        for entry in comparison.ranking:
+            if entry.counted:
+                assert entry.aicc > comparison.best.aicc - 1e-9
+                assert entry.loco_error > 0.02 or math.isnan(entry.loco_error)
+
+
+def test_ranking_shape(cylinder_comparisons):
+    comparison = cylinder_comparisons["conditions"]
+    tree = comparison.to_dict()
+    assert {"law", "aicc", "delta_aicc", "weight", "bic", "status"} <= set(tree["ranking"][0])
+    assert tree["ranking"][0]["law"] == "constant"
+    assert {row["law"] for row in tree["ranking"]} == set(LAWS)
+    assert sum(row["weight"] for row in tree["ranking"]) == pytest.approx(1.0)
+    order = [e.aicc for e in comparison.ranking if e.counted]
+    assert order == sorted(order)
+    for row in tree["ranking"]:
+        assert row["counted"] or (row["weight"] == 0.0 and row["note"])
+    with pytest.raises(UnknownNameError, match="did you mean 'constant'"):
+        comparison["konstant"]
+
+
+def test_both_constant_laws_always_stand(campaign):
+    comparison = compare_laws(campaign("constant", [0.2]), ["size-exponential"])
+    assert {e.law for e in comparison.ranking} == {"constant", "constant-offset", "size-exponential"}
+    with pytest.raises(UnknownNameError):
+        compare_laws(campaign("constant", [0.2]), ["capstan"])
+    with pytest.raises(InputError, match="not compared"):
+        compare_laws(campaign("constant", [0.2]), ["constant"], law_options={"groove": {}})
+
+
+def test_one_radius_and_low_tension_never_crash(campaign):
+    low = campaign("constant", [0.2], loads=(0.4, 0.8), repeats=2)
+    comparison = compare_laws(low)
+    assert comparison.best.law == "constant"
+    for law in ("wrap-power", "wrap-exponential", "coupled"):
+        assert comparison[law].status == "refused"
+        assert "F_0 = 1 N" in comparison[law].note
+    for law in ("size-power", "size-exponential"):
+        assert not comparison[law].counted
+    assert "same forces as constant" in comparison["groove"].note
+    comparison.to_dict()
+
+
+@pytest.mark.parametrize("trials", [1, 2, 3])
+def test_hardly_any_trials(trials):
+    table = TrialTable(
+        trial=tuple("abc"[:trials]), wheel_radius_m=0.03, rope_radius_m=0.005,
+        wrap_angle_rad=np.array([3.0, 6.0, 9.0])[:trials], end_tension_N=20.0,
+        peak_N=np.array([36.0, 66.0, 121.0])[:trials],
+    )  # fmt: skip
+    try:
+        comparison = compare_laws(table, ["constant", "wrap-power"])
+    except RopefricError:
+        return
+    assert comparison.to_dict()["ranking"]
+    assert all(e.weight == 0.0 for e in comparison.ranking if not e.counted)
+
+
+def test_repeats_are_not_evidence_about_the_law(campaign):
+    """Ten times the repeats under a large scatter between conditions must not sharpen the verdict."""
+    few = campaign("constant", [0.2], between=0.05, within=0.001, repeats=2, seed=5)
+    many = campaign("constant", [0.2], between=0.05, within=0.001, repeats=20, seed=5)
+    laws = ["constant", "constant-offset"]
+    gap = [compare_laws(t, laws)["constant-offset"].delta_aicc for t in (few, many)]
+    # The draws of the conditions are the same in both tables; repeats add next to nothing.
+    assert gap[0] == pytest.approx(gap[1], abs=0.2)
+
+
+def test_false_offsets_are_rare_by_conditions_and_common_by_trials(campaign):
+    p_values = []
+    for seed in range(60):
+        table = campaign(
+            "constant", [0.2], between=0.02, within=0.01, repeats=4, seed=seed, loads=(5.0, 50.0)
+        )
+        comparison = compare_laws(table, ["constant"])
+        p_values.append(comparison.tests[0].p_value)
+    # Under the simpler law p is uniform: 60 draws against it.
+    assert stats.kstest(p_values, "uniform").pvalue > 1e-3
+
+
+def test_the_true_law_wins_and_its_rivals_are_named(campaign):
+    truth = [0.25, -0.2, -0.3, -0.4, 0.05]
+    table = campaign("coupled", truth, radii=(0.02, 0.03, 0.05, 0.08), repeats=3, between=0.003)
+    comparison = compare_laws(table, ["coupled", "wrap-power", "size-exponential"])
+    assert comparison.best.law == "coupled"
+    assert comparison.best.weight > 0.999
+    p = {(t.simpler, t.fuller): t.p_value for t in comparison.tests}
+    assert p["wrap-power", "coupled"] < 1e-6
+    assert p["size-exponential", "coupled"] < 1e-6
+    assert comparison.best.loco_error < 0.02 < comparison["constant"].loco_error
+
+
+def test_leave_one_out_against_refits_one_by_one(campaign):
+    table = campaign("constant-offset", [0.2, 0.05], repeats=3, between=0.01, loads=(10.0,))
+    entry = compare_laws(table, ["constant-offset"])["constant-offset"]
+    group = table.group()
+    y = np.log(table.peak_N / table.end_tension_N)
+    mean = np.array([y[group == g].mean() for g in range(group.max() + 1)])
+    wrap = np.array([table.wrap_angle_rad[group == g].mean() for g in range(group.max() + 1)])
+    missed = []
+    for i in range(mean.size):
+        others = np.arange(mean.size) != i
+        missed.append(np.polyval(np.polyfit(wrap[others], mean[others], 1), wrap[i]) - mean[i])
+    assert entry.loco_error == pytest.approx(np.sqrt(np.mean(np.square(missed))), rel=1e-6)
+
+
+def test_f_test_against_regression_of_a_line():
+    rng = np.random.default_rng(3)
+    x = np.linspace(1, 10, 15)
+    y = 0.2 * x + 0.1 * rng.standard_normal(15)
+    rss1 = np.sum((y - x * (x @ y) / (x @ x)) ** 2)
+    rss2 = np.sum((y - np.polyval(np.polyfit(x, y, 1), x)) ** 2)
+    F, dof, p = f_test(rss1, rss2, n=15, p_simpler=1, p_fuller=2)
+    assert dof == (1, 13)
+    assert p == pytest.approx(stats.f.sf(F, 1, 13), rel=1e-10)
+    # With one extra parameter F is t² of the intercept.
+    found = stats.linregress(x, y)
+    assert pytest.approx((found.intercept / found.intercept_stderr) ** 2, rel=1e-9) == F
+    with pytest.raises(InputError, match="no F-test"):
+        f_test(1.0, 0.5, n=2, p_simpler=1, p_fuller=2)
+    assert f_test(1.0, 0.0, n=9, p_simpler=1, p_fuller=2)[2] == 0.0
+
+
+def test_nested_pairs_are_nested():
+    """At the simpler law's parameters the fuller one gives its forces."""
+    pulls = Conditions(
+        wheel_radius_m=[0.02, 0.05], rope_radius_m=0.005, wrap_angle_rad=[3, 9], end_tension_N=[5, 50]
+    )
+    special = {
+        ("constant-offset", "constant"): ([0.2, 0.0], [0.2]),
+        ("size-power", "constant"): ([0.2, 0.0, 0.0], [0.2]),
+        ("size-exponential", "constant"): ([0.2, -20.0, -20.0], [0.2]),
+        ("wrap-exponential", "constant"): ([0.0, -1.0, 0.2], [0.2]),
+        ("wrap-exponential-from-zero", "constant"): ([0.0, -1.0, 0.2], [0.2]),
+        ("wrap-power", "constant"): ([0.0, -0.5, 0.2], [0.2]),
+        ("wrap-power-from-zero", "constant"): ([0.0, -0.5, 0.2], [0.2]),
+        ("coupled", "constant"): ([0.0, -1.0, -1.0, -0.5, 0.2], [0.2]),
+        ("coupled-from-zero", "constant"): ([0.0, -1.0, -1.0, -0.5, 0.2], [0.2]),
+        ("coupled", "size-exponential"): ([0.2, -0.1, -0.3, 0.0, 0.0], [0.2, -0.1, -0.3]),
+        ("coupled-from-zero", "size-exponential"): ([0.2, -0.1, -0.3, 0.0, 0.0], [0.2, -0.1, -0.3]),
+        ("coupled", "wrap-power"): ([0.2, -20.0, -20.0, -0.5, 0.1], [0.2, -0.5, 0.1]),
+        ("coupled-from-zero", "wrap-power-from-zero"): ([0.2, -20.0, -20.0, -0.5, 0.1], [0.2, -0.5, 0.1]),
+        ("howell", "constant"): ([0.2, 1.0], [0.2]),
+        ("bending", "constant"): ([0.2, 1e-9], [0.2]),
+    }
+    assert set(special) == {(fuller, simpler) for fuller, known in NESTED.items() for simpler in known}
+    for (fuller, simpler), (theta, plain) in special.items():
+        tolerance = 1e-3 if fuller == "bending" else 1e-7
+        np.testing.assert_allclose(
+            ALL_LAWS[fuller].log_lift(theta, pulls), ALL_LAWS[simpler].log_lift(plain, pulls), atol=tolerance
+        )
+
+
+def test_criteria_by_their_own_formulae():
+    assert aicc(-10.0, 5, 4) == math.inf
+    assert aicc(-10.0, 30, 3) == pytest.approx(-10 + 6 + 24 / 26)
+    assert bic(-10.0, 30, 3) == pytest.approx(-10 + 3 * math.log(30))
+    assert akaike_weights([math.inf, math.nan]).tolist() == [0.0, 0.0]
+    assert akaike_weights([-math.inf, 3.0]).tolist() == [1.0, 0.0]
+    weights = akaike_weights([1000.0, 1002.0, 1e6])
+    assert weights.sum() == pytest.approx(1.0)
+    assert weights[1] / weights[0] == pytest.approx(math.exp(-1))
+
+
+def test_scatter_between_conditions_is_the_likeliest(campaign):
+    """Against a direct search of the same likelihood, with unequal repeats."""
+    table = campaign("constant", [0.2], between=0.03, within=0.01, repeats=4, seed=2)
+    keep = np.random.default_rng(0).random(len(table)) < 0.6
+    table = TrialTable(
+        trial=table.trial, wheel_radius_m=table.wheel_radius_m, rope_radius_m=table.rope_radius_m,
+        wrap_angle_rad=table.wrap_angle_rad, end_tension_N=table.end_tension_N, peak_N=table.peak_N, kept=keep,
+    )  # fmt: skip
+    fit = compare_laws(table, ["constant"])["constant"].fit
+    means = condition_means(fit.problem)
+    residual = fit.friction_law.log_lift(fit.theta, means.conditions) - means.log_lift
+    found = scatter_fit(residual, means)
+
+    def deviance(tau):
+        v = means.std**2 + tau**2
+        return float(np.sum(np.log(v) + residual**2 / v)) - len(means)
+
+    direct = optimize.minimize_scalar(deviance, bounds=(0, 0.3), method="bounded", options={"xatol": 1e-10})
+    assert found.between == pytest.approx(direct.x, rel=1e-4)
+    assert found.deviance == pytest.approx(direct.fun, abs=1e-8)
+
+
+def test_average_lies_between_the_laws_and_knows_their_disagreement(campaign):
+    table = campaign("wrap-power", [0.2, -0.5, 0.1], loads=(5.0, 20.0), between=0.02)
+    comparison = compare_laws(table, ["wrap-exponential", "howell", "wrap-power-from-zero"])
+    far = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=[6, 40], end_tension_N=20)
+    mean = averaged_prediction(comparison, far)
+    assert sum(mean.weights.values()) == pytest.approx(1.0)
+    parts = np.stack([predict(comparison[law].fit, far).log_lift for law in mean.weights])
+    assert (mean.log_lift >= parts.min(axis=0)).all()
+    assert (mean.log_lift <= parts.max(axis=0)).all()
+    assert mean.std_between_laws[1] > mean.std_between_laws[0]
+    assert (mean.std_log >= mean.std_between_laws).all()
+    assert mean.extrapolated.tolist() == [False, True]
+    mean.to_dict()

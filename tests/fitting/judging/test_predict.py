@@ -1,0 +1,246 @@
+"""Predictions: intervals against closed forms and draws, extrapolation, running ropes, the hand calculation."""
+
+import ast
+import json
+import math
+import operator
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from ropefric.errors import InputError
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.hand import hand_calculation
+from ropefric.fitting.predict import new_rope_std, predict
+from ropefric.fitting.propagation import LiftModel, linear_std
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS
+
+
+def pulls(wrap=(3.0, 9.0), load=20.0, wheel=0.03):
+    return Conditions(
+        wheel_radius_m=wheel, rope_radius_m=0.005, wrap_angle_rad=np.array(wrap), end_tension_N=load
+    )
+
+
+def test_constant_law_by_hand(constant_fit):
+    """ln F_A = ln F_B + μ φ, so its standard deviation is φ s_μ, and the intervals follow on paper."""
+    mu, std = constant_fit["mu"].value, constant_fit["mu"].std
+    found = predict(constant_fit, pulls(), level=0.9)
+    np.testing.assert_allclose(found.lift_force_N, 20 * np.exp(mu * np.array([3, 9])), rtol=1e-12)
+    np.testing.assert_allclose(found.std_log, std * np.array([3, 9]), rtol=1e-9)
+    t = stats.t.ppf(0.95, constant_fit.statistics.interval_dof)
+    high = np.log(20) + (mu + t * std) * np.array([3, 9])
+    np.testing.assert_allclose(np.log(found.interval_N[:, 1]), high, rtol=1e-12)
+    s = constant_fit.statistics
+    wide = t * np.sqrt((std * np.array([3, 9])) ** 2 + s.scatter_within**2 + s.scatter_between**2)
+    np.testing.assert_allclose(np.log(found.prediction_interval_N[:, 0]), found.log_lift - wide, rtol=1e-12)
+    # Made in ln F, so longer upward.
+    up, down = found.interval_N[:, 1] - found.lift_force_N, found.lift_force_N - found.interval_N[:, 0]
+    assert (up > down).all()
+
+
+def test_monte_carlo_agrees_where_the_law_is_linear(constant_fit):
+    linear, drawn = (
+        predict(constant_fit, pulls()),
+        predict(constant_fit, pulls(), method="monte-carlo", n=100_000),
+    )
+    assert linear.linear_agrees.all()
+    assert drawn.linear_agrees.all()
+    half = 0.5 * np.diff(linear.interval_N, axis=1)
+    np.testing.assert_allclose(drawn.interval_N, linear.interval_N, atol=float(0.03 * half.min()))
+    np.testing.assert_allclose(drawn.std_log, linear.std_log, rtol=0.02)
+    again = predict(constant_fit, pulls(), method="monte-carlo", n=100_000)
+    assert (again.interval_N == drawn.interval_N).all()
+
+
+def test_disagreement_is_told(wrap_fit):
+    """With ten times the errors the wrap law is far from linear in its parameters."""
+    vague = replace(wrap_fit, covariance=100.0 * wrap_fit.covariance)
+    found = predict(vague, pulls([30.0]))
+    assert not found.linear_agrees.all()
+    assert "too uncertain to be carried over linearly" in found.notes(0)[-1]
+    assert predict(vague, pulls([30.0]), check=False).linear_agrees is None
+
+
+@pytest.mark.parametrize("speed", [0.0, 10.0])
+def test_gradient_of_a_running_rope(wrap_fit, speed):
+    model = LiftModel(law=ALL_LAWS["wrap-power"], linear_density_kg_m=0.06, speed_m_s=speed)
+    theta, at = wrap_fit.theta, pulls(wrap=[1.0, 9.0, 30.0])
+    J = model.jacobian(theta, at)
+    for i in range(3):
+        h = 1e-6 * max(abs(theta[i]), 0.01)
+        up, down = theta.copy(), theta.copy()
+        up[i] += h
+        down[i] -= h
+        np.testing.assert_allclose(
+            J[:, i], (model.log_lift(up, at) - model.log_lift(down, at)) / (2 * h), rtol=2e-6
+        )
+    C = wrap_fit.covariance
+    np.testing.assert_allclose(linear_std(model, theta, C, at), [math.sqrt(j @ C @ j) for j in J], rtol=1e-9)
+
+
+def test_running_rope_lifts_by_the_centrifugal_formula(constant_fit):
+    mu = constant_fit["mu"].value
+    found = predict(constant_fit, pulls([6.0]), linear_density_kg_m=0.06, speed_m_s=10.0)
+    assert found.lift_force_N[0] == pytest.approx(6 + 14 * math.exp(6 * mu), rel=1e-12)
+    drawn = predict(
+        constant_fit, pulls([6.0]), method="monte-carlo", linear_density_kg_m=0.06, speed_m_s=10.0
+    )
+    assert drawn.std_log[0] == pytest.approx(found.std_log[0], rel=0.05)
+    with pytest.raises(InputError, match="lifts off the wheel"):
+        predict(constant_fit, pulls(), linear_density_kg_m=0.06, speed_m_s=30.0)
+    with pytest.raises(InputError, match="speed_m_s is missing"):
+        predict(constant_fit, pulls(), linear_density_kg_m=0.06)
+
+
+def test_extrapolation_in_words(constant_fit):
+    found = predict(constant_fit, pulls(np.radians([360.0, 720.0, 900.0])))
+    assert found.extrapolated.tolist() == [False, False, True]
+    assert found.notes(2)[0] == "wrap 900 deg is outside the tested 90–720 deg"
+    assert found.notes(0) == ()
+    other = predict(constant_fit, pulls([6.0], load=200.0, wheel=0.05))
+    assert other.notes(0) == (
+        "wheel radius 50 mm is outside the tested 30 mm",
+        "end tension 200 N is outside the tested 5–80 N",
+    )
+
+
+def test_json(constant_fit):
+    tree = predict(constant_fit, pulls([6.0])).to_dict()
+    assert {"lift_force_N", "std_N", "interval_N", "level", "extrapolated", "method"} <= set(tree)
+    assert len(json.loads(json.dumps(tree, allow_nan=False))["interval_N"]) == 2
+    assert len(predict(constant_fit, pulls()).to_dict()["predictions"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"level": 1.0}, "level is 1"),
+        ({"level": math.nan}, "level is nan"),
+        ({"method": "magic"}, "unknown method"),
+        ({"n": 5}, "too few"),
+        ({"linear_density_kg_m": -1.0, "speed_m_s": 1.0}, "zero or more"),
+    ],
+)
+def test_bad_arguments(constant_fit, options, message):
+    with pytest.raises(InputError, match=message):
+        predict(constant_fit, pulls(), **options)
+
+
+def test_overflow_is_refused(constant_fit):
+    with pytest.raises(InputError, match="overflows"):
+        predict(constant_fit, pulls([1e4]))
+
+
+def test_prediction_interval_covers_new_ropes(campaign):
+    """95 % of single pulls at a new condition lie inside, between-condition scatter included."""
+    truth, at, inside, n = [0.2], pulls([6.0]), 0, 100
+    rng = np.random.default_rng(11)
+    for seed in range(n):
+        table = campaign(
+            "constant", truth, between=0.02, within=0.01, repeats=3, seed=seed, loads=(5.0, 20.0)
+        )
+        low, high = predict(fit_law(table, "constant"), at, check=False).prediction_interval_N[0]
+        new = 20 * math.exp(1.2 + 0.02 * rng.standard_normal() + 0.01 * rng.standard_normal())
+        inside += low <= new <= high
+    # Binomial: 0.95 ± 3.5 standard deviations of 100.
+    assert abs(inside / n - 0.95) < 3.5 * math.sqrt(0.95 * 0.05 / n)
+
+
+def test_unknown_scatter_gives_no_prediction_interval(constant_fit):
+    statistics = replace(constant_fit.statistics, scatter_within=math.nan, scatter_between=math.nan)
+    bare = replace(constant_fit, statistics=statistics)
+    assert math.isnan(new_rope_std(bare))
+    found = predict(bare, pulls([6.0]))
+    assert np.isnan(found.prediction_interval_N).all()
+    assert np.isfinite(found.interval_N).all()
+    assert found.to_dict()["prediction_interval_N"] == [None, None]
+
+
+# --- the hand calculation ---------------------------------------------------------------------------------------
+
+_FUNCTIONS = {"ln": math.log, "exp": math.exp, "sqrt": math.sqrt, "sin": math.sin, "acos": math.acos}
+_OPERATORS = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+
+
+def calculate(text):
+    """A pocket calculator: arithmetic of numbers and four functions."""
+
+    def value(node):
+        match node:
+            case ast.Constant(value=number):
+                return float(number)
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                return -value(operand)
+            case ast.BinOp(left=left, op=op, right=right):
+                return _OPERATORS[type(op)](value(left), value(right))
+            case ast.Call(func=ast.Name(id=name), args=[argument]):
+                return _FUNCTIONS[name](value(argument))
+        raise AssertionError(ast.dump(node))
+
+    return value(ast.parse(text.replace("^", "**"), mode="eval").body)
+
+
+HAND = {
+    "constant": [0.2],
+    "constant-offset": [0.2, -0.05],
+    "size-power": [0.2, 1.5, 0.03],
+    "size-exponential": [0.25, -0.2, -0.3],
+    "wrap-exponential": [0.1, -0.5, 0.12],
+    "wrap-exponential-from-zero": [0.1, -0.5, 0.12],
+    "wrap-power": [0.2, -0.5, 0.1],
+    "wrap-power-from-zero": [0.2, -0.5, 0.1],
+    "coupled": [0.25, -0.2, -0.3, -0.4, 0.05],
+    "coupled-from-zero": [0.25, -0.2, -0.3, -0.4, 0.05],
+    "thickness": [0.2],
+    "howell": [0.5, 0.9],
+    "groove": [0.07, 0.349],
+    "bending": [0.2, 1e-5],
+}
+
+
+@pytest.mark.parametrize("law", [*HAND, "wrap-power-hard", "wrap-exponential-flat", "howell-euler"])
+@pytest.mark.parametrize(("wrap", "load"), [(0.5, 1.0), (9.42478, 20.0), (20.0, 80.0)])
+def test_hand_calculation_is_right_to_its_last_digit(constant_fit, law, wrap, load):
+    hard = {
+        "wrap-power-hard": ("wrap-power", [0.2, -0.995, 0.1]),
+        "wrap-exponential-flat": ("wrap-exponential", [0.1, 0.0, 0.1]),
+        "howell-euler": ("howell", [0.2, 1.0]),
+    }
+    name, theta = hard.get(law, (law, HAND.get(law)))
+    first = constant_fit.parameters[0]
+    known = ALL_LAWS[name].parameter_names
+    values = tuple(replace(first, name=key, value=value) for key, value in zip(known, theta, strict=True))
+    fit = replace(constant_fit, law=name, parameters=values)
+    at = pulls([wrap], load=load)
+    lines = hand_calculation(fit, at)
+    sums = [line for line in lines if line.count(" = ") == 2 and not line.startswith("law ")]
+    assert len(sums) >= 4
+    for line in sums:
+        _name, arithmetic, printed = line.split(" = ")
+        result, shown = calculate(arithmetic), calculate(printed)
+        # Half a unit of the ninth digit, and what cancels in a sum of nine-digit terms.
+        terms = [abs(float(x)) for x in re.findall(r"\d+\.?\d*(?:e[-+]\d+)?", arithmetic)]
+        assert abs(result - shown) <= 0.51e-8 * abs(shown) + 1e-15 * max(terms), line
+    final = float(re.match(r"F_A \[N\] = .* = (\S+)", lines[-2]).group(1))
+    exact = float(np.exp(ALL_LAWS[name].log_lift(theta, at))[0])
+    assert final == pytest.approx(exact, rel=2e-6)
+
+
+def test_hand_calculation_shows_the_numbers_of_the_model_page(constant_fit):
+    """F_B = 20 N, a = .2, b = −.5, c = .1, φ = 10 rad: ln F_A = 4.4507."""
+    first = constant_fit.parameters[0]
+    values = tuple(replace(first, name=k, value=v) for k, v in {"a": 0.2, "b": -0.5, "c": 0.1}.items())
+    lines = hand_calculation(replace(constant_fit, law="wrap-power", parameters=values), pulls([10.0]))
+    (log_lift,) = [line for line in lines if line.startswith("ln F_A = ")]
+    assert round(float(log_lift.split(" = ")[-1]), 4) == 4.4507

@@ -1,0 +1,170 @@
+"""The bootstrap against the covariance of a linear problem, its two levels of scatter, and its failures."""
+
+import numpy as np
+import pytest
+
+from ropefric.errors import FitError, InputError, UnknownNameError
+from ropefric.fitting.bootstrap import bootstrap
+from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.scatter import TwoLevelScatter, two_level_scatter
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS, LAWS
+
+EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
+
+
+def solved(problem):
+    return batched_fit(problem).theta[0]
+
+
+def test_parametric_spread_is_the_covariance_of_a_linear_law(bench_problem):
+    problem = bench_problem(LAWS["constant-offset"])
+    found = bootstrap(problem, solved(problem), n=4000, scatter=(0.01, 0.0), seed=3)
+    J = problem.law.jacobian(found.best, problem.conditions)
+    exact = 0.01 * np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
+    assert np.allclose(found.std, exact, rtol=0.05)  # 4000 draws know a standard deviation to 1.1 %
+    for interval in (found.ci95, found.ci95_basic):
+        assert np.allclose(
+            interval, found.best[:, None] + 1.96 * exact[:, None] * [-1, 1], atol=0.25 * exact.max()
+        )
+    assert found.n_failed == 0
+    assert found.notes == ()
+
+
+def test_scatter_between_conditions_does_not_average_out_over_repeats(bench_problem):
+    """For one coefficient and m repeats: var = Σ φ²(b² + w²/m)/(Σ φ²)², exactly."""
+    problem = bench_problem(LAWS["constant"], repeats=6)
+    found = bootstrap(problem, [0.2], n=4000, scatter=(0.01, 0.03), seed=1)
+    phi = problem.conditions.wrap_angle_rad[::6]
+    assert found.std[0] == pytest.approx(np.sqrt((0.03**2 + 0.01**2 / 6) / (phi**2).sum()), rel=0.05)
+
+
+def test_two_level_scatter_is_recovered_and_used(bench_problem):
+    levels = [
+        two_level_scatter(problem, solved(problem))
+        for problem in (bench_problem(LAWS["wrap-power"], between=0.02, repeats=5, seed=s) for s in range(40))
+    ]
+    assert np.mean([level.within for level in levels]) == pytest.approx(0.01, rel=0.03)
+    assert np.mean([level.between**2 for level in levels]) == pytest.approx(0.02**2, rel=0.08)
+    problem = bench_problem(LAWS["constant"], between=0.02, repeats=5)
+    found = bootstrap(problem, solved(problem), n=50)
+    assert found.scatter == two_level_scatter(problem, solved(problem))
+
+
+def test_without_repeats_all_scatter_is_within(bench_problem):
+    problem = bench_problem(LAWS["constant"])
+    levels = two_level_scatter(problem, solved(problem))
+    assert levels.between == 0.0
+    assert levels.within == pytest.approx(0.01, rel=0.3)
+
+
+def test_clustered_is_honest_where_the_plain_covariance_is_not(bench_problem):
+    """The spread of the fits over fresh campaigns is the truth; independent points would claim 2.8 times less."""
+    law = LAWS["wrap-power-from-zero"] if "wrap-power-from-zero" in LAWS else ALL_LAWS["wrap-power-from-zero"]
+    truth = [0.2, -0.4, 0.1]
+    campaigns = [bench_problem(law, truth, std=0.01, between=0.02, repeats=6, seed=s) for s in range(200)]
+    fits = batched_fit(campaigns[0], np.stack([one.log_lift for one in campaigns]), truth).theta
+    spread = fits.std(axis=0)
+    clustered = np.mean(
+        [bootstrap(one, solved(one), kind="clustered", n=300, seed=1).std for one in campaigns[:20]], axis=0
+    )
+    assert np.allclose(clustered, spread, rtol=0.25)
+    parametric = bootstrap(campaigns[0], fits[0], n=500).std
+    assert np.allclose(parametric, spread, rtol=0.35)
+    J = campaigns[0].jacobian(np.array(truth))
+    plain = np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
+    assert (clustered > 1.8 * plain).all()
+
+
+@EVERY_LAW
+def test_every_law_is_bootstrapped_without_a_failure(bench_problem, law):
+    problem = bench_problem(law, std=0.005, repeats=2)
+    theta = solved(problem)
+    for kind in ("parametric", "clustered"):
+        found = bootstrap(problem, theta, kind=kind, n=200)
+        assert found.n_failed <= 2
+        assert found.theta.shape == (200 - found.n_failed, len(theta))
+        assert np.isfinite(found.theta).all()
+        assert (found.std[problem.vary] > 0).all()
+        assert (found.std[~problem.vary] == 0).all()
+        assert (found.ci95[:, 0] <= found.ci95[:, 1]).all()
+        assert (found.ci95_basic >= problem.lower[:, None])[problem.vary].all()
+
+
+def test_the_seed_decides_and_nothing_else(bench_problem):
+    problem = bench_problem(LAWS["size-exponential"], repeats=2)
+    theta = solved(problem)
+    for kind in ("parametric", "clustered"):
+        first, again, other = (bootstrap(problem, theta, kind=kind, n=50, seed=s) for s in (7, 7, 8))
+        assert first.theta.tobytes() == again.theta.tobytes()
+        assert (first.theta != other.theta).any()
+
+
+def test_clustered_keeps_repeats_together(bench_problem):
+    """If repeats of a condition are copies, drawing conditions gives the same as if each were there once."""
+    single = bench_problem(LAWS["constant"])
+    double = bench_problem(LAWS["constant"], repeats=2, log_lift=np.repeat(single.log_lift, 2))
+    a, b = (bootstrap(problem, [0.2], kind="clustered", n=100, seed=4) for problem in (single, double))
+    assert np.allclose(a.theta, b.theta, rtol=1e-9)
+
+
+def test_resamples_that_cannot_hold_the_parameters_are_counted(bench_problem):
+    plan = Conditions(
+        wheel_radius_m=0.04,
+        rope_radius_m=0.005,
+        wrap_angle_rad=[2.0, 4, 7, 9],
+        end_tension_N=[2.0, 8, 30, 90],
+    )
+    problem = bench_problem(LAWS["wrap-power"], plan=plan)
+    found = bootstrap(problem, problem.start, kind="clustered", n=300)
+    # four draws from four have fewer than three distinct ones in (4 + 6·14)/256 = 34 %
+    assert found.n_failed == pytest.approx(0.344 * 300, abs=35)
+    assert "could not be refitted" in found.notes[0]
+
+
+def test_a_bound_in_reach_is_said(bench_problem):
+    problem = bench_problem(LAWS["constant-offset"], [0.2, 0.0], lower=np.array([0.0, 0.0]))
+    found = bootstrap(problem, [0.2, 0.0], n=300)
+    assert found.ci95[1, 0] == 0.0
+    assert any(note.startswith("k is at a bound in") for note in found.notes)
+
+
+def test_levels_and_methods(bench_problem):
+    problem = bench_problem(LAWS["constant"])
+    found = bootstrap(problem, solved(problem), n=500)
+    assert found.interval(0.95).tolist() == found.ci95.tolist()
+    assert found.interval(0.95, "basic").tolist() == found.ci95_basic.tolist()
+    assert np.ptp(found.interval(0.5)) < np.ptp(found.ci95)
+    with pytest.raises(InputError, match="level is 95"):
+        found.interval(95)
+    with pytest.raises(UnknownNameError, match="did you mean 'basic'"):
+        found.interval(0.95, "basics")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"n": 1}, InputError, "no spread"),
+        ({"kind": "cluster"}, UnknownNameError, "did you mean 'clustered'"),
+        ({"scatter": (-0.1, 0.0)}, InputError, "zero or more"),
+        ({"scatter": TwoLevelScatter(within=float("nan"), between=0.0)}, InputError, "zero or more"),
+        ({"theta": [0.2, 0.1]}, InputError, "law constant needs"),
+    ],
+)
+def test_bad_input(bench_problem, arguments, error, message):
+    with pytest.raises(error, match=message):
+        bootstrap(bench_problem(LAWS["constant"]), **({"theta": [0.2], "n": 10} | arguments))
+
+
+def test_too_few_conditions(bench_problem):
+    plan = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[2.0, 4], end_tension_N=20)
+    problem = bench_problem(LAWS["constant-offset"], plan=plan)
+    with pytest.raises(InputError, match="2 conditions cannot be resampled for the 2 fitted parameters"):
+        bootstrap(problem, [0.2, 0.0], kind="clustered")
+
+
+def test_no_refit_at_all_is_an_error(bench_problem):
+    plan = Conditions(wheel_radius_m=0.02, rope_radius_m=0.005, wrap_angle_rad=[3.0, 4, 5], end_tension_N=2)
+    problem = bench_problem(LAWS["bending"], [0.2, 1e-4], plan=plan, upper=np.array([3.0, 5.0]))
+    with pytest.raises((FitError, InputError)):
+        bootstrap(problem, [0.2, 4.0], n=10)

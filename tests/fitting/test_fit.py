@@ -1,0 +1,260 @@
+"""What a fit does with weights, bounds, fixed parameters, starts and losses."""
+
+import dataclasses
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import optimize
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.table import TrialTable
+from ropefric.fitting.weights import pooled_scatter, trial_std
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import LAWS
+
+BENCH = Path(__file__).parents[2] / "data" / "prth-bench" / "truth.toml"
+
+
+def table_of(law, theta, *, radii=(0.02, 0.04, 0.08), wraps=(3.0, 6.0, 9.0), loads=(5, 50), repeats=3, within=0.01,
+             seed=0, **more):  # fmt: skip
+    grid = np.meshgrid(radii, wraps, loads, np.arange(repeats), indexing="ij")
+    R, phi, F = (axis.ravel() for axis in grid[:3])
+    pulls = Conditions(wheel_radius_m=R, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F)
+    noise = within * np.random.default_rng(seed).normal(size=len(pulls))
+    return TrialTable(
+        trial=tuple(f"t{i}" for i in range(len(pulls))),
+        wheel_radius_m=R,
+        rope_radius_m=0.005,
+        wrap_angle_rad=phi,
+        end_tension_N=F,
+        peak_N=np.exp(LAWS[law].log_lift(theta, pulls) + noise),
+        **more,
+    )
+
+
+def test_constant_law_is_the_weighted_mean_by_hand():
+    table = table_of("constant", [0.2])
+    phi, rise = table.wrap_angle_rad, np.log(table.peak_N / table.end_tension_N)
+    fit = fit_law(table, "constant", clustered=False)
+    assert fit["mu"].value == pytest.approx(phi @ rise / (phi @ phi), rel=1e-9)
+    cells = rise.reshape(-1, 3)
+    scatter = np.sqrt(((cells - cells.mean(axis=1, keepdims=True)) ** 2).sum() / (cells.size - len(cells)))
+    assert fit.statistics.scatter_within == pytest.approx(scatter, rel=1e-9)
+    assert fit["mu"].std == pytest.approx(scatter / np.sqrt(phi @ phi), rel=1e-9)
+    assert fit.covariance_kind == "absolute"
+    assert "scale_covar = False" in fit.notes[0]
+    assert fit.covariance[0, 0] == pytest.approx(fit["mu"].std ** 2)
+
+
+def test_trial_weights_give_generalised_least_squares_with_a_shared_error():
+    rng = np.random.default_rng(5)
+    group = np.repeat(np.arange(4), [1, 3, 5, 2])
+    J = rng.normal(size=(4, 2))[group]
+    y = rng.normal(size=11)
+    within, shared = 0.3, rng.uniform(0.01, 0.4, 4)[group]
+    same = group[:, None] == group
+    inverse = np.linalg.inv(within**2 * np.eye(11) + np.where(same, shared[:, None], 0.0))
+    covariance = np.linalg.inv(J.T @ inverse @ J)
+    std = trial_std(within, shared, group)
+    weighted = J / std[:, None]
+    assert np.linalg.inv(weighted.T @ weighted) == pytest.approx(covariance, rel=1e-10)
+    assert np.linalg.lstsq(weighted, y / std, rcond=None)[0] == pytest.approx(
+        covariance @ J.T @ inverse @ y, rel=1e-10
+    )
+
+
+def test_errors_of_the_settings_widen_the_errors_and_shift_the_weights():
+    plain = table_of("constant", [0.2])
+    rough = dataclasses.replace(
+        plain, wrap_std_rad=np.full(len(plain), 0.1), end_tension_std_N=plain.end_tension_N / 50
+    )
+    fit = fit_law(rough, "constant", clustered=False)
+    mu, n_c = fit["mu"].value, 3
+    shared = (mu * 0.1) ** 2 + 0.02**2
+    assert fit.problem.std == pytest.approx(
+        np.sqrt(fit.statistics.scatter_within**2 + n_c * shared), rel=1e-3
+    )
+    assert fit["mu"].std > 2 * fit_law(plain, "constant", clustered=False)["mu"].std
+
+
+def test_instrument_error_does_not_average_out_over_repeats():
+    """A hundred repeats of each condition leave what the force cell adds."""
+    few, many = (
+        table_of("constant", [0.2], repeats=n, peak_std_N=None or np.nan, loads=(50,)) for n in (4, 100)
+    )
+    few, many = (dataclasses.replace(table, peak_std_N=0.02 * table.peak_N) for table in (few, many))
+    stds = [fit_law(table, "constant", clustered=False)["mu"].std for table in (few, many)]
+    phi = np.tile([3.0, 6.0, 9.0], 3)
+    assert stds[1] > 0.98 * 0.02 / np.sqrt(phi @ phi)
+    assert stds[1] < stds[0] < 1.1 * stds[1]
+
+
+def test_without_repeats_the_scatter_comes_from_the_residuals():
+    table = table_of("constant", [0.2], repeats=1, loads=(20,))
+    fit = fit_law(table, "constant")
+    phi, rise = table.wrap_angle_rad, np.log(table.peak_N / table.end_tension_N)
+    rest = rise - fit["mu"].value * phi
+    assert fit["mu"].std == pytest.approx(np.sqrt(rest @ rest / 8 / (phi @ phi)), rel=1e-6)
+    assert fit.covariance_kind == "scaled"
+    assert "scale_covar = True" in fit.notes[0]
+    with pytest.raises(InputError, match="needs a known scatter"):
+        fit_law(table, "constant", scale_covar=False)
+
+
+def test_unused_trials_do_not_count():
+    table = table_of("constant", [0.2])
+    wild = np.where(np.arange(len(table)) % 5 == 0, 10 * table.peak_N, table.peak_N)
+    kept = np.arange(len(table)) % 5 != 0
+    spoiled = dataclasses.replace(table, peak_N=wild, kept=kept)
+    fit = fit_law(spoiled, "constant")
+    assert fit.statistics.n == kept.sum()
+    assert fit["mu"].value == pytest.approx(0.2, abs=0.002)
+
+
+@pytest.mark.parametrize("loss", ["soft_l1", "huber", "cauchy"])
+def test_robust_losses_resist_outliers(loss):
+    table = table_of(
+        "wrap-power", [0.2, -0.5, 0.1], wraps=np.linspace(2, 12, 8), loads=np.geomspace(2, 200, 5)
+    )
+    bad = np.where(np.arange(len(table)) % 10 == 3, 1.3 * table.peak_N, table.peak_N)
+    spoiled = dataclasses.replace(table, peak_N=bad)
+    robust, plain = fit_law(spoiled, "wrap-power", loss=loss), fit_law(spoiled, "wrap-power")
+
+    def error(fit):
+        return np.abs(fit.problem.law.log_lift(fit.theta, fit.problem.conditions)
+                      - fit.problem.law.log_lift([0.2, -0.5, 0.1], fit.problem.conditions)).mean()  # fmt: skip
+
+    assert error(robust) < 0.35 * error(plain)
+    assert all(item.std > 0 for item in robust.parameters)
+
+
+def test_fixed_bounded_and_started():
+    table = table_of("wrap-power", [0.2, -0.5, 0.1], wraps=(2, 5, 8, 12), loads=(2, 20, 200))
+    held = fit_law(table, "wrap-power", fixed={"b": -0.5})
+    assert (held["b"].value, held["b"].std, held["b"].vary, held["b"].ci95) == (
+        -0.5,
+        0.0,
+        False,
+        (-0.5, -0.5),
+    )
+    assert not held.covariance[1].any()
+    assert held["a"].std < fit_law(table, "wrap-power")["a"].std
+    walled = fit_law(table, "wrap-power", bounds={"c": (0.15, 0.3)})
+    assert walled["c"].value == 0.15
+    assert walled["c"].at_bound
+    groove = fit_law(table, "groove")
+    assert [item.vary for item in groove.parameters] == [True, False]
+    started = fit_law(table, "wrap-power", start={"a": 0.3, "c": 0.05}, n_starts=1)
+    assert started.theta == pytest.approx(fit_law(table, "wrap-power").theta, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "said"),
+    [
+        ({"fixed": {"nu": 1}}, UnknownNameError, "constant has no parameter 'nu'"),
+        ({"bounds": {"mu": (1, 0)}}, InputError, "leave nothing between them"),
+        ({"start": {"mu": -1}}, InputError, "start value mu = -1 lies outside its bounds 0 … 5"),
+        ({"fixed": {"mu": 9}}, InputError, "mu = 9 lies outside"),
+        ({"loss": "quadratic"}, UnknownNameError, "unknown loss 'quadratic'"),
+        ({"n_starts": 0}, InputError, "at least one"),
+        ({"scale_covar": "maybe"}, InputError, "'auto', True or False"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(options, error, said):
+    with pytest.raises(error, match=said):
+        fit_law(table_of("constant", [0.2]), "constant", **options)
+
+
+def test_unknown_law_says_which_was_meant():
+    with pytest.raises(UnknownNameError, match="did you mean 'wrap-power'"):
+        fit_law(table_of("constant", [0.2]), "wrap-powr")
+
+
+def test_same_minimum_as_scipy_alone_from_the_truth():
+    truth = [0.46, -0.22, -0.3, -0.48, 0.055]
+    table = table_of(
+        "coupled", truth, radii=(0.01, 0.02, 0.04, 0.08), wraps=(2, 5, 9, 12), loads=(2, 20, 150)
+    )
+    fit = fit_law(table, "coupled")
+    law, problem = LAWS["coupled"], fit.problem
+    reference = optimize.least_squares(
+        lambda theta: (law.log_lift(theta, problem.conditions) - problem.log_lift) / problem.std,
+        truth, bounds=(law.lower, law.upper), x_scale=np.abs(truth), xtol=1e-15, ftol=1e-15, gtol=1e-15,
+    )  # fmt: skip
+    assert fit.statistics.chi2 <= 2 * reference.cost * (1 + 1e-10)
+    assert fit.theta == pytest.approx(reference.x, rel=1e-4)
+
+
+def test_fit_is_deterministic_and_leaves_its_input_alone():
+    table = table_of("coupled", [0.46, -0.22, -0.3, -0.48, 0.055])
+    before = table.peak_N.copy()
+    one, two = fit_law(table, "coupled"), fit_law(table, "coupled")
+    assert one.to_dict() == two.to_dict()
+    assert np.array_equal(before, table.peak_N)
+
+
+def test_zero_scatter_gives_the_truth_and_no_failure():
+    table = table_of("wrap-power", [0.2, -0.5, 0.1], wraps=(2, 5, 8, 12), loads=(2, 20, 200), within=0.0)
+    fit = fit_law(table, "wrap-power")
+    assert fit.theta == pytest.approx([0.2, -0.5, 0.1], rel=1e-6)
+    assert fit.status == "ok"
+
+
+@given(
+    mu=st.floats(0.05, 0.6),
+    scale=st.floats(0.1, 100),
+    seed=st.integers(0, 1000),
+    within=st.floats(0.001, 0.1),
+)
+@settings(max_examples=25, deadline=None)
+def test_constant_coefficient_does_not_depend_on_the_unit_of_force(mu, scale, seed, within):
+    table = table_of("constant", [mu], within=within, seed=seed, loads=(20,))
+    larger = dataclasses.replace(
+        table, peak_N=table.peak_N * scale, end_tension_N=table.end_tension_N * scale
+    )
+    one, two = fit_law(table, "constant"), fit_law(larger, "constant")
+    assert two["mu"].value == pytest.approx(one["mu"].value, rel=1e-6)
+    assert two["mu"].std == pytest.approx(one["mu"].std, rel=1e-6)
+
+
+def test_scatter_between_conditions_is_found():
+    rng = np.random.default_rng(1)
+    group = np.repeat(np.arange(200), 5)
+    pulls = 0.01 * rng.normal(size=1000)
+    assert pooled_scatter(pulls, group).within == pytest.approx(0.01, rel=0.06)
+    table = table_of(
+        "constant", [0.2], radii=np.linspace(0.02, 0.08, 10), wraps=np.linspace(2, 12, 12), loads=(20,)
+    )
+    new_rope = np.exp(0.03 * np.repeat(rng.normal(size=120), 3))
+    fit = fit_law(dataclasses.replace(table, peak_N=table.peak_N * new_rope), "constant")
+    assert fit.statistics.scatter_within == pytest.approx(0.01, rel=0.1)
+    assert fit.statistics.scatter_between == pytest.approx(0.03, rel=0.2)
+    assert any("beyond their repeats" in text for text in fit.advice)
+    assert fit.status == "ok"
+
+
+def test_the_bench_is_determined_well_enough_to_be_trusted():
+    truth = tomllib.loads(BENCH.read_text(encoding="utf-8"))
+    rows = np.array([[row[key] for key in ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")]
+                     for row in truth["conditions"]]).repeat(12, axis=0)  # fmt: skip
+    law, theta = LAWS["coupled"], LAWS["coupled"].theta_from(truth["parameters"])
+    R, phi, F = rows.T
+    pulls = Conditions(
+        wheel_radius_m=R, rope_radius_m=truth["rope_radius_m"], wrap_angle_rad=phi, end_tension_N=F
+    )
+    noise = truth["trial_scatter"] * np.random.default_rng(2).normal(size=len(F))
+    peak = np.exp(law.log_lift(theta, pulls) + noise)
+    table = TrialTable(trial=tuple(map(str, range(len(F)))), wheel_radius_m=R, rope_radius_m=truth["rope_radius_m"],
+                       wrap_angle_rad=phi, end_tension_N=F, peak_N=peak)  # fmt: skip
+    fit = fit_law(table, "coupled")
+    assert fit.status == "ok", fit.advice
+    assert fit.trustworthy
+    for item, true in zip(fit.parameters, theta, strict=True):
+        assert abs(item.value - true) < 4 * item.std
+        assert item.std < 0.1 * abs(true)
+    assert fit.validity["end_tension_N"] == (5.0, 200.0)

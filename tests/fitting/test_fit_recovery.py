@@ -1,0 +1,94 @@
+"""Known truth comes back, and the errors are what they say: pulls over many simulated tables."""
+
+import numpy as np
+import pytest
+
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import LAWS
+
+TRUTH = {
+    "constant": [0.2],
+    "constant-offset": [0.2, 0.05],
+    "size-power": [0.25, 3.0, 0.05],
+    "size-exponential": [0.3, -0.2, -0.3],
+    "wrap-exponential": [0.25, -0.15, 0.08],
+    "wrap-power": [0.2, -0.5, 0.1],
+    "coupled": [0.46, -0.22, -0.3, -0.48, 0.055],
+    "thickness": [0.2],
+    "bending": [0.2, 1e-4],
+    "howell": [0.5, 0.85],
+    "groove": [0.07, LAWS["groove"].parameters[1].start],
+}
+
+
+def conditions():
+    """Six radii, wraps and loads in a Latin square: 36 conditions that show every effect."""
+    i, j = (index.ravel() for index in np.meshgrid(range(6), range(6), indexing="ij"))
+    return Conditions(
+        wheel_radius_m=0.005 * np.array([2, 3, 4.5, 7, 11, 17.0])[i],
+        rope_radius_m=0.005,
+        wrap_angle_rad=np.linspace(np.pi / 2, 4 * np.pi, 6)[j],
+        end_tension_N=np.geomspace(1.5, 200, 6)[(i + j) % 6],
+    )
+
+
+def simulated(law, theta, seed, *, repeats=4, within=0.01, between=0.0):
+    rng = np.random.default_rng(seed)
+    k = len(conditions())
+    pulls = conditions().select(np.repeat(np.arange(k), repeats))
+    noise = within * rng.normal(size=k * repeats) + between * np.repeat(rng.normal(size=k), repeats)
+    return TrialTable(
+        trial=tuple(f"t{i}" for i in range(k * repeats)),
+        wheel_radius_m=pulls.wheel_radius_m,
+        rope_radius_m=pulls.rope_radius_m,
+        wrap_angle_rad=pulls.wrap_angle_rad,
+        end_tension_N=pulls.end_tension_N,
+        peak_N=np.exp(LAWS[law].log_lift(theta, pulls) + noise),
+    )
+
+
+def pulls(law, seeds, *, between=0.0, **options):
+    theta = np.array(TRUTH[law])
+    rows = []
+    for seed in seeds:
+        fit = fit_law(simulated(law, theta, seed, between=between), law, n_starts=1, **options)
+        rows.append([(item.value - true) / item.std for item, true in zip(fit.parameters, theta, strict=True)
+                     if item.vary])  # fmt: skip
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("law", ["constant", "size-exponential", "wrap-power", "howell"])
+def test_pulls_of_a_few_laws(law):
+    z = pulls(law, range(60), clustered=False)
+    # Standard error of the mean 0.13, of the standard deviation 0.09: three of each.
+    assert np.abs(z.mean(axis=0)).max() < 0.4
+    assert z.std(axis=0, ddof=1).min() > 0.72
+    assert z.std(axis=0, ddof=1).max() < 1.28
+
+
+def test_clustered_errors_are_right_where_conditions_scatter_and_absolute_ones_are_not():
+    clustered = pulls("constant", range(60), between=0.03)
+    absolute = pulls("constant", range(60), between=0.03, clustered=False)
+    assert 0.75 < clustered.std(ddof=1) < 1.3
+    assert absolute.std(ddof=1) > 2.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", TRUTH)
+def test_pulls_of_every_law(law):
+    z = pulls(law, range(400), clustered=False)
+    assert np.abs(z.mean(axis=0)).max() < 0.15
+    assert z.std(axis=0, ddof=1).min() > 0.85
+    assert z.std(axis=0, ddof=1).max() < 1.15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["constant", "coupled"])
+def test_clustered_pulls(law):
+    z = pulls(law, range(400), between=0.01)
+    assert np.abs(z.mean(axis=0)).max() < 0.15
+    assert z.std(axis=0, ddof=1).min() > 0.85
+    # Student's t with 31 degrees of freedom has 1.03; uneven leverage adds to it.
+    assert z.std(axis=0, ddof=1).max() < 1.2

@@ -1,0 +1,244 @@
+"""The batched fit against scipy, against known truth, at bounds, and on data that cannot be fitted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import least_squares
+
+from ropefric.errors import InputError
+from ropefric.fitting.bounded_step import bounded_steps
+from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.reduced import reduced
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS, LAWS
+
+EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
+
+
+def scipy_fit(problem, log_lift, start):
+    """Bounded trust-region fit of one data set, from a start moved off the bounds."""
+    free = problem.vary
+
+    def whole(part):
+        theta = problem.start.copy()
+        theta[free] = part
+        return theta
+
+    low, high = problem.lower[free], problem.upper[free]
+    found = least_squares(
+        lambda part: (problem.law.log_lift(whole(part), problem.conditions) - log_lift) / problem.std,
+        np.clip(start[free], low + 1e-9, high - 1e-9),
+        lambda part: problem.jacobian(whole(part))[:, free],
+        bounds=(low, high),
+        x_scale="jac",
+        xtol=1e-15,
+        ftol=1e-15,
+        gtol=1e-15,
+    )
+    return whole(found.x), 2 * found.cost
+
+
+@EVERY_LAW
+def test_hundreds_of_resamples_agree_with_scipy(bench_problem, law):
+    problem = bench_problem(law, std=0.005)
+    rng = np.random.default_rng(5)
+    data = problem.log_lift + 0.005 * rng.standard_normal((200, problem.n_points))
+    fit = batched_fit(problem, data)
+    assert fit.converged.all()
+    free = problem.vary
+    for i in range(0, 200, 10):
+        theta, chi2 = scipy_fit(problem, data[i], fit.theta[i])
+        assert fit.chi2[i] <= chi2 * (1 + 1e-12)
+        inside = (fit.theta[i] > problem.lower) & (fit.theta[i] < problem.upper) & free
+        J = problem.jacobian(fit.theta[i])[:, free]
+        std = np.sqrt(np.diag(np.linalg.pinv(J.T @ J)))
+        if (inside == free).all():  # an interior-point method only comes near a bound
+            # scipy stops where a step changes χ² in the 15th digit only: 3e-8·√χ² standard errors, and its next
+            # steps shrink slowly where the model bends; our own gradient is held to less below
+            far = np.abs(fit.theta[i] - theta)[free]
+            assert (far <= 1e-8 * np.abs(theta[free]) + 3e-6 * std).all()
+        gradient = problem.jacobian(fit.theta[i]).T @ (
+            (law.log_lift(fit.theta[i], problem.conditions) - data[i]) / problem.std
+        )
+        spread = np.linalg.norm(problem.jacobian(fit.theta[i]), axis=0)
+        assert (np.abs(gradient[inside]) < 1e-7 * spread[inside]).all()
+        at_lower, at_upper = free & (fit.theta[i] <= problem.lower), free & (fit.theta[i] >= problem.upper)
+        assert (gradient[at_lower] >= 0).all()
+        assert (gradient[at_upper] <= 0).all()
+
+
+@EVERY_LAW
+def test_clean_data_give_the_truth_from_the_guess(bench_problem, law):
+    problem = bench_problem(law, std=0.0)
+    truth = problem.start
+    fit = batched_fit(problem, starts=law.guess(problem.conditions, problem.log_lift))
+    assert fit.converged.all()
+    assert np.allclose(fit.theta[0], truth, rtol=1e-8, atol=1e-10)
+    assert fit.chi2[0] < 1e-16
+
+
+def test_repeats_are_summed_exactly(bench_problem):
+    law = LAWS["wrap-power"]
+    problem = bench_problem(law, repeats=5, std=0.02)
+    rng = np.random.default_rng(2)
+    counts = rng.integers(0, 4, (3, problem.n_points)).astype(float)
+    std = rng.uniform(0.01, 0.03, (3, problem.n_points))
+    data = problem.log_lift + 0.01 * rng.standard_normal((3, problem.n_points))
+    short = reduced(problem, data, std, counts)
+    assert short.weight.shape == (3, 64)
+    theta = problem.start * [[1.0], [0.9], [1.1]]
+    long = (counts * ((law.log_lift(theta, problem.conditions) - data) / std) ** 2).sum(axis=1)
+    assert np.allclose(short.chi2(theta, np.arange(3)), long, rtol=1e-12)
+
+
+def test_multiplicity_is_repetition_and_infinite_std_is_absence(bench_problem):
+    problem = bench_problem(LAWS["size-exponential"])
+    twice, without = np.ones(64), problem.std.copy()
+    twice[:10], without[:10] = 0.0, np.inf
+    left_out = batched_fit(problem, multiplicity=twice)
+    assert np.allclose(left_out.theta, batched_fit(problem, std=without).theta, rtol=1e-9)
+    shorter = replace(
+        problem,
+        conditions=problem.conditions.select(np.arange(10, 64)),
+        log_lift=problem.log_lift[10:],
+        std=problem.std[10:],
+        group=problem.group[10:],
+    )
+    assert np.allclose(left_out.theta, batched_fit(shorter).theta, rtol=1e-9)
+
+
+def test_together_is_one_by_one_whatever_the_company(bench_problem):
+    problem = bench_problem(LAWS["coupled"])
+    data = problem.log_lift + 0.01 * np.random.default_rng(1).standard_normal((30, 64))
+    starts = problem.start * np.random.default_rng(2).uniform(0.8, 1.0, (30, 5))
+    together = batched_fit(problem, data, starts)
+    alone = [batched_fit(problem, y, start) for y, start in zip(data, starts, strict=True)]
+    assert np.allclose(together.theta, [fit.theta[0] for fit in alone], rtol=1e-7)
+    assert together.n_iterations == max(fit.n_iterations for fit in alone)
+
+
+def test_a_bound_in_the_way_is_kept_and_the_others_are_fitted_around_it(bench_problem):
+    law = LAWS["constant-offset"]
+    problem = bench_problem(law, [0.2, 0.1], upper=np.array([5.0, 0.05]))
+    fit = batched_fit(problem)
+    assert fit.converged[0]
+    assert fit.theta[0, 1] == 0.05
+    held = batched_fit(problem, starts=[0.3, 0.05], vary=[True, False])
+    assert np.allclose(fit.theta, held.theta, rtol=1e-10)
+
+
+def test_fixed_parameters_stay_where_they_are_even_outside_the_bounds(bench_problem):
+    problem = bench_problem(LAWS["constant-offset"], upper=np.array([5.0, 0.0]))
+    starts = np.array([[0.2, 0.3], [0.1, -0.2], [0.2, 0.0]])
+    vary = np.array([[True, False], [True, False], [False, False]])
+    fit = batched_fit(problem, starts=starts, vary=vary)
+    assert fit.theta[:, 1].tolist() == [0.3, -0.2, 0.0]
+    assert fit.theta[2].tolist() == [0.2, 0.0]
+    assert fit.converged.all()
+
+
+def test_an_inadmissible_step_is_turned_down(bench_problem):
+    """Rigidity so large that the rope cannot bend: full steps from here leave where the law has an answer."""
+    law = LAWS["bending"]
+    problem = bench_problem(law, [0.2, 3e-4])
+    edge = 2 * (0.02 + 0.0049) ** 2 * 2.0
+    fit = batched_fit(problem, starts=[[0.9, 0.28 * edge], [0.05, 1e-8]])
+    assert np.allclose(fit.theta, batched_fit(problem).theta, rtol=1e-6)
+    assert fit.converged.all()
+
+
+def test_an_inadmissible_start_falls_back_and_a_hopeless_one_is_flagged(bench_problem):
+    law = LAWS["bending"]
+    problem = bench_problem(law)
+    fit = batched_fit(problem, starts=[[0.2, 9.0], problem.start])
+    assert np.allclose(fit.theta[0], fit.theta[1], rtol=1e-8)
+    stuck = batched_fit(replace(problem, start=np.array([0.2, 9.0])))
+    assert not stuck.converged[0]
+    assert np.isinf(stuck.chi2[0])
+    assert np.isfinite(stuck.theta).all()
+
+
+@EVERY_LAW
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 10**6), noise=st.sampled_from([0.0, 0.1, 2.0]))
+def test_no_nan_whatever_the_data(bench_problem, law, seed, noise):
+    rng = np.random.default_rng(seed)
+    problem = bench_problem(law)
+    span = np.where(np.isfinite(problem.upper), problem.upper, 1.0) - problem.lower
+    starts = problem.lower + span * rng.uniform(0, 1, (6, len(span)))
+    data = problem.log_lift + noise * rng.standard_normal((6, 64))
+    fit = batched_fit(problem, data, starts, max_iterations=40)
+    assert np.isfinite(fit.theta).all()
+    assert not np.isnan(fit.chi2).any()
+    assert not fit.converged[np.isinf(fit.chi2)].any()
+    free = problem.vary
+    assert (fit.theta >= problem.lower)[:, free].all()
+    assert (fit.theta <= problem.upper)[:, free].all()
+
+
+def test_one_wheel_only_still_answers(bench_problem):
+    """(4) cannot be told from a constant on one wheel; the fit says a minimum, and no number is NaN."""
+    plan = Conditions(
+        wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=np.arange(1, 9), end_tension_N=20
+    )
+    problem = bench_problem(LAWS["size-exponential"], plan=plan)
+    fit = batched_fit(problem)
+    constant = batched_fit(bench_problem(LAWS["constant"], plan=plan, log_lift=problem.log_lift))
+    assert np.isfinite(fit.theta).all()
+    assert fit.chi2[0] == pytest.approx(constant.chi2[0], rel=1e-9)
+
+
+def test_giving_up_is_flagged(bench_problem):
+    problem = bench_problem(LAWS["coupled"])
+    fit = batched_fit(problem, starts=[1.0, -5.0, -3.0, -0.9, 1.0], max_iterations=2)
+    assert not fit.converged[0]
+    assert fit.n_iterations == 2
+
+
+def test_inputs_are_left_alone(bench_problem):
+    problem = bench_problem(LAWS["constant"])
+    data, start = problem.log_lift[np.newaxis].copy(), np.array([[0.5]])
+    data.flags.writeable = start.flags.writeable = False
+    batched_fit(problem, data, start)
+    assert start.tolist() == [[0.5]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"log_lift": np.zeros(3)}, r"log_lift has shape \(3,\).*64 points"),
+        ({"log_lift": np.full(64, np.nan)}, "log_lift of point 0 in data set 0 must be finite"),
+        ({"std": np.zeros(64)}, "std of point 0 .* must be positive"),
+        ({"multiplicity": -np.ones((2, 64))}, "multiplicity .* zero or more"),
+        ({"starts": np.zeros((2, 3))}, r"law constant needs \(m, 1\)"),
+        ({"starts": np.full((1, 1), np.nan)}, "finite"),
+        ({"starts": np.zeros((2, 1)), "multiplicity": np.ones((3, 64))}, "2 or 3 in number"),
+    ],
+)
+def test_bad_input(bench_problem, arguments, message):
+    with pytest.raises(InputError, match=message):
+        batched_fit(bench_problem(LAWS["constant"]), **arguments)
+
+
+def test_a_bounded_step_is_the_minimum_of_its_box():
+    """Against a dense search of the box."""
+    rng = np.random.default_rng(3)
+    J, r = rng.standard_normal((20, 6, 2)) * [1.0, 1e3], rng.standard_normal((20, 6))
+    low, high = np.array([-0.2, -1e-4]), np.array([0.1, 3e-4])
+    step, _ = bounded_steps(
+        np.einsum("mni,mnj->mij", J, J),
+        -np.einsum("mni,mn->mi", J, r),
+        curvature=np.zeros((20, 2, 2)),
+        low=np.tile(low, (20, 1)),
+        high=np.tile(high, (20, 1)),
+        vary=np.ones((20, 2), bool),
+        damping=np.zeros(20),
+    )
+    grid = np.stack(np.meshgrid(*(np.linspace(a, b, 121) for a, b in zip(low, high, strict=True))), -1)
+    for i in range(20):
+        reached = ((J[i] @ step[i] + r[i]) ** 2).sum()
+        best = ((grid @ J[i].T + r[i]) ** 2).sum(axis=-1).min()
+        assert reached <= best + 1e-9

@@ -1,0 +1,193 @@
+"""Stored fits: readable, the same bytes each time, the same predictions in a clean process, clear refusals."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from ropefric.errors import DataError
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.store import fit_text, load_fit, save_fit
+from ropefric.fitting.table import read_trial_table
+from ropefric.fitting.verify import verify_fit, verify_fits
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import LAWS
+
+
+@pytest.fixture
+def campaign(tmp_path):
+    """A folder with a trial table and a folder for fits beside it."""
+    rng = np.random.default_rng(4)
+    lines = ["trial,wheel_radius_m,rope_radius_m,wrap_angle_rad,end_tension_N,peak_N,peak_std_N"]
+    grid = [
+        (R, phi, F) for R in (0.02, 0.04, 0.08) for phi in (2.0, 6.0, 12.0) for F in (3.0, 30.0, 150.0)
+    ] * 3
+    for i, (R, phi, F) in enumerate(grid):
+        pull = Conditions(wheel_radius_m=R, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F)
+        peak = np.exp(LAWS["wrap-power"].log_lift([0.2, -0.5, 0.1], pull)[0] + 0.01 * rng.normal())
+        lines.append(f"t{i},{R},0.005,{phi},{F},{float(peak)!r},{float(0.003 * peak)!r}")
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "trials.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def fit(campaign):
+    return fit_law(read_trial_table(campaign / "data" / "trials.csv"), "wrap-power")
+
+
+def test_round_trip_keeps_every_number(campaign, fit):
+    loaded = load_fit(save_fit(fit, campaign / "fits" / "wrap.json"))
+    assert loaded.parameters == fit.parameters
+    assert np.array_equal(loaded.covariance, fit.covariance)
+    assert loaded.statistics == fit.statistics
+    assert loaded.identifiability == fit.identifiability
+    assert (loaded.law, loaded.status, loaded.advice, loaded.notes) == (
+        fit.law,
+        fit.status,
+        fit.advice,
+        fit.notes,
+    )
+    assert dict(loaded.validity) == dict(fit.validity)
+    assert loaded.problem is None
+    text = fit_text(loaded, campaign / "fits")
+    assert text == (campaign / "fits" / "wrap.json").read_text(encoding="utf-8")
+
+
+def test_file_is_the_shape_that_is_promised(campaign, fit):
+    text = save_fit(fit, campaign / "fits" / "wrap.json").read_text(encoding="utf-8")
+    tree = json.loads(text)
+    assert tree["schema"] == "ropefric.fit/1"
+    assert set(tree["parameters"]["a"]) >= {"value", "std", "ci95", "lower", "upper", "at_bound"}
+    assert set(tree["statistics"]) >= {"n", "dof", "chi2", "chi2_reduced", "aicc", "bic"}
+    assert {"covariance", "status", "advice", "validity", "provenance", "law"} <= set(tree)
+    assert tree["provenance"]["input"]["path"] == "../data/trials.csv"
+    assert len(tree["provenance"]["input"]["sha256"]) == 64
+    assert str(campaign) not in text
+    assert list(tree) == sorted(tree)
+    assert tree["trials"]["n"] == [3] * 27
+    assert text == fit_text(
+        fit_law(read_trial_table(campaign / "data" / "trials.csv"), "wrap-power"), campaign / "fits"
+    )
+
+
+def test_numbers_json_cannot_hold_come_back(campaign):
+    table = read_trial_table(campaign / "data" / "trials.csv")
+    bound = fit_law(table, "wrap-power", bounds={"c": (0.15, np.inf)})
+    loaded = load_fit(save_fit(bound, campaign / "bound.json"))
+    assert loaded["c"].at_bound
+    assert np.isnan(loaded["c"].std)
+    assert loaded["c"].upper == np.inf
+    assert verify_fit(campaign / "bound.json").ok
+    flat = fit_law(table, "constant-offset", fixed={"mu": 0.2})
+    assert load_fit(save_fit(flat, campaign / "flat.json"))["mu"].std == 0.0
+
+
+def test_clean_process_predicts_the_same_to_the_last_digit(campaign, fit):
+    path = save_fit(fit, campaign / "wrap.json")
+    pull = {"wheel_radius_m": 0.05, "rope_radius_m": 0.0049, "wrap_angle_rad": 8.25, "end_tension_N": 77.7}
+    here = fit.friction_law.log_lift(fit.theta, Conditions(**pull))[0]
+    code = (
+        "import sys, json\n"
+        "from ropefric.fitting.store import load_fit\n"
+        "from ropefric.friction.condition import Conditions\n"
+        "fit = load_fit(sys.argv[1])\n"
+        "print(repr(float(fit.friction_law.log_lift(fit.theta, Conditions(**json.loads(sys.argv[2])))[0])))\n"
+        "print(repr(fit.covariance.tolist()))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(path), json.dumps(pull)], capture_output=True, text=True, check=True
+    )
+    value, covariance = done.stdout.splitlines()
+    assert value == repr(float(here))
+    assert covariance == repr(fit.covariance.tolist())
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"schema": "ropefric.fit/2"}, "newer than ropefric.fit/1.*upgrade ropefric"),
+        ({"schema": "ropefric.campaign/1"}, "no stored fit: the schema is 'ropefric.campaign/1'"),
+        ({"schema": None}, "no stored fit: there is no schema"),
+        ({"law": "wrap-powr"}, "'wrap-powr' is not known.*did you mean 'wrap-power'"),
+        ({"law": "constant"}, "does not belong to the law constant, whose parameters are mu"),
+        ({"covariance": ...}, "covariance: the field is missing.*fit again"),
+        ({"covariance": [[1.0]]}, "does not belong to the law"),
+        ({"covariance": [["x"]]}, "damaged"),
+        ({"parameters": []}, "parameters: the field is no object"),
+        ({"parameters": {}}, "the field 'a' is missing"),
+        ({"status": "splendid"}, "'splendid'"),
+        ({"validity": {"wrap_angle_rad": 3}}, "damaged"),
+        ({"statistics": {"n": 3}}, "damaged"),
+    ],
+)
+def test_what_is_no_fit_is_refused_with_a_remedy(campaign, fit, change, said):
+    tree = fit.to_dict() | change
+    tree = {key: value for key, value in tree.items() if value is not ...}
+    path = campaign / "bad.json"
+    path.write_text(json.dumps(tree), encoding="utf-8")
+    with pytest.raises(DataError, match=said) as caught:
+        load_fit(path)
+    assert caught.value.where.startswith(path.as_posix())
+
+
+@pytest.mark.parametrize(
+    ("raw", "said"),
+    [(b'{"schema": "ropefric.fit/1",\n "law": ', "damaged"), (b"\xff\xfe\x00", "UTF-8"), (b"[]", "no schema"),
+     (b"", "damaged"), (b"[" * 100_000, "nested|damaged")],
+)  # fmt: skip
+def test_damaged_files(tmp_path, raw, said):
+    (tmp_path / "bad.json").write_bytes(raw)
+    with pytest.raises(DataError, match=said):
+        load_fit(tmp_path / "bad.json")
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(DataError, match="no such file"):
+        load_fit(tmp_path / "gone.json")
+
+
+def test_verify_makes_the_fits_again(campaign, fit):
+    save_fit(fit, campaign / "fits" / "wrap-power.json")
+    table = read_trial_table(campaign / "data" / "trials.csv")
+    save_fit(fit_law(table, "constant", loss="huber", fixed={}), campaign / "fits" / "constant.json")
+    found = verify_fits(campaign / "fits")
+    assert [item.law for item in found] == ["constant", "wrap-power"]
+    assert all(item.ok for item in found), found
+    assert found[1].difference < 1e-6
+
+
+def test_verify_finds_changed_numbers_and_changed_data(campaign, fit):
+    path = save_fit(fit, campaign / "fits" / "wrap-power.json")
+    tree = json.loads(path.read_text(encoding="utf-8"))
+    tree["parameters"]["a"]["value"] *= 1.01
+    path.write_text(json.dumps(tree), encoding="utf-8")
+    (found,) = verify_fits(campaign / "fits")
+    assert not found.ok
+    assert "another fit" in found.message
+    save_fit(fit, path)
+    data = campaign / "data" / "trials.csv"
+    data.write_text(data.read_text(encoding="utf-8").replace("t0,", "t999,"), encoding="utf-8")
+    (found,) = verify_fits(campaign / "fits")
+    assert "has changed since the fit was made" in found.message
+    data.unlink()
+    assert "is not there" in verify_fits(campaign / "fits")[0].message
+    path.write_text("{", encoding="utf-8")
+    assert "damaged" in verify_fits(campaign / "fits")[0].message
+
+
+def test_verify_needs_fits(tmp_path):
+    with pytest.raises(DataError, match=r"holds no \*\.json"):
+        verify_fits(tmp_path)
+    with pytest.raises(DataError, match="no such folder"):
+        verify_fits(tmp_path / "gone")
+
+
+def test_fit_of_a_table_in_memory_cannot_be_verified_and_says_so(campaign):
+    table = read_trial_table(campaign / "data" / "trials.csv")
+    from ropefric.fitting.table import table_from_frame
+
+    save_fit(fit_law(table_from_frame(table.to_frame()), "constant"), campaign / "memory.json")
+    assert "names no data file" in verify_fit(campaign / "memory.json").message

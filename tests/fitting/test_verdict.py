@@ -1,0 +1,254 @@
+"""Doubtful fits say so, name the parameter that cannot be seen and the experiment that would show it.
+
+Also the reference numbers of the model paper's analysis: ratios of singular values and standard errors.
+"""
+
+import dataclasses
+from math import inf, isnan
+
+import numpy as np
+import pytest
+
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.identifiability import identify
+from ropefric.fitting.status import ADVICE, FitStatus
+from ropefric.fitting.structure import find_trends
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS, LAWS
+
+TWELVE_WRAPS = np.linspace(np.pi / 2, 4 * np.pi, 12)
+
+
+def pulled(law, theta, *, radii=(0.04,), wraps=(6.0,), loads=(20.0,), repeats=3, within=0.01, seed=0):
+    grid = np.meshgrid(radii, wraps, loads, np.arange(repeats), indexing="ij")
+    R, phi, F = (axis.ravel() for axis in grid[:3])
+    pulls = Conditions(wheel_radius_m=R, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F)
+    noise = within * np.random.default_rng(seed).normal(size=len(pulls))
+    peak = np.exp(LAWS[law].log_lift(theta, pulls) + noise)
+    return TrialTable(trial=tuple(map(str, range(len(pulls)))), wheel_radius_m=R, rope_radius_m=0.005,
+                      wrap_angle_rad=phi, end_tension_N=F, peak_N=peak)  # fmt: skip
+
+
+def ratio(law, theta, *, size_ratios=(8.0,), wraps=(6.0,), loads=(20.0,)):
+    grid = np.meshgrid(size_ratios, wraps, loads, indexing="ij")
+    r, phi, F = (axis.ravel() for axis in grid)
+    pulls = Conditions(wheel_radius_m=0.005 * r, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F)
+    chosen = ALL_LAWS[law]
+    return identify(chosen.jacobian(theta, pulls), chosen.parameter_names)
+
+
+# ---- reference numbers; the designs are eight wheels (and eight wraps) evenly over the range printed ----
+
+
+@pytest.mark.parametrize("span", [(3, 15), (8, 40)])
+@pytest.mark.parametrize("theta", [(0.2, -0.2, -0.3), (0.46, -0.22, -0.3), (0.2, -0.2, 0.0)])
+def test_ratio_of_the_exponential_size_law_is_10_to_16(span, theta):
+    assert 10 <= ratio("size-exponential", theta, size_ratios=np.linspace(*span, 8)).ratio <= 16
+
+
+@pytest.mark.parametrize(("span", "printed", "tolerance"), [((3, 15), 985, 0.5), ((8, 40), 5900, 50)])
+def test_ratio_of_the_power_size_law(span, printed, tolerance):
+    seen = ratio("size-power", (0.2, 1.0, 0.02), size_ratios=np.linspace(*span, 8))
+    assert seen.ratio == pytest.approx(printed, abs=tolerance)
+    assert set(seen.weak) == {"mu_inf", "b"}, "mu_inf + b is seen, not which of the two"
+
+
+@pytest.mark.parametrize(("c", "printed"), [(-0.4, 750), (-0.1, 2.4e3), (-0.02, 1.2e4)])
+def test_ratio_of_the_coupled_law_grows_as_the_exponent_vanishes(c, printed):
+    # The source states no design beyond this; over the grids tried its three numbers come out within 3 %.
+    seen = ratio("coupled", (0.2, -0.2, -0.1, c, 0.05), size_ratios=np.linspace(3, 15, 8),
+                 wraps=np.linspace(np.pi / 2, 4 * np.pi, 8))  # fmt: skip
+    assert seen.ratio == pytest.approx(printed, rel=0.035)
+
+
+@pytest.mark.parametrize(
+    ("loads", "printed", "tolerance"),
+    [([20.0], (0.75, 3.7, 2.0), (0.005, 0.05, 0.05)),
+     (np.geomspace(1.5, 200, 6), (0.004, 0.011, 0.009), (0.0005, 0.0005, 0.0005))],
+)  # fmt: skip
+def test_standard_errors_of_a_wrap_series_at_one_load_and_at_six(loads, printed, tolerance):
+    """0.75, 3.7, 2.0 at one load; 0.004, 0.011, 0.009 at six, at a = 0.2, b = -0.5, c = 0.1 and sd 0.005."""
+    phi, F = (axis.ravel() for axis in np.meshgrid(TWELVE_WRAPS, loads))
+    pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F)
+    theta = np.array([0.2, -0.5, 0.1])
+    J = LAWS["wrap-power"].jacobian(theta, pulls) / 0.005
+    relative = np.sqrt(np.diag(np.linalg.inv(J.T @ J))) / np.abs(theta)
+    for value, shown, margin in zip(relative, printed, tolerance, strict=True):
+        assert value == pytest.approx(shown, abs=margin)
+
+
+def test_wrap_series_at_one_load_is_refused_and_at_six_is_not():
+    theta = [0.2, -0.5, 0.1]
+    one = fit_law(pulled("wrap-power", theta, wraps=TWELVE_WRAPS, within=0.005), "wrap-power")
+    assert not one.trustworthy
+    assert one.status in {FitStatus.UNIDENTIFIABLE, FitStatus.AT_BOUND}
+    six = fit_law(pulled("wrap-power", theta, wraps=TWELVE_WRAPS, loads=np.geomspace(1.5, 200, 6), within=0.005),
+                  "wrap-power")  # fmt: skip
+    assert six.status == "ok", six.advice
+
+
+def test_one_load_says_so_in_words():
+    fits = [
+        fit_law(pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, seed=s), "wrap-power")
+        for s in range(8)
+    ]
+    assert not any(fit.trustworthy for fit in fits)
+    unseen = [fit for fit in fits if fit.status is FitStatus.UNIDENTIFIABLE]
+    assert unseen
+    for fit in unseen:
+        text = fit.advice[0]
+        assert "The data do not show" in text
+        assert (
+            "There is only one end tension (F_B = 20 N): a wrap series at one load cannot fix the law" in text
+        )
+
+
+# ---- designs that cannot show a parameter ----
+
+
+def test_one_radius_does_not_show_the_size_effect():
+    fit = fit_law(pulled("constant", [0.2], wraps=(3, 6, 9)), "size-exponential")
+    assert fit.status == "unidentifiable"
+    assert "The data do not show mu_inf, a and b" in fit.advice[0]
+    assert "only one size ratio (R_w/R_r = 8)" in fit.advice[0]
+    assert fit["a"].std == inf
+    assert fit["a"].ci95 == (fit["a"].lower, fit["a"].upper)
+    assert fit.identifiability.ratio == inf
+
+
+def test_one_wrap_does_not_show_an_offset():
+    fit = fit_law(pulled("constant", [0.2], radii=(0.02, 0.04, 0.08), loads=(5, 20, 80)), "constant-offset")
+    assert fit.status == "unidentifiable"
+    assert "mu and k" in fit.advice[0]
+    assert "only one wrap angle (343.8 deg)" in fit.advice[0]
+    assert fit.identifiability.worst_pair == ("mu", "k")
+    assert fit.identifiability.weak_direction in {"mu up while k down", "k up while mu down"}
+
+
+def test_one_condition_for_two_parameters_is_too_few_however_often_repeated():
+    fit = fit_law(pulled("constant", [0.2], repeats=20), "constant-offset")
+    assert {"too-few-points", "unidentifiable"} >= {fit.status}
+    assert "1 conditions cannot determine the 2 parameters of constant-offset" in " ".join(fit.advice)
+    assert not fit.trustworthy
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_two_points_never_fail_and_never_pass_for_more_than_they_are(law):
+    table = pulled("constant", [0.2], wraps=(3.0, 6.0), repeats=1)
+    fit = fit_law(table, law)
+    n_free = sum(item.vary for item in fit.parameters)
+    if n_free > 2:
+        assert fit.status == "too-few-points"
+    assert fit.to_dict()["status"] == str(fit.status)
+
+
+@pytest.mark.parametrize("law", ALL_LAWS)
+def test_identical_conditions_end_in_a_verdict(law):
+    fit = fit_law(pulled("constant", [0.2], repeats=6), law)
+    n_free = sum(item.vary for item in fit.parameters)
+    assert fit.trustworthy == (n_free == 1)
+
+
+def test_parameter_at_its_bound_is_no_result():
+    table = pulled("constant", [0.2], radii=(0.02, 0.04, 0.08), wraps=(3, 6, 9, 12), loads=(5, 20, 80))
+    rising = dataclasses.replace(table, peak_N=table.peak_N * (table.end_tension_N / 20) ** 0.02)
+    fit = fit_law(rising, "howell")
+    assert fit["n"].at_bound
+    assert fit["n"].value == fit["n"].upper == 1.0
+    assert isnan(fit["n"].std)
+    assert not fit.trustworthy
+    assert any(
+        "n of howell lies on its bound 1, which is not a measurement of it" in text for text in fit.advice
+    )
+    assert fit["A"].std > 0
+    narrow = fit_law(table, "constant", bounds={"mu": (0.0, 0.11)})
+    assert (narrow["mu"].value, narrow["mu"].at_bound, str(narrow.status)) == (0.11, True, "at-bound")
+
+
+def test_an_effect_that_is_not_there_cannot_be_seen():
+    """Without a wrap effect a φ^b and c are one, and the search ends in a valley."""
+    table = pulled("constant", [0.2], radii=(0.02, 0.04, 0.08), wraps=(3, 6, 9, 12), loads=(5, 20, 80))
+    fit = fit_law(table, "wrap-power")
+    assert fit.status in {"unidentifiable", "at-bound"}
+    assert fit.statistics.chi2 <= fit_law(table, "constant").statistics.chi2 * (1 + 1e-6)
+
+
+def test_residual_structure_names_the_effect_that_is_missing():
+    table = pulled(
+        "size-exponential", [0.3, -0.2, -0.3], radii=0.005 * np.array([2, 3, 5, 8, 12, 20]), wraps=(3, 6, 9)
+    )
+    fit = fit_law(table, "constant")
+    assert fit.status == "residual-structure"
+    assert "follows the size ratio" in fit.advice[0]
+    assert fit_law(table, "size-exponential").status == "ok"
+
+
+def test_trends_are_not_found_where_there_are_none():
+    """Conditions that scatter by themselves show a trend with p < 0.001 in about three of a thousand tests."""
+    rng = np.random.default_rng(0)
+    r, phi, F = (axis.ravel() for axis in np.meshgrid([3, 6, 12.0], [3, 6, 9.0, 12], [5, 20, 80.0]))
+    group = np.repeat(np.arange(36), 4)
+    pulls = Conditions(
+        wheel_radius_m=0.005 * r, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F
+    ).select(group)
+    J = pulls.wrap_angle_rad[:, None] / 0.01
+    found = []
+    for _ in range(400):
+        noise = 0.01 * rng.normal(size=144) + 0.05 * rng.normal(size=36)[group]
+        rest = noise - J[:, 0] * (J[:, 0] @ noise) / (J[:, 0] @ J[:, 0])
+        found += [trend.p_value for trend in find_trends(J, rest, np.full(144, 0.01), group, pulls)]
+    assert len(found) == 1200
+    assert np.mean(np.array(found) < 0.05) == pytest.approx(0.05, abs=0.02)
+    assert np.mean(np.array(found) < 1e-3) < 0.006
+
+
+def test_load_effect_from_a_measured_slack_side_is_refused():
+    """With F_A one known weight, a law that makes F_A independent of F_B fits anything."""
+    rng = np.random.default_rng(3)
+    phi = np.repeat([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 3)
+    slack = 8.0 * np.exp(-0.18 * phi + 0.03 * rng.normal(size=18))
+    table = TrialTable(trial=tuple(map(str, range(18))), wheel_radius_m=0.03, rope_radius_m=0.002,
+                       wrap_angle_rad=phi, end_tension_N=slack, peak_N=np.full(18, 8.0))  # fmt: skip
+    assert table.measures_slack
+    fit = fit_law(table, "constant")
+    assert fit.status == "ok"
+    assert fit["mu"].value == pytest.approx(0.18, abs=4 * fit["mu"].std)
+    wrong = fit_law(table, "wrap-power")
+    assert not wrong.trustworthy
+    assert any("would agree with any such data" in text for text in wrong.advice)
+
+
+def test_extreme_scatter():
+    fit = fit_law(pulled("constant", [0.3], wraps=(6, 9, 12), repeats=8, within=0.5), "constant")
+    assert fit.status == "extreme-scatter"
+    assert "Repeats scatter by" in fit.advice[0]
+
+
+def test_search_that_stops_early_is_not_a_success(monkeypatch):
+    from ropefric.fitting import search
+
+    original = search._minimum
+    monkeypatch.setattr(
+        search, "_minimum",
+        lambda *args: dataclasses.replace(original(*args), converged=False, message="out of evaluations"),
+    )  # fmt: skip
+    fit = fit_law(pulled("constant", [0.2], wraps=(3, 6)), "constant")
+    assert fit.status == "not-converged"
+    assert "out of evaluations" in fit.advice[0]
+    assert not fit.trustworthy
+
+
+def test_every_status_has_advice():
+    assert set(ADVICE) == set(FitStatus)
+
+
+def test_identifiability_by_hand():
+    seen = identify(np.array([[1.0, 0.0], [0.0, 2.0]]), ["a", "b"])
+    assert seen.ratio == pytest.approx(1.0)
+    same = identify(np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 1.0], [1.0, 1.0, 3.0]]), ["a", "b", "c"])
+    assert same.ratio == inf
+    assert same.unseen == ("a", "b")
+    assert identify(np.zeros((3, 1)), ["a"]).unseen == ("a",)
+    assert identify(np.ones((1, 2)), ["a", "b"]).unseen == ("a", "b")
+    assert identify(np.zeros((3, 0)), []).ratio == 1.0

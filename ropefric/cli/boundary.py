@@ -90,6 +90,8 @@ def _file_error(error: OSError) -> DataError:
 
 def _usage_error(error: Any) -> InputError:
     """Return typer's complaint with the nearest thing that would have worked."""
+    if isinstance(error.__cause__, InputError):  # an option's value, about which the library knows more
+        return error.__cause__
     message = str(error.format_message()).strip()
     context = getattr(error, "ctx", None)
     option = getattr(error, "option_name", "")

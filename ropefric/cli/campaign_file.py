@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["CampaignArgument", "campaign_file"]
+__all__ = ["CampaignArgument", "campaign_file", "what_was_kept"]
 
 CampaignArgument = Annotated[
     Path,
@@ -24,3 +24,16 @@ def campaign_file(path: Path) -> Path:
     'bench/spring.toml'
     """
     return path / "campaign.toml" if path.is_dir() else path
+
+
+def what_was_kept(cache_folder: Path | None) -> str:
+    """Return what an interrupted run leaves for the next one.
+
+    Examples
+    --------
+    >>> what_was_kept(None)
+    'nothing is kept (--no-cache)'
+    """
+    if cache_folder is None:
+        return "nothing is kept (--no-cache)"
+    return f"finished recordings are kept in {cache_folder}; the same command goes on from there"

@@ -175,6 +175,8 @@ def _corner_N(time_s: FloatArray, force_N: FloatArray, where: Neighbourhood, noi
         return nan
     # The last sample that is still clearly up: beyond it the force only falls.
     up = np.flatnonzero(force_N[where.first : where.fallen + 1] > fallen_N + 0.75 * height_N)
+    if up.size == 0:  # the drop is the last digit of the numbers
+        return nan
     last = where.first + int(up[-1])
     first = min(top - 3, top - (top - where.loading) // 4)
     if first < where.loading:

@@ -78,5 +78,6 @@ def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *,
     rate = max(loading_rate_N_s, 0.0)
     wanted_s = longest_s
     if rate > 0:
-        wanted_s = min(longest_s, float(np.cbrt(2.0 * noise_std_N**2 * step_s / rate**2)))
+        noise_s = noise_std_N / rate  # squares of the two alone may leave the range of a float
+        wanted_s = min(longest_s, float(np.cbrt(2.0 * noise_s * noise_s * step_s)))
     return window_samples(wanted_s, step_s) * step_s

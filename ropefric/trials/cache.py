@@ -18,12 +18,17 @@ import numpy as np
 from ropefric import __version__
 from ropefric.errors import Problem
 from ropefric.traces.breakaway import Breakaway, Phase, Status
+from ropefric.traces.calibration import Calibration
 from ropefric.trials.result import Outline, TrialResult
 from ropefric.trials.trial_spec import TrialSpec
 
 __all__ = ["ResultCache"]
 
-SCHEMA = "ropefric.extraction-cache/1"
+SCHEMA = "ropefric.extraction-cache/2"
+"""Raise the number when the form of an entry changes."""
+ALGORITHM = 1
+"""Raise by one whenever reading, calibrating, tare, smoothing or picking changes any number or status: results of
+the same version before and after must not be mixed."""
 
 
 class ResultCache:
@@ -51,7 +56,7 @@ class ResultCache:
             [repr(getattr(spec, f.name)) for f in fields(spec) if f.name not in ("path", "line", "note")]
             for spec in specs
         ]
-        key = json.dumps([SCHEMA, __version__, self._settings, sha256, rows])
+        key = json.dumps([SCHEMA, ALGORITHM, __version__, self._settings, sha256, rows])
         return self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
 
     def load(self, specs: Sequence[TrialSpec], sha256: str) -> tuple[TrialResult, ...] | None:
@@ -59,9 +64,12 @@ class ResultCache:
         if not sha256:
             return None
         try:
-            stored = json.loads(self._path(specs, sha256).read_text(encoding="utf-8"))
-            return tuple(_from_plain(entry) for entry in stored)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            checksum, _, text = self._path(specs, sha256).read_text(encoding="utf-8").partition("\n")
+            # A digit that changed on disk would still be a number.
+            if checksum != _checksum(text):
+                return None
+            return tuple(_from_plain(entry) for entry in json.loads(text))
+        except (OSError, ValueError, KeyError, TypeError):
             return None
 
     def store(self, specs: Sequence[TrialSpec], sha256: str, results: Sequence[TrialResult]) -> None:
@@ -74,10 +82,14 @@ class ResultCache:
             self._folder.mkdir(parents=True, exist_ok=True)
             # Written aside and renamed: an interrupted run leaves no half entry.
             partial = path.with_suffix(f".{os.getpid()}.part")
-            partial.write_text(text, encoding="utf-8")
+            partial.write_text(f"{_checksum(text)}\n{text}", encoding="utf-8", newline="\n")
             partial.replace(path)
         except OSError:
             return
+
+
+def _checksum(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _to_plain(value: Any) -> Any:
@@ -87,22 +99,26 @@ def _to_plain(value: Any) -> Any:
         return None
     if isinstance(value, TrialResult | Breakaway | Phase | Outline | Problem):
         return {f.name: _to_plain(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, Calibration):
+        return value.to_dict()
     if isinstance(value, tuple):
         return [_to_plain(item) for item in value]
     return value
 
 
 def _from_plain(entry: dict[str, Any]) -> TrialResult:
-    outline = entry["outline"]
+    outline, calibration = entry["outline"], entry["calibration"]
     breakaway = _numbers(Breakaway, entry["breakaway"])
+    result: TrialResult = _numbers(TrialResult, entry)
     return replace(
-        _numbers(TrialResult, entry),
+        result,
         breakaway=replace(
             breakaway,
             status=Status(breakaway.status),
             phases=tuple(Phase(**phase) for phase in entry["breakaway"]["phases"]),
             notes=tuple(entry["breakaway"]["notes"]),
         ),
+        calibration=None if calibration is None else Calibration.from_dict(calibration),
         outline=None if outline is None else Outline(**{k: np.array(v) for k, v in outline.items()}),
         problems=tuple(Problem(**problem) for problem in entry["problems"]),
     )

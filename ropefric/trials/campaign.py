@@ -2,10 +2,12 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from ropefric.errors import DataError, Problem, raise_problems
+from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
+from ropefric.registry import did_you_mean
 from ropefric.traces.settings import SIDES
 from ropefric.trials.campaign_checks import check_settings
 from ropefric.trials.campaign_model import (
@@ -20,13 +22,18 @@ from ropefric.trials.campaign_schema import CampaignFile, protocol_names
 from ropefric.trials.toml_document import TomlDocument, read_toml
 from ropefric.trials.toml_validation import validate_document
 from ropefric.trials.trial_advice import advise
+from ropefric.trials.trial_files import MISSING_RECORDING
 from ropefric.trials.trial_list import TrialContext, read_trials
 from ropefric.trials.trial_spec import TrialSpec
 
 __all__ = ["check_campaign", "load_campaign"]
 
+MISSING_WAYS = ("error", "flag")
 
-def load_campaign(path: str | os.PathLike[str]) -> Campaign:
+
+def load_campaign(
+    path: str | os.PathLike[str], *, missing_recordings: Literal["error", "flag"] = "error"
+) -> Campaign:
     """Return a campaign with its trial list, checked, with defaults filled in, in SI.
 
     No recording is opened; it is only made sure that they are there.
@@ -35,11 +42,16 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
     ----------
     path : path-like
         The campaign.toml.
+    missing_recordings : {"error", "flag"}
+        Whether a recording that is not there is an error, or a warning and a trial like any other, whose
+        extraction will say `unreadable`.
 
     Raises
     ------
     DataError
         With every error of both files in `.problems`. Warnings are in `Campaign.warnings`.
+    UnknownNameError
+        For another word.
 
     Examples
     --------
@@ -54,7 +66,10 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
     >>> campaign.rope.radius_m, campaign.trials[0].trial, campaign.trials[0].end_tension_N
     (0.0049, 'pull_01', 80.0)
     """
-    campaign, problems = _read(path)
+    if missing_recordings not in MISSING_WAYS:
+        fix = did_you_mean(missing_recordings, MISSING_WAYS)
+        raise UnknownNameError(f"unknown word {missing_recordings!r}", key="missing_recordings", fix=fix)
+    campaign, problems = _read(path, flag_missing=missing_recordings == "flag")
     raise_problems(problems)
     if campaign is None:  # pragma: no cover - no campaign without an error would be our own mistake
         raise DataError("the campaign cannot be read", path=str(path))
@@ -78,7 +93,9 @@ def check_campaign(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
     return _read(path)[1]
 
 
-def _read(path: str | os.PathLike[str]) -> tuple[Campaign | None, tuple[Problem, ...]]:
+def _read(
+    path: str | os.PathLike[str], *, flag_missing: bool = False
+) -> tuple[Campaign | None, tuple[Problem, ...]]:
     try:
         document = read_toml(path, "campaign file")
     except DataError as error:
@@ -91,6 +108,8 @@ def _read(path: str | os.PathLike[str]) -> tuple[Campaign | None, tuple[Problem,
         return None, settings
     parent = Path(path).parent
     trials, rows = read_trials(parent / trials_path, _context(document, model, parent))
+    if flag_missing:
+        rows = tuple(replace(p, severity="warning") if p.code == MISSING_RECORDING else p for p in rows)
     problems = settings + rows
     if model is None or any(problem.severity == "error" for problem in problems):
         return None, problems

@@ -35,6 +35,8 @@ STATUS_CODES = {
     Status.TOO_SHORT: "RF233",
 }
 RATE_TOLERANCE = 0.01
+LARGEST_N = 1e12
+"""More than was ever pulled: such a number is damage, and its square may be none at all."""
 
 
 def content_hash(path: Path) -> str:
@@ -139,6 +141,11 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
     results = []
     for number, breakaway in enumerate(found, start=1):
         named = replace(spec, trial=f"{spec.trial}#{number}") if many else spec
+        if breakaway.status is Status.OK and not breakaway.peak_N > 0:
+            refused = _unreadable(campaign, named, _not_pulling(named, breakaway), sha256)
+            told = (*(problems if number == 1 else ()), *refused.problems)
+            results.append(replace(refused, outline=outline, tare_N=tared.tare_N, problems=told))
+            continue
         result = _result(campaign, named, breakaway, tared.trace.calibration)
         flagged = _status_problem(named, breakaway)
         saturation = tared.trace.saturation
@@ -146,6 +153,7 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
             replace(
                 result,
                 sha256=sha256,
+                calibration=tared.trace.calibration,
                 outline=outline,
                 tare_N=tared.tare_N,
                 saturated_samples=saturation.n_high if saturation is not None else 0,
@@ -161,6 +169,7 @@ def _trace(campaign: Campaign, spec: TrialSpec, raw: RawRecording) -> _Tared:
     if spec.cell and campaign.adc is not None:
         calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)
     trace = assemble_trace(raw, campaign.profile, calibration=calibration)
+    _check_size(spec, trace)
     if campaign.tare_interval_s is None:
         return _Tared(trace=trace, tare_N=0.0, problems=())
     start_s, stop_s = campaign.tare_interval_s
@@ -181,6 +190,18 @@ def _trace(campaign: Campaign, spec: TrialSpec, raw: RawRecording) -> _Tared:
         )
     tare_N = float(np.median(trace.force_N[inside]))
     return _Tared(trace=replace(trace, force_N=trace.force_N - tare_N), tare_N=tare_N, problems=())
+
+
+def _check_size(spec: TrialSpec, trace: ForceTrace) -> None:
+    too_large = np.abs(trace.force_N) > LARGEST_N
+    if too_large.any():
+        sample = int(np.argmax(too_large))
+        raise DataError(
+            f"{trace.force_N[sample]:.4g} N at {trace.time_s[sample]:.6g} s is no force that a cell can read",
+            code="RF204",
+            path=spec.file,
+            fix='correct the unit or the cell, or list its text under [import] missing = ["..."]',
+        )
 
 
 def _result(
@@ -230,6 +251,15 @@ def _result(
         rope_id=spec.rope_id,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
         problems=problems,
+    )
+
+
+def _not_pulling(spec: TrialSpec, breakaway: Breakaway) -> DataError:
+    return DataError(
+        f"the force at break-away reads {breakaway.peak_N:.4g} N: a rope cannot push",
+        code="RF240",
+        path=spec.file,
+        fix='check the zero of the cell ([tare]) and the sign of the force ([import.derived] force = "-...")',
     )
 
 

@@ -10,7 +10,10 @@ from typing import Literal
 from ropefric.errors import Problem
 from ropefric.trials.trial_cells import Row
 
-__all__ = ["check_files", "check_names"]
+__all__ = ["MISSING_RECORDING", "check_files", "check_names"]
+
+MISSING_RECORDING = "RF124"
+"""Code of the problem that a recording is not there."""
 
 MAX_MISSING = 20
 """Missing recordings that are listed one by one."""
@@ -51,7 +54,7 @@ def _missing(
 ) -> list[Problem]:
     problems = [
         Problem(
-            code="RF106",
+            code=MISSING_RECORDING,
             message=f"the recording {row.texts['file']} is not there",
             path=path,
             line=row.line,

@@ -202,7 +202,7 @@ def test_all_mistakes_in_one_pass(bench):
         ("campaign.toml", "RF120", "desing"),
         ("campaign.toml", "RF130", "import.constants.area"),
         ("campaign.toml", "RF109", "import.derived.load"),
-        ("trials.csv", "RF106", "file"),
+        ("trials.csv", "RF124", "file"),
         ("trials.csv", "RF122", "trial"),
         ("trials.csv", "RF120", "wheel"),
         ("trials.csv", "RF110", "wrap_angle_deg"),

@@ -9,7 +9,7 @@ from ropefric.trials.campaign_templates import write_templates
 def test_templates_pass_once_there_is_a_recording(tmp_path):
     paths = write_templates(tmp_path / "new")
     (missing,) = [p for p in check_campaign(paths[0]) if p.severity == "error"]
-    assert (missing.code, missing.key) == ("RF106", "file")
+    assert (missing.code, missing.key) == ("RF124", "file")
     recording = tmp_path / "new" / "recordings" / "pull_01.csv"
     recording.parent.mkdir()
     recording.write_text("time_s,force_N\n0,1\n")

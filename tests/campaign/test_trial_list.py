@@ -49,9 +49,9 @@ MISTAKES = {
     "inner column without a name": ("exclude,note", ",note", "RF120", 3, "", "column 10 has no name, but holds 'rope jumped'", "name it"),
     "file twice": ("b.csv", "a.csv", "RF122", 3, "file", "a.csv is listed in line 2 already", "from_s and until_s"),
     "name twice": ("t2,", "t1,", "RF122", 3, "trial", "the name 't1' is given in line 2 already", "own name"),
-    "missing recording": ("c.csv", "C.csv", "RF106", 4, "file", "the recording C.csv is not there", "recordings"),
-    "a folder for a recording": ("c.csv", ".", "RF106", 4, "file", "is not there", "recordings"),
-    "endless name": ("c.csv", "c" * 300, "RF106", 4, "file", "is not there", "recordings"),
+    "missing recording": ("c.csv", "C.csv", "RF124", 4, "file", "the recording C.csv is not there", "recordings"),
+    "a folder for a recording": ("c.csv", ".", "RF124", 4, "file", "is not there", "recordings"),
+    "endless name": ("c.csv", "c" * 300, "RF124", 4, "file", "is not there", "recordings"),
 }  # fmt: skip
 
 
@@ -117,7 +117,7 @@ def test_missing_recordings_are_listed_up_to_a_limit(bench):
 def test_an_excluded_trial_may_lack_its_recording_but_not_its_numbers(bench):
     bench.spoil_table("b.csv", "lost.csv")
     assert bench.errors() == []
-    assert [p.code for p in bench.warnings() if p.line == 3] == ["RF106"]
+    assert [p.code for p in bench.warnings() if p.line == 3] == ["RF124"]
     bench.spoil_table("360", "abc")
     assert bench.only().code == "RF102"
 

@@ -1,13 +1,13 @@
 """`ropefric extract`: every recording of a campaign -> break-away forces, tables and figures."""
 
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropefric.cli.campaign_file import CampaignArgument, campaign_file
+from ropefric.cli.campaign_file import CampaignArgument, campaign_file, what_was_kept
 from ropefric.cli.command import Answer, Command
+from ropefric.cli.figures import draw_figures
 from ropefric.cli.jobs import parse_jobs
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from ropefric.trials.result import Extraction
 
 __all__ = ["COMMAND"]
-
-SERIAL_FIGURES = 8
-"""Figures below which starting worker processes costs more than it saves."""
 
 OutFolder = Annotated[Path, typer.Option("--out", "-o", help="Where tables and figures go.")]
 Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
@@ -48,7 +45,7 @@ def extract(
     from ropefric.trials.tables import write_tables  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
-    loaded = load_campaign(campaign)
+    loaded = load_campaign(campaign, missing_recordings="flag")
     n_jobs = parse_jobs(jobs, len(loaded.trials))
     # Before the work, so that a folder that cannot be made costs nothing.
     folder.mkdir(parents=True, exist_ok=True)
@@ -60,30 +57,13 @@ def extract(
             )
         write_tables(extraction, folder)
         if figures:
-            _draw(extraction, folder / "figures", n_jobs, out)
+            draw_figures(extraction, folder / "figures", n_jobs, out)
     except KeyboardInterrupt:
-        out.note(_what_was_kept(cache_folder))
+        out.note(what_was_kept(cache_folder))
         raise
     out.problems(other_problems(extraction))
     out.note(end_line(extraction, folder / "problems.csv"))
     return _verdict(extraction, campaign, out)
-
-
-def _draw(extraction: "Extraction", folder: Path, n_jobs: int, out: Output) -> None:
-    import signal  # noqa: PLC0415
-    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415
-
-    from ropefric.plotting.campaign import write_condition_figures  # noqa: PLC0415
-
-    with Progress(out, "figures") as progress, ExitStack() as stack:
-        executor = None
-        if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
-            # Ctrl-C reaches the workers too, but only this process is to answer it.
-            executor = ProcessPoolExecutor(
-                n_jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)
-            )
-            stack.callback(executor.shutdown, cancel_futures=True)
-        write_condition_figures(extraction, folder, executor=executor, progress=progress.update)
 
 
 def _verdict(extraction: "Extraction", campaign: Path, out: Output) -> Answer:
@@ -102,12 +82,6 @@ def _verdict(extraction: "Extraction", campaign: Path, out: Output) -> Answer:
         data |= error.to_dict()
         exit_code = error.exit_code
     return Answer(data=data, show=lambda console: show_extraction(extraction, console), exit_code=exit_code)
-
-
-def _what_was_kept(cache_folder: Path | None) -> str:
-    if cache_folder is None:
-        return "nothing is kept (--no-cache)"
-    return f"finished recordings are kept in {cache_folder}; the same command goes on from there"
 
 
 COMMAND = Command(

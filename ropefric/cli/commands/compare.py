@@ -1,0 +1,43 @@
+"""`ropefric compare`: which friction law the data ask for."""
+
+from typing import Annotated
+
+import typer
+
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.fitting_options import NOT_TRUSTED, TableArgument, read_table, show_sections
+from ropefric.cli.output import Output
+from ropefric.cli.progress import Progress
+
+__all__ = ["COMMAND"]
+
+Laws = Annotated[
+    list[str] | None,
+    typer.Option("--laws", metavar="NAME[,NAME…]", help="Laws to compare, all by default; repeatable."),
+]
+
+
+def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
+    """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
+
+    The two constant laws always stand in the comparison. Exits with 4 when the best law's fit is not to be trusted.
+    """
+    from ropefric.fitting.compare import compare_laws  # noqa: PLC0415  (quick start-up)
+    from ropefric.report.parts import comparison_section  # noqa: PLC0415
+
+    names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
+    table = read_table(trials, out)
+    with Progress(out, "fit") as progress:
+        found = compare_laws(
+            table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
+        )
+    best = found.best
+    trusted = best.counted and best.fit is not None and best.fit.trustworthy
+    return Answer(
+        data=found.to_dict(),
+        show=lambda console: show_sections([comparison_section(found)], console),
+        exit_code=0 if trusted else NOT_TRUSTED,
+    )
+
+
+COMMAND = Command(name="compare", run=compare, example="ropefric compare fits/prth-trials.csv", order=60)

@@ -1,0 +1,109 @@
+"""`ropefric design`: the smallest wrap, wheel or end tension that lifts a load."""
+
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.fitting_options import NOT_TRUSTED, FitOption, exit_code_of, rope_radius, show_sections
+from ropefric.cli.output import Output
+from ropefric.cli.quantity_option import read_quantity
+
+if TYPE_CHECKING:
+    from ropefric.fitting.design_result import Design
+    from ropefric.report.section import Section
+
+__all__ = ["COMMAND"]
+
+Lift = Annotated[str, typer.Option("--lift", metavar="FORCE", help='The load, such as "900 N".')]
+SolveFor = Annotated[str, typer.Option("--solve-for", metavar="wrap|radius|end-tension", help="What is looked for.")]
+WheelRadius = Annotated[str, typer.Option("--wheel-radius", metavar="LENGTH", help="R_w, unless looked for.")]
+Wrap = Annotated[str, typer.Option("--wrap", metavar="ANGLE", help="φ, unless looked for.")]
+EndTension = Annotated[str, typer.Option("--end-tension", metavar="FORCE", help="F_B, unless looked for.")]
+RopeDiameter = Annotated[
+    str, typer.Option("--rope-diameter", metavar="LENGTH", help="Of another rope than that of the trials.")
+]
+Probability = Annotated[
+    float, typer.Option(help="Probability, 0.5 or more, that one pull with a new rope lifts the load.")
+]
+OnAverage = Annotated[bool, typer.Option("--on-average", help="Ask only that the mean law lifts the load.")]
+
+_SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius", 1e3, "mm"),
+          "end_tension": ("end tension", 1.0, "N")}  # fmt: skip
+
+
+def design(
+    out: Output,
+    *,
+    fit: FitOption,
+    lift: Lift,
+    solve_for: SolveFor = "wrap",
+    wheel_radius: WheelRadius = "",
+    wrap: Wrap = "",
+    end_tension: EndTension = "",
+    rope_diameter: RopeDiameter = "",
+    probability: Probability = 0.95,
+    on_average: OnAverage = False,
+) -> Answer:
+    """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
+
+    Exits with 4 when there is none, or the fit is not to be trusted.
+    """
+    options = {
+        "wheel_radius_m": (wheel_radius, "m", "--wheel-radius"),
+        "wrap_angle_rad": (wrap, "rad", "--wrap"),
+        "end_tension_N": (end_tension, "N", "--end-tension"),
+    }
+    given = {name: read_quantity(*option) if option[0] else None for name, option in options.items()}
+    load_N = read_quantity(lift, "N", "--lift")
+    rope_m = 0.5 * read_quantity(rope_diameter, "m", "--rope-diameter") if rope_diameter else None
+    from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting.store import load_fit  # noqa: PLC0415
+
+    stored = load_fit(fit)
+    found = find_design(
+        stored,
+        lift_N=load_N,
+        rope_radius_m=rope_radius(stored, rope_m),
+        solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
+        probability=None if on_average else probability,
+        **given,
+    )
+    reached = bool(found.reached[0])
+    return Answer(
+        data=found.to_dict() | {"fit": fit, "law": stored.law, "fit_status": stored.status.value},
+        show=lambda console: show_sections([_section(found, stored.advice)], console),
+        exit_code=exit_code_of(stored) if reached else NOT_TRUSTED,
+    )
+
+
+def _section(found: "Design", advice: tuple[str, ...]) -> "Section":
+    from ropefric.report.section import Section  # noqa: PLC0415
+
+    title = f"A design for {found.required_N[0]:.4g} N"
+    notes = list(advice)
+    if not found.reached[0]:
+        return Section(title=title, lines=(found.explain(),), notes=tuple(notes))
+    name, factor, unit = _SHOWN[found.solve_for]
+    bound = "" if found.probability is None else f"; {100 * found.probability:g} % of new ropes lift more than " \
+        f"{found.lower_bound_N[0]:.4g} N"
+    lines = (
+        f"{name} = {found.value[0] * factor:.4g} {unit}",
+        f"R_w = {1e3 * found.wheel_radius_m[0]:.4g} mm, wrap {math.degrees(found.wrap_angle_rad[0]):.4g} deg, "
+        f"F_B = {found.end_tension_N[0]:.4g} N",
+        f"F_A = {found.lift_force_N[0]:.4g} N on average{bound}",
+        found.explain(),
+    )
+    if found.extrapolated[0]:
+        notes.append("the design lies outside what was tested")
+    return Section(title=title, lines=lines, notes=tuple(notes))
+
+
+COMMAND = Command(
+    name="design",
+    run=design,
+    example='ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
+    '--end-tension "80 N"',
+    order=80,
+)

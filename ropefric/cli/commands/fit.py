@@ -1,0 +1,81 @@
+"""`ropefric fit`: one friction law on a trial table."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ropefric.cli.assignments import parse_assignments
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
+from ropefric.cli.output import Output
+from ropefric.cli.spans import parse_spans
+
+__all__ = ["COMMAND"]
+
+Law = Annotated[str, typer.Option(help="The friction law: constant, wrap-power, coupled, …")]
+Fixed = Annotated[
+    list[str] | None, typer.Option("--fix", metavar="NAME=VALUE", help="Hold a parameter; repeatable.")
+]
+Bounds = Annotated[
+    list[str] | None, typer.Option("--bound", metavar="NAME=LOW:HIGH", help="Bounds of a parameter; repeatable.")
+]
+Start = Annotated[
+    list[str] | None, typer.Option("--start", metavar="NAME=VALUE", help="Start value; the law guesses others.")
+]
+Intervals = Annotated[
+    str,
+    typer.Option(metavar="covariance|profile|bootstrap", help="Where the 95 % intervals come from."),
+]
+Loss = Annotated[str, typer.Option(help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers.")]
+Seed = Annotated[int, typer.Option(min=0, help="Of the search's further starts and of the bootstrap.")]
+FitFile = Annotated[Path | None, typer.Option("--out", "-o", metavar="FIT.json", help="Store the fit there.")]
+
+
+def fit(
+    out: Output,
+    trials: TableArgument,
+    *,
+    law: Law,
+    fix: Fixed = None,
+    bound: Bounds = None,
+    start: Start = None,
+    intervals: Intervals = "covariance",
+    loss: Loss = "linear",
+    seed: Seed = 0,
+    file: FitFile = None,
+) -> Answer:
+    """Fit a friction law to a trial table: parameters with 95 % intervals, and whether to trust them.
+
+    Exits with 4 when the result is not to be trusted; its status says why.
+    """
+    from ropefric.fitting.fit import fit_law  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting.intervals import with_intervals  # noqa: PLC0415
+    from ropefric.fitting.store import save_fit  # noqa: PLC0415
+    from ropefric.report.parts import fit_section  # noqa: PLC0415
+    from ropefric.report.section import Section  # noqa: PLC0415
+
+    options = {
+        "fixed": parse_assignments(fix or (), option="--fix"),
+        "bounds": parse_spans(bound or (), option="--bound"),
+        "start": parse_assignments(start or (), option="--start"),
+    }
+    fitted = fit_law(read_table(trials, out), law, loss=loss, seed=seed, **options)  # type: ignore[arg-type]
+    result = with_intervals(fitted, intervals, seed=seed)
+    if file is not None:
+        out.note(f"wrote {save_fit(result, file)}")
+    sections = [
+        fit_section(result, f"The law: {result.law}"),
+        Section(title="Doubts", notes=result.advice or ("nothing was found",)),
+        Section(title="How it was made", notes=result.notes),
+    ]
+    return Answer(
+        data=result.to_dict(),
+        show=lambda console: show_sections(sections, console),
+        exit_code=exit_code_of(result),
+    )
+
+
+COMMAND = Command(
+    name="fit", run=fit, example="ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=50
+)

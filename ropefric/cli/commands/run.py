@@ -1,0 +1,103 @@
+"""`ropefric run`: a campaign's whole way, from recordings to the lift force of a wheel."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ropefric.cli.campaign_file import CampaignArgument, campaign_file, what_was_kept
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.figures import draw_figures
+from ropefric.cli.fitting_options import exit_code_of, show_sections
+from ropefric.cli.jobs import parse_jobs
+from ropefric.cli.output import Output
+from ropefric.cli.progress import Progress
+from ropefric.cli.summary import end_line, other_problems
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ropefric.pipeline.run import CampaignRun
+    from ropefric.trials.result import Extraction
+
+__all__ = ["COMMAND"]
+
+OutFolder = Annotated[Path, typer.Option("--out", "-o", help="Where everything is written.")]
+Law = Annotated[str, typer.Option(help="Use this law, whichever wins.")]
+Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
+Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw one figure per condition.")]
+Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
+
+
+def run(
+    out: Output,
+    campaign: CampaignArgument,
+    *,
+    folder: OutFolder = Path("out"),
+    law: Law = "",
+    jobs: Jobs = "auto",
+    figures: Figures = True,
+    cache: Cache = True,
+) -> Answer:
+    """Do everything: extract the forces, reject outliers, fit and compare all laws, predict the campaign's wheel.
+
+    Writes trials.csv, conditions.csv, problems.csv, figures/, fits/ (a file a law), comparison.csv, prediction.json,
+    summary.txt and summary.html. Exits with 4 when the law that is used is not to be trusted.
+    """
+    from ropefric.pipeline.run import run_campaign  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.report.summary import write_summary  # noqa: PLC0415
+    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
+
+    campaign = campaign_file(campaign)
+    loaded = load_campaign(campaign)
+    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    # Before the work, so that a folder that cannot be made and a law that is not known cost nothing.
+    folder.mkdir(parents=True, exist_ok=True)
+    _check_law(law)
+    cache_dir = folder / ".cache" if cache else None
+
+    def draw(extraction: "Extraction") -> None:
+        out.problems(other_problems(extraction))
+        out.note(end_line(extraction, folder / "problems.csv"))
+        if figures:
+            draw_figures(extraction, folder / "figures", n_jobs, out)
+
+    try:
+        with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
+            result = run_campaign(
+                loaded,
+                folder,
+                law=law,
+                jobs=n_jobs,
+                cache_dir=cache_dir,
+                extract_progress=extracting.update,
+                fit_progress=lambda name, done, total: fitting.update(done, total, name),
+                on_extracted=draw,
+            )
+    except KeyboardInterrupt:
+        out.note(what_was_kept(cache_dir))
+        raise
+    written = [*result.written, *write_summary(result, folder)]
+    return Answer(
+        data=result.to_dict() | {"written": written},
+        show=lambda console: _show(result, folder, console),
+        exit_code=exit_code_of(result.answer.fit),
+    )
+
+
+def _check_law(law: str) -> None:
+    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (quick start-up)
+
+    if law:
+        ALL_LAWS[law]
+
+
+def _show(result: "CampaignRun", folder: Path, console: "Console") -> None:
+    from ropefric.report.summary import summary_sections  # noqa: PLC0415  (quick start-up)
+
+    show_sections(summary_sections(result), console)
+    console.print(f"\nwritten to {folder}: summary.html, trials.csv, fits/, comparison.csv, …", markup=False,
+                  soft_wrap=True)  # fmt: skip
+
+
+COMMAND = Command(name="run", run=run, example="ropefric run data/prth-bench/campaign.toml --out out", order=5)

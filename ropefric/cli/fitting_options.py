@@ -1,0 +1,70 @@
+"""What the commands on trial tables and stored fits share."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ropefric.cli.output import Output
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ropefric.fitting.result import FitResult
+    from ropefric.fitting.table import TrialTable
+    from ropefric.report.section import Section
+    from rich.console import Console
+
+__all__ = ["NOT_TRUSTED", "FitOption", "TableArgument", "exit_code_of", "read_table", "rope_radius", "show_sections"]
+
+NOT_TRUSTED = 4
+"""Exit code of a result that is not to be trusted."""
+
+TableArgument = Annotated[
+    Path, typer.Argument(metavar="TRIALS.csv", help="A trial table: what `extract` writes, or one of your own.")
+]
+FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A stored fit.")]
+
+
+def read_table(path: Path, out: Output) -> "TrialTable":
+    """Return a trial table, and say on stderr what is doubtful about it.
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong.
+    """
+    from ropefric.fitting.table import read_trial_table  # noqa: PLC0415  (quick start-up)
+
+    table = read_trial_table(path)
+    out.problems(table.warnings)
+    return table
+
+
+def exit_code_of(fit: "FitResult") -> int:
+    """Return 0 for a fit to be trusted, 4 for another."""
+    return 0 if fit.trustworthy else NOT_TRUSTED
+
+
+def rope_radius(fit: "FitResult", given_m: float | None) -> float:
+    """Return the rope radius [m] that is meant: the one given, or that of the trials if they had one only.
+
+    Raises
+    ------
+    typer.BadParameter
+        If the fit rests on several ropes.
+    """
+    if given_m is not None:
+        return given_m
+    low, high = fit.validity.get("rope_radius_m", (0.0, float("inf")))
+    if high - low > 1e-9 * high:
+        text = f"the fit rests on ropes of {2e3 * low:.4g} to {2e3 * high:.4g} mm: say which is meant"
+        raise typer.BadParameter(text, param_hint="--rope-diameter")
+    return low
+
+
+def show_sections(sections: "Sequence[Section]", console: "Console") -> None:
+    """Print sections as plain text."""
+    from ropefric.report.text import as_text  # noqa: PLC0415  (quick start-up)
+
+    console.print(as_text(sections), end="", markup=False, soft_wrap=True)

@@ -1,0 +1,43 @@
+"""Options that set bounds by name: `--bound d=0:0.2`."""
+
+import math
+from collections.abc import Iterable
+
+import typer
+
+__all__ = ["parse_spans"]
+
+
+def parse_spans(texts: Iterable[str], *, option: str) -> dict[str, tuple[float, float]]:
+    """Return `name=low:high` texts as a mapping.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        "d=0:0.2" each.
+    option : str
+        The option they came with, for the message.
+
+    Raises
+    ------
+    typer.BadParameter
+        If one is not a name, an equals sign and two finite numbers that rise, or a name comes twice.
+
+    Examples
+    --------
+    >>> parse_spans(["d=0:0.2"], option="--bound")
+    {'d': (0.0, 0.2)}
+    """
+    spans: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        name, equals, ends = (part.strip() for part in text.partition("="))
+        try:
+            low, high = (float(end) for end in ends.split(":"))
+        except ValueError:
+            low = high = math.nan
+        if not name or not equals or not (math.isfinite(low) and math.isfinite(high) and low < high):
+            raise typer.BadParameter(f"{text!r} is not like d=0:0.2", param_hint=option)
+        if name in spans:
+            raise typer.BadParameter(f"{name!r} is given twice", param_hint=option)
+        spans[name] = (low, high)
+    return spans

@@ -1,0 +1,118 @@
+"""A laboratory to write campaigns in, and the committed bench, extracted once."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ropefric.rig.campaign import simulate_campaign
+from ropefric.rig.prth_bench import prth_bench_plan
+from ropefric.traces.breakaway import Status
+from ropefric.trials.campaign import load_campaign
+from ropefric.trials.extract import extract_campaign
+
+BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
+
+
+class Lab:
+    """A folder with a campaign in it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.path = folder / "campaign.toml"
+
+    def write(self, rows, settings="", data="."):
+        """Write campaign.toml and trials.csv; `rows` are dictionaries with the same keys."""
+        columns = list(rows[0])
+        lines = [",".join(columns), *(",".join(str(row[name]) for name in columns) for row in rows)]
+        (self.folder / "trials.csv").write_text("\n".join([*lines, ""]), encoding="utf-8")
+        text = f'schema = "ropefric.campaign/1"\nname = "lab"\ntrials = "trials.csv"\ndata = "{data}"\n'
+        text += f'[rope]\ndiameter = "9.8 mm"\n{settings}\n'
+        self.path.write_text(text, encoding="utf-8")
+        return self
+
+    def row(self, file, **cells):
+        """Return a row of the trial list: the same condition unless `cells` say otherwise."""
+        return {"file": file, "wheel_radius_mm": 40, "wrap_angle_deg": 180, "end_tension_N": 20} | cells
+
+    def pulls(self, **peaks_N):
+        """Write a campaign of clean break-away recordings, one a name."""
+        for seed, (name, peak_N) in enumerate(peaks_N.items()):
+            (self.folder / f"{name}.csv").write_text(pull_text(peak_N, seed=seed), encoding="utf-8")
+        return self.write([self.row(f"{name}.csv") for name in peaks_N])
+
+    def load(self, **options):
+        return load_campaign(self.path, **options)
+
+    def extract(self, *, missing_recordings="error", **options):
+        return extract_campaign(self.load(missing_recordings=missing_recordings), **options)
+
+
+def pull(peak_N=100.0, *, seed=0, rate_Hz=1000.0):
+    """Idle, a straight ramp of a second up to the peak, a drop to eight tenths, sliding; 0.05 N of noise."""
+    time_s = np.arange(int(2.5 * rate_Hz)) / rate_Hz
+    force_N = np.interp(time_s, [0.0, 0.3, 1.3, 1.32, 2.5], np.array([0, 0, 1.0, 0.8, 0.8]) * peak_N)
+    return time_s, force_N + 0.05 * np.random.default_rng(seed).standard_normal(time_s.size)
+
+
+def pull_text(peak_N=100.0, *, seed=0, rate_Hz=1000.0):
+    rows = zip(*(values.tolist() for values in pull(peak_N, seed=seed, rate_Hz=rate_Hz)), strict=True)
+    return "time_s,force_N\n" + "".join(f"{t:.4f},{f:.4f}\n" for t, f in rows)
+
+
+@pytest.fixture
+def lab(tmp_path):
+    return Lab(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def new_lab():
+    """Make a laboratory in a folder of one's own."""
+    return Lab
+
+
+@pytest.fixture(scope="session")
+def pull_csv():
+    """Return the text of a clean recording with a known peak."""
+    return pull_text
+
+
+@pytest.fixture(scope="session")
+def allowed():
+    """Assert what holds for every result: a number comes with ok, and what is not ok has a problem and a reason."""
+
+    def allowed(trial):
+        assert isinstance(trial.breakaway.status, Status)
+        if trial.breakaway.status is Status.OK:
+            assert math.isfinite(trial.peak_N)
+            assert trial.peak_N > 0
+        else:
+            assert math.isnan(trial.peak_N)
+            assert trial.breakaway.detail
+            assert trial.problems
+            assert not trial.kept
+
+    return allowed
+
+
+@pytest.fixture(scope="session")
+def bench_campaign():
+    return load_campaign(BENCH / "campaign.toml")
+
+
+@pytest.fixture(scope="session")
+def bench_extraction(bench_campaign):
+    """Extract the committed bench, 432 recordings, once."""
+    return extract_campaign(bench_campaign, jobs=2)
+
+
+@pytest.fixture(scope="session")
+def small_campaign(tmp_path_factory):
+    """Sixteen simulated recordings of two conditions, among them some that are spoilt; do not write to it."""
+    folder = tmp_path_factory.mktemp("small")
+    plan = prth_bench_plan()
+    faults = {"spike": 0.2, "dropout": 0.1, "no-peak": 0.1, "too-short": 0.1, "unreadable": 0.1}
+    simulate_campaign(folder, replace(plan, conditions=plan.conditions[:2], repeats=8, faults=faults), seed=7)
+    return folder

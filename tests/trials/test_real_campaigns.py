@@ -1,0 +1,266 @@
+"""Recordings that others made, as whole campaigns: what their sources know about them must come out."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+
+from ropefric.cli.app import main
+from ropefric.traces.breakaway import Status
+
+MECMESIN_PEAKS_N = [7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]
+MECMESIN_IMPORT = """
+[import]
+header_row = 1
+units_row = 2
+block_names_row = 3
+data_row = 5
+block_columns = 4
+[import.channels]
+time = "Time"
+force = "Force"
+"""
+SEAL_CHANNELS = """
+[import]
+header_row = 0
+separator = "tab"
+[import.channels]
+time = { column = 1, unit = "ms" }
+"""
+WITH_PEAK = (
+    "KDN_1bar",
+    "KDN_3bar",
+    "KDN_5bar",
+    "KDN_7bar",
+    "NAPN_1bar",
+    "PK_3bar",
+    "X-ring257_1bar",
+    "X-ring257_3bar",
+)
+WITHOUT_PEAK = ("O-ring257_1bar", "O-ring257_3bar", "PK_1bar", "NAPN_3bar")
+RAW_STEPS_N = {"KDN_3bar": 13.7, "X-ring257_3bar": 10.5, "NAPN_1bar": 9.2}
+WEIGHT_N = 7.8816
+MU_TOLERANCE = 0.012
+
+
+def one(extraction):
+    (trial,) = extraction.trials
+    return trial
+
+
+# --- mecmesin_wide -------------------------------------------------------------------------------------------------
+
+
+def mecmesin(lab, real_data, smoothing, samples=("*",)):
+    rows = [
+        lab.row("example_forces_big.csv", trial=f"pull{place}", sample=sample, end_tension_N=1)
+        for place, sample in enumerate(samples)
+    ]
+    settings = f'[protocol]\nending = "separation"\n[smoothing]\nwindow = "{smoothing}"\n{MECMESIN_IMPORT}'
+    return lab.write(rows, settings, data=(real_data / "mecmesin_wide").as_posix()).extract()
+
+
+def test_ten_wide_recordings_and_the_one_that_two_sigma_sets_aside(lab, real_data):
+    extraction = mecmesin(lab, real_data, "none")
+    peaks_N = [trial.peak_N for trial in extraction.trials]
+    assert [trial.trial for trial in extraction.trials] == [f"pull0#Sample {i}" for i in range(1, 11)]
+    assert {trial.breakaway.status for trial in extraction.trials} == {Status.OK}
+    assert peaks_N == pytest.approx(MECMESIN_PEAKS_N, rel=5e-3)
+    assert [trial.kept for trial in extraction.trials] == [place != 4 for place in range(10)]
+    assert extraction.trials[4].rejected_by == "two-sigma"
+    (condition,) = extraction.conditions
+    assert condition.rejected == ("pull0#Sample 5",)
+    assert (condition.n, condition.n_kept) == (10, 9)
+    assert (condition.mean_all_N, condition.std_all_N) == pytest.approx((7.813, 0.566), rel=5e-3)
+    others = [peak for peak in MECMESIN_PEAKS_N if peak != 9.14]
+    assert condition.mean_kept_N == pytest.approx(np.mean(others), rel=5e-3)
+
+
+def test_named_blocks_give_what_all_blocks_give(lab, real_data):
+    named = mecmesin(lab, real_data, "none", samples=[f"Sample {i}" for i in (9, 5, 1)])
+    assert [trial.trial for trial in named.trials] == ["pull0", "pull1", "pull2"]
+    assert [trial.peak_N for trial in named.trials] == pytest.approx([8.27, 9.14, 7.18], rel=5e-3)
+
+
+def test_a_block_that_is_not_there_is_told_with_the_one_that_is(lab, real_data):
+    extraction = mecmesin(lab, real_data, "none", samples=["Sample 1", "Sampel 2", ""])
+    assert [trial.breakaway.status for trial in extraction.trials] == ["ok", "unreadable", "unreadable"]
+    wrong, none = (trial.problems[0] for trial in extraction.trials[1:])
+    assert (wrong.code, wrong.key) == (none.code, none.key) == ("RF123", "sample")
+    assert "did you mean 'Sample 2'" in wrong.fix
+    assert "'*'" in none.fix
+
+
+def test_smoothing_by_itself_takes_little_off_a_pull_that_tears(lab, real_data):
+    extraction = mecmesin(lab, real_data, "auto")
+    assert [trial.peak_N for trial in extraction.trials] == pytest.approx(MECMESIN_PEAKS_N, rel=0.03)
+
+
+# --- seal_breakaway ------------------------------------------------------------------------------------------------
+
+
+def seal(lab, real_data, name, force, settings=""):
+    rows = [lab.row(f"{name}.csv", end_tension_N=1)]
+    text = f"{settings}\n{SEAL_CHANNELS}{force}"
+    return one(lab.write(rows, text, data=(real_data / "seal_breakaway").as_posix()).extract())
+
+
+def seal_friction(lab, real_data, name):
+    """Derive the friction force: what pulls less what the pressure carries."""
+    radius_m = 0.01285 if "257" in name else 0.0125
+    area_m2 = math.pi * radius_m**2
+    force = (
+        f'pressure = {{ column = 6, unit = "bar" }}\npull = {{ column = 7, unit = "N" }}\n'
+        f'[import.constants]\narea = "{area_m2!r} m^2"\n[import.derived]\nforce = "pull - pressure * area"\n'
+    )
+    table = np.loadtxt(real_data / "seal_breakaway" / f"{name}.csv", delimiter="\t")
+    return seal(lab, real_data, name, force), table[:, 0] / 1000, table[:, 6] - table[:, 5] * 1e5 * area_m2
+
+
+@pytest.mark.parametrize("name", WITH_PEAK)
+def test_a_seal_that_sticks_first_gives_its_static_peak(lab, real_data, name):
+    trial, time_s, force_N = seal_friction(lab, real_data, name)
+    assert trial.breakaway.status == "ok", trial.breakaway.detail
+    assert trial.peak_N == pytest.approx(force_N[time_s < 0.2].max(), rel=0.1)
+    assert trial.breakaway.peak_time_s < 0.2
+    assert trial.kept
+
+
+@pytest.mark.parametrize("name", WITHOUT_PEAK)
+def test_a_seal_that_only_slides_gives_no_peak_and_no_number(lab, real_data, name):
+    trial, time_s, force_N = seal_friction(lab, real_data, name)
+    assert trial.breakaway.status == "no-peak", trial.breakaway.detail
+    assert math.isnan(trial.peak_N)
+    assert trial.to_dict()["peak_N"] is None
+    assert not trial.kept
+    # What a bare maximum would have returned lies in the middle of a later stroke.
+    assert time_s[np.argmax(force_N)] > 1
+
+
+@pytest.mark.parametrize("name", RAW_STEPS_N)
+def test_the_steps_of_the_source_are_those_of_the_force_channel_alone(lab, real_data, name):
+    """SOURCE.txt counts them from the raw channel 7, not from the friction force."""
+    table = np.loadtxt(real_data / "seal_breakaway" / f"{name}.csv", delimiter="\t")
+    time_s, raw_N = table[:, 0] / 1000, table[:, 6]
+    sliding = (time_s >= 1) & (time_s <= 3)
+    step_N = raw_N[time_s < 0.5].max() - raw_N[sliding].mean()
+    assert step_N == pytest.approx(RAW_STEPS_N[name], rel=0.02)
+    part = '[protocol]\nfrom = "0 s"\nuntil = "3 s"\n'
+    trial = seal(lab, real_data, name, 'force = { column = 7, unit = "N" }\n', part)
+    assert trial.breakaway.status == "ok", trial.breakaway.detail
+    assert trial.peak_N - raw_N[sliding].mean() == pytest.approx(RAW_STEPS_N[name], rel=0.1)
+    assert trial.peak_N - trial.breakaway.kinetic_N == pytest.approx(RAW_STEPS_N[name], rel=0.1)
+
+
+def test_the_source_s_steps_of_files_without_a_peak_are_nothing(real_data):
+    for name in ("O-ring257_1bar", "PK_1bar", "NAPN_3bar"):
+        table = np.loadtxt(real_data / "seal_breakaway" / f"{name}.csv", delimiter="\t")
+        time_s, raw_N = table[:, 0] / 1000, table[:, 6]
+        early = raw_N[time_s < 0.5].max() - raw_N[(time_s >= 1) & (time_s <= 3)].mean()
+        assert abs(early) < 1.0
+
+
+# --- phy_mini_ia_capstan -------------------------------------------------------------------------------------------
+
+
+def capstan_table(real_data):
+    with (real_data / "phy_mini_ia_capstan" / "per_trial.csv").open(encoding="utf-8") as stream:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(stream)]
+
+
+@pytest.fixture
+def capstan(lab, real_data):
+    """Plateaus by file, and what the authors read off by hand."""
+    authors = capstan_table(real_data)
+    wraps_rad = {int(row["nominal_deg"]): row["wrap_rad_measured"] for row in authors}
+    rows = [
+        {
+            "trial": f"wrap{degrees}",
+            "file": f"force_{degrees}deg.csv",
+            "wheel_radius_mm": 20.75,
+            "wrap_angle_rad": wrap_rad,
+            "lift_force_N": WEIGHT_N,
+        }
+        for degrees, wrap_rad in wraps_rad.items()
+    ]
+    settings = '[protocol]\nname = "held"\nside = "slack"\n'
+    extraction = lab.write(rows, settings, data=(real_data / "phy_mini_ia_capstan").as_posix()).extract()
+    plateaus = {
+        degrees: [trial for trial in extraction.trials if trial.trial.startswith(f"wrap{degrees}#")]
+        for degrees in wraps_rad
+    }
+    return extraction, plateaus, authors
+
+
+def friction(trial):
+    return math.log(trial.peak_N / trial.end_tension_N) / trial.wrap_angle_rad
+
+
+def test_every_plateau_of_the_authors_comes_out(capstan):
+    _, plateaus, authors = capstan
+    assert {degrees: len(found) for degrees, found in plateaus.items()} == {
+        degrees: 4 if degrees == 270 else 3 for degrees in plateaus
+    }
+    for row in authors:
+        found = plateaus[int(row["nominal_deg"])]
+        nearest = min(found, key=lambda trial: abs(trial.end_tension_N - row["F_hold_mid_N"]))
+        assert nearest.breakaway.status == "ok"
+        assert abs(friction(nearest) - row["mu_capstan"]) < MU_TOLERANCE
+        if (row["nominal_deg"], row["trial"]) == (315, 2):  # see the next test
+            assert row["F_hold_min_N"] < nearest.end_tension_N < row["F_hold_max_N"]
+        else:
+            assert nearest.end_tension_N == pytest.approx(row["F_hold_mid_N"], rel=0.01)
+
+
+def test_the_authors_minimum_of_315_degrees_trial_2_lies_outside_its_plateau(capstan, real_data):
+    _, plateaus, authors = capstan
+    (row,) = (row for row in authors if (row["nominal_deg"], row["trial"]) == (315, 2))
+    time_s, force_N = np.loadtxt(
+        real_data / "phy_mini_ia_capstan" / "force_315deg.csv", delimiter=",", skiprows=1, unpack=True
+    )
+    (second,) = plateaus[315][1].breakaway.phases
+    # From the last hitch of the rise until the rope is let go.
+    held = (time_s >= 57) & (time_s < 81)
+    assert second.start_s < 57
+    assert second.end_s > 81
+    assert force_N[held].min() > 2.93
+    lowest = np.abs(force_N - row["F_hold_min_N"]) < 1e-6
+    during = lowest & (time_s > second.start_s - 1) & (time_s < second.end_s + 1)
+    assert during.any()
+    assert not (during & held).any()
+    assert time_s[during & (time_s > 57)].min() > 81
+
+
+def test_plateaus_are_end_tensions_under_a_known_weight(capstan):
+    extraction, plateaus, _ = capstan
+    assert [trial.trial for trial in plateaus[45]] == ["wrap45#1", "wrap45#2", "wrap45#3"]
+    for trial in extraction.trials:
+        assert trial.measures_slack
+        assert trial.peak_N == WEIGHT_N
+        assert 0 < trial.end_tension_std_N < 0.05 * trial.end_tension_N
+    assert len(extraction.conditions) == 7
+    for condition in extraction.conditions:
+        assert condition.lift_force_N == WEIGHT_N
+        assert condition.end_tension_N == condition.mean_kept_N
+
+
+# --- rock_direct_shear ---------------------------------------------------------------------------------------------
+
+
+def test_a_shifted_table_is_refused_and_the_run_says_that_nothing_is_left(lab, real_data, capfd):
+    name = "TM11_Pc130_Pp50_T180_repeat_test.txt"
+    lab.write([lab.row(name)], data=(real_data / "rock_direct_shear").as_posix())
+    trial = one(lab.extract())
+    assert trial.breakaway.status == "unreadable"
+    (problem,) = trial.problems
+    assert (problem.code, problem.path, problem.line) == ("RF103", name, 4)
+    assert "20 values" in problem.message
+    assert "names 19" in problem.message
+    out = lab.folder / "out"
+    assert main(["extract", str(lab.path), "--out", str(out), "--no-figures", "--json"]) == 3
+    told = json.loads(capfd.readouterr().out)
+    assert told["trials"][0]["status"] == "unreadable"
+    assert told["trials"][0]["peak_N"] is None
+    assert told["error"]["code"] == "RF301"

@@ -209,6 +209,8 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
     value, unit = float(match[1]), match[2]
     if not math.isfinite(value):
         raise InputError(f"{name}: {text!r} is not a finite number", code="RF130")
+    if value == 0 and re.search("[1-9]", re.split("[eE]", match[1])[0]):
+        raise InputError(f"{name}: {text!r} is out of range: too small for a float", code="RF130")
     if len(unit) > 40 or _ENDLESS.search(unit):
         # pint computes powers before it asks whether they make sense: "9**9**9**9" would never end.
         raise InputError(
@@ -230,7 +232,7 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
         )
     factor = unit_factor(unit, si_unit, name=name)
     # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
-    result = float(Decimal(repr(value) if value in (0.0, -0.0) else match[1]) * Decimal(repr(factor)))
+    result = float(Decimal(match[1]) * Decimal(repr(factor)))
     if not math.isfinite(result):
         raise InputError(f"{name}: {text!r} is too large for a float", code="RF130")
     return result

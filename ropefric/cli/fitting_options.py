@@ -6,22 +6,34 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ropefric.cli.output import Output
+from ropefric.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rich.console import Console
+
     from ropefric.fitting.result import FitResult
     from ropefric.fitting.table import TrialTable
     from ropefric.report.section import Section
-    from rich.console import Console
 
-__all__ = ["NOT_TRUSTED", "FitOption", "TableArgument", "exit_code_of", "read_table", "rope_radius", "show_sections"]
+__all__ = [
+    "NOT_TRUSTED",
+    "FitOption",
+    "TableArgument",
+    "exit_code_of",
+    "read_fit",
+    "read_table",
+    "rope_radius",
+    "show_sections",
+]
 
 NOT_TRUSTED = 4
 """Exit code of a result that is not to be trusted."""
 
 TableArgument = Annotated[
-    Path, typer.Argument(metavar="TRIALS.csv", help="A trial table: what `extract` writes, or one of your own.")
+    Path,
+    typer.Argument(metavar="TRIALS.csv", help="A trial table: what `extract` writes, or one of your own."),
 ]
 FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A stored fit.")]
 
@@ -41,6 +53,22 @@ def read_table(path: Path, out: Output) -> "TrialTable":
     return table
 
 
+def read_fit(path: Path, out: Output) -> "FitResult":
+    """Return a stored fit, and say on stderr if it is not to be trusted.
+
+    Raises
+    ------
+    DataError
+        If the file holds no fit.
+    """
+    from ropefric.fitting.store import load_fit  # noqa: PLC0415  (quick start-up)
+
+    fit = load_fit(path)
+    if not fit.trustworthy:
+        out.note(f"{path}: the fit is not to be trusted, {fit.status}: {' '.join(fit.advice)}")
+    return fit
+
+
 def exit_code_of(fit: "FitResult") -> int:
     """Return 0 for a fit to be trusted, 4 for another."""
     return 0 if fit.trustworthy else NOT_TRUSTED
@@ -56,11 +84,10 @@ def rope_radius(fit: "FitResult", given_m: float | None) -> float:
     """
     if given_m is not None:
         return given_m
-    low, high = fit.validity.get("rope_radius_m", (0.0, float("inf")))
-    if high - low > 1e-9 * high:
-        text = f"the fit rests on ropes of {2e3 * low:.4g} to {2e3 * high:.4g} mm: say which is meant"
-        raise typer.BadParameter(text, param_hint="--rope-diameter")
-    return low
+    try:
+        return fit.only_rope_radius_m()
+    except InputError as error:
+        raise typer.BadParameter(str(error), param_hint="--rope-diameter") from error
 
 
 def show_sections(sections: "Sequence[Section]", console: "Console") -> None:

@@ -106,5 +106,7 @@ def _profile(fit: FitResult, problem: FitProblem) -> tuple[FloatArray, tuple[str
 def _bootstrap(fit: FitResult, problem: FitProblem, n: int, seed: int) -> tuple[FloatArray, tuple[str, ...]]:
     many = fit.statistics.n_conditions >= max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
     repeated = fit.statistics.n_conditions < fit.statistics.n
-    found = bootstrap(problem, fit.theta, kind="clustered" if many and repeated else "parametric", n=n, seed=seed)
+    found = bootstrap(
+        problem, fit.theta, kind="clustered" if many and repeated else "parametric", n=n, seed=seed
+    )
     return found.ci95, found.notes

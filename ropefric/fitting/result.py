@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.errors import InputError
 from ropefric.fitting.identifiability import Identifiability
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.status import FitStatus
@@ -155,6 +156,23 @@ class FitResult:
     def trustworthy(self) -> bool:
         """Return whether the result may be used as it stands."""
         return self.status is FitStatus.OK
+
+    def only_rope_radius_m(self) -> float:
+        """Return the rope radius of the trials [m], if they had one only.
+
+        Raises
+        ------
+        InputError
+            If they had several.
+        """
+        low, high = self.validity["rope_radius_m"]
+        if high - low > 1e-9 * high:
+            raise InputError(
+                f"the fit rests on ropes of {2e3 * low:.4g} to {2e3 * high:.4g} mm, so none is meant by itself",
+                key="rope_radius_m",
+                fix="say which rope is meant",
+            )
+        return low
 
     def __getitem__(self, name: str) -> FittedParameter:
         return {parameter.name: parameter for parameter in self.parameters}[name]

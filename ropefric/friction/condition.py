@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 
-__all__ = ["Conditions", "FloatArray"]
+__all__ = ["Conditions", "FloatArray", "one_condition"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -116,6 +116,29 @@ class Conditions:
             f"R_r = {self.rope_radius_m[index]:.6g} m, wrap = {self.wrap_angle_rad[index]:.6g} rad, "
             f"F_B = {self.end_tension_N[index]:.6g} N)"
         )
+
+
+def one_condition(
+    wheel_radius_m: float, rope_radius_m: float, wrap_angle_rad: float, end_tension_N: float
+) -> Conditions:
+    """Return one condition: R_w [m], R_r [m], φ [rad], F_B [N].
+
+    Raises
+    ------
+    InputError
+        If a number is out of range.
+
+    Examples
+    --------
+    >>> len(one_condition(0.04, 0.005, 3.0, 20.0))
+    1
+    """
+    return Conditions(
+        wheel_radius_m=np.array([wheel_radius_m]),
+        rope_radius_m=np.array([rope_radius_m]),
+        wrap_angle_rad=np.array([wrap_angle_rad]),
+        end_tension_N=np.array([end_tension_N]),
+    )
 
 
 def _as_floats(name: str, values: npt.ArrayLike) -> FloatArray:

@@ -72,7 +72,8 @@ class Breakaway:
     peak_time_s : float
         When [s].
     peak_std_N : float
-        Standard uncertainty [N] of picking: noise left after smoothing and the window's bias.
+        Standard uncertainty [N] of picking: noise left after smoothing, the window's bias, and what a gap in the
+        samples next to the peak may hide.
     two_line_N : float
         F_A from lines fitted to both sides of the peak, free of the window's bias [N].
     bias_N : float

@@ -86,7 +86,7 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
     """Return a signal without spikes of one or two samples and without short dropouts.
 
     A spike leaves the signal in one step, stays away for at most two samples and comes back to where the signal
-    went on; its step is larger than eight times the noise and larger than four times any step before or after it.
+    went on; its step is larger than eight times the noise and larger than four times any step before it.
     A narrow static peak, climbed in several steps, is none. A dropout is a stretch of up to 40 identical samples that
     leaves and rejoins the signal the same way.
 
@@ -111,6 +111,7 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
             if stop:
                 bad.extend(range(start, stop))
                 last_bad = stop - 1
+                steps[start - 1 : stop] = 0.0  # so that a spike does not hide the next one
     if not bad:
         return Cleaned(values=values, bad=np.empty(0, dtype=np.int64))
     index = np.array(bad, dtype=np.int64)
@@ -131,9 +132,11 @@ def _candidates(values: FloatArray, steps: FloatArray, smallest: float) -> list[
     last = values.size - 1
     maybe = starts + MAX_SPIKE_SAMPLES > last
     for length in range(1, MAX_SPIKE_SAMPLES + 1):
-        back = np.abs(values[np.minimum(starts + length, last)] - values[starts - 1])
-        # The step is at least four times any usual one, so a spike rejoins to well within the step.
-        maybe |= back <= np.maximum(0.75 * out, smallest)
+        stops = np.minimum(starts + length, last)
+        gap = np.abs(values[stops] - values[starts - 1])
+        # The step is at least four times any usual one, so a spike rejoins to well within its own size.
+        size = np.maximum(out, np.abs(values[stops] - values[stops - 1]))
+        maybe |= gap <= np.maximum(0.75 * size, smallest)
     maybe |= values[np.minimum(starts + MAX_SPIKE_SAMPLES, last)] == values[starts]
     return [int(start) for start in starts[maybe]]
 
@@ -153,13 +156,17 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
             # A last sample that jumps away cannot be told from the first one of something new: leave it out.
             return int(stop) if stop == values.size and length <= MAX_SPIKE_SAMPLES else 0
         back = float(steps[stop - 1])
-        before = np.abs(steps[max(0, start - 1 - NEIGHBOURS) : start - 1]).max(initial=0.0)
-        after = np.abs(steps[stop : stop + NEIGHBOURS]).max(initial=0.0)
-        # A peak is climbed in steps of its own size; beside a spike the other side may hold another spike.
-        usual = float(min(before, after)) if start > 1 and stop < steps.size else float(max(before, after))
-        rejoins = abs(values[stop] - values[start - 1]) <= max(
-            6.0 * noise, (length + 1) * usual, 0.2 * abs(out)
+        # A peak is climbed in steps of its own size; what comes after it may be flat.
+        nearby = (
+            steps[max(0, start - 1 - NEIGHBOURS) : start - 1]
+            if start > 1
+            else steps[stop : stop + NEIGHBOURS]
         )
+        usual = float(np.abs(nearby).max(initial=0.0))
+        gap = abs(float(values[stop] - values[start - 1]))
+        middle = 0.5 * float(values[stop] + values[start - 1])
+        height = float(np.abs(values[start:stop] - middle).max())
+        rejoins = gap <= max(6.0 * noise, (length + 1) * usual, REJOINS * height)
         if rejoins and min(abs(out), abs(back)) > 4.0 * usual:
             return int(stop)
     return 0

@@ -57,14 +57,18 @@ def peak_result(
     two_line = settings.peak == "two-line" and np.isfinite(peak.two_line_N)
     if settings.peak == "two-line" and not two_line:
         notes.append("too few samples for the two-line fit; the smoothed peak is given")
-    index = int(np.searchsorted(prepared.time_s, peak.time_s))
-    steps_s = np.diff(prepared.time_s[max(0, index - 2) : index + 4])
-    usual_s = np.median(np.diff(prepared.time_s[max(0, index - 250) : index + 250]))
-    if steps_s.size and steps_s.max() > WIDE_GAP * usual_s:
+    std_N = peak.std_N
+    gap_s = _gap_beside_s(prepared, peak.time_s)
+    if gap_s:
         notes.append(
-            f"there is a gap of {1000 * steps_s.max():.3g} ms in the samples next to the peak: the force may have "
-            "been higher in it"
+            f"there is a gap of {1000 * gap_s:.3g} ms in the samples next to the peak: the force may have been "
+            "higher in it"
         )
+        # It may have climbed on at its rate, but hardly by more than the whole step to the sliding force.
+        missed_N = max(peak.loading_rate_N_s, 0.0) * gap_s
+        if np.isfinite(kinetic_N):
+            missed_N = min(missed_N, max(peak.peak_N - kinetic_N, 0.0))
+        std_N = float(np.hypot(std_N, missed_N / np.sqrt(3.0)))
     return Breakaway(
         status=Status.OK,
         detail=""
@@ -73,7 +77,7 @@ def peak_result(
         peak_N=peak.two_line_N if two_line else peak.peak_N,
         peak_raw_N=peak.peak_raw_N,
         peak_time_s=peak.time_s,
-        peak_std_N=peak.std_N,
+        peak_std_N=std_N,
         two_line_N=peak.two_line_N,
         bias_N=0.0 if two_line else peak.bias_N,
         kinetic_N=kinetic_N,
@@ -84,3 +88,13 @@ def peak_result(
         phases=phases,
         notes=tuple(notes),
     )
+
+
+def _gap_beside_s(prepared: Prepared, peak_s: float) -> float:
+    """Return the length of a gap in the samples next to the peak [s]; 0 where there is none."""
+    time_s = prepared.time_s
+    index = int(np.searchsorted(time_s, peak_s))
+    steps_s = np.diff(time_s[max(0, index - 2) : index + 4])
+    usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
+    longest_s = float(steps_s.max(initial=0.0))
+    return longest_s if longest_s > WIDE_GAP * usual_s else 0.0

@@ -15,6 +15,8 @@ LONGEST_WINDOW_S = 0.02
 """A window longer than a tooth is short would smooth the peak itself away [s]."""
 
 STEPS_LOOKED_AT = 500
+LONG_CLIMB = 200
+JUMP = 0.05
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 
@@ -84,6 +86,7 @@ def measure_peak(
     (98.0, 100.0, -2.0, 100.0)
     """
     step_s = _step_s(time_s, where)
+    force_N = _without_outliers_at_the_top(time_s, force_N, where, noise_std_N)
     rate_N_s = _loading_rate_N_s(time_s, force_N, where)
     if window_s is None:
         longest = window_samples(
@@ -104,6 +107,30 @@ def measure_peak(
         window_s=used_s if n_window > 1 else 0.0,
         loading_rate_N_s=rate_N_s,
     )
+
+
+def _without_outliers_at_the_top(
+    time_s: FloatArray, force_N: FloatArray, where: Neighbourhood, noise_std_N: float
+) -> FloatArray:
+    """Return the force with samples cut down that a well-sampled climb cannot have reached.
+
+    Several spikes in the very moment of the slip look like no spike; but a rope that was loaded over hundreds of
+    samples does not jump above the line of its loading.
+    """
+    if where.first - where.loading < LONG_CLIMB:
+        return force_N
+    climb = slice((where.loading + where.first) // 2, where.first)
+    t0, f0, slope = _line(time_s[climb], force_N[climb])
+    near = slice(where.first, where.stop)
+    line_N = f0 + max(slope, 0.0) * (time_s[near] - t0)
+    height_N = float(line_N[-1]) - float(force_N[where.loading])
+    above = force_N[near] > line_N + max(10.0 * noise_std_N, JUMP * abs(height_N))
+    if not above.any() or above.all():
+        return force_N
+    places = np.arange(where.first, where.stop)
+    mended = force_N.copy()
+    mended[places[above]] = np.interp(places[above], places[~above], force_N[near][~above])
+    return mended
 
 
 def _smoothed_top(force_N: FloatArray, where: Neighbourhood, n_window: int) -> tuple[int, float]:

@@ -100,7 +100,7 @@ def is_quiet(prepared: Prepared, block: int, sliding: Sliding) -> bool:
     roughest_N = _quiet_N(prepared, block)
     if sliding.stop - sliding.first < 2 * PIECE_BLOCKS:
         # So short a stretch may be a rope held for a moment and the start of its release.
-        return roughness_N(prepared.view.force_N[block : block + PIECE_BLOCKS]) <= roughest_N
+        return roughness_N(prepared.view.force_N[block : block + PIECE_BLOCKS // 2]) <= roughest_N
     return roughness_N(prepared.view.force_N[sliding.first : sliding.stop]) <= roughest_N
 
 
@@ -140,14 +140,13 @@ def _stands_out(prepared: Prepared, block: int, sliding: Sliding, above_N: float
     """Return whether a break is a static peak, not the highest wiggle of a force that merely levels off."""
     view = prepared.view
     fast_N = fast_drop_N(view.force_N, block)
-    if fast_N <= SLIP_SIGMAS * view.noise_N:
+    slipped = is_slip(view, block)
+    if fast_N <= SLIP_SIGMAS * view.noise_N or not (slipped or fast_N > 0.5 * above_N):
         return False
     if above_N > RESOLVED_SIGMAS * sliding.spread_N:
         return True
     # In stick-slip the spread is that of the teeth: they are slips themselves, and the first one counts.
-    if not is_slip(view, block) or above_N < 0.2 * fast_N:
-        return False
-    if not 3.0 * view.noise_N < sliding.spread_N < 0.5 * fast_N:
+    if not slipped or above_N < 0.1 * fast_N or not 3.0 * view.noise_N < sliding.spread_N < 0.8 * fast_N:
         return False
     falls = slips(view.force_N[sliding.first : sliding.stop], view.noise_N, most=2)
     return len(falls) == 0 or fast_N > 1.5 * falls[0][1] or (len(falls) == 2 and falls[1][1] > 0.3 * fast_N)

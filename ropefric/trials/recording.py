@@ -2,31 +2,27 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import nan
 from pathlib import Path
 
-import numpy as np
-
 from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.registry import did_you_mean
-from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.budget import combined_std_N, end_tension_std_N
-from ropefric.traces.calibration import Calibration, tare_from_interval
-from ropefric.traces.prepare import MIN_SAMPLES
+from ropefric.traces.calibration import Calibration
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
-from ropefric.traces.recalibration import recalibrate
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.outline import draw_outline
 from ropefric.trials.result import TrialResult
+from ropefric.trials.tared import tared_trace
 from ropefric.trials.trial_spec import TrialSpec
 
-__all__ = ["content_hash", "extract_recording"]
+__all__ = ["blocks_of", "content_hash", "extract_recording"]
 
 STATUS_CODES = {
     Status.SATURATED: "RF230",
@@ -35,8 +31,6 @@ STATUS_CODES = {
     Status.TOO_SHORT: "RF233",
 }
 RATE_TOLERANCE = 0.01
-LARGEST_N = 1e12
-"""More than was ever pulled: such a number is damage, and its square may be none at all."""
 
 
 def content_hash(path: Path) -> str:
@@ -76,7 +70,7 @@ def extract_recording(
     results: list[TrialResult] = []
     for spec in specs:
         try:
-            chosen = _blocks(spec, raws)
+            chosen = blocks_of(spec, raws)
         except DataError as error:
             results.append(_unreadable(campaign, spec, error, sha256))
             continue
@@ -86,8 +80,14 @@ def extract_recording(
     return tuple(results)
 
 
-def _blocks(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:
-    """Return the blocks of a file that a row names."""
+def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:
+    """Return the recordings of a file that a row of the trial list names.
+
+    Raises
+    ------
+    DataError
+        RF123 if the file has no such recording, or several and the row names none.
+    """
     if spec.sample == "*":
         return raws
     if not spec.sample and len(raws) == 1:
@@ -112,13 +112,6 @@ def _blocks(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecord
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Tared:
-    trace: ForceTrace
-    tare_N: float
-    problems: tuple[Problem, ...]
-
-
 def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str) -> list[TrialResult]:
     protocol = PROTOCOLS[campaign.protocol.name]
     settings = PickSettings(
@@ -131,7 +124,7 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
         side=campaign.protocol.side,
     )
     try:
-        tared = _trace(campaign, spec, raw)
+        tared = tared_trace(campaign, spec, raw)
         found = protocol.pick(tared.trace, settings)
     except RopefricError as error:
         return [_unreadable(campaign, spec, error, sha256)]
@@ -161,47 +154,6 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
             )
         )
     return results
-
-
-def _trace(campaign: Campaign, spec: TrialSpec, raw: RawRecording) -> _Tared:
-    """Assemble, calibrate and tare."""
-    calibration = None
-    if spec.cell and campaign.adc is not None:
-        calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)
-    trace = assemble_trace(raw, campaign.profile, calibration=calibration)
-    _check_size(spec, trace)
-    if campaign.tare_interval_s is None:
-        return _Tared(trace=trace, tare_N=0.0, problems=())
-    start_s, stop_s = campaign.tare_interval_s
-    if np.count_nonzero(np.isfinite(trace.force_N)) < MIN_SAMPLES:
-        return _Tared(trace=trace, tare_N=nan, problems=())  # picking says that it is too short
-    if trace.counts is not None and trace.calibration is not None:
-        tared, problems = tare_from_interval(trace.time_s, trace.counts, trace.calibration, start_s, stop_s)
-        placed = tuple(replace(p, path=spec.file) for p in problems)
-        return _Tared(trace=recalibrate(trace, tared), tare_N=tared.tare_N, problems=placed)
-    inside = (trace.time_s >= start_s) & (trace.time_s <= stop_s) & np.isfinite(trace.force_N)
-    if not inside.any():
-        raise DataError(
-            f"no sample lies in the tare interval from {start_s:g} s to {stop_s:g} s",
-            code="RF212",
-            path=spec.file,
-            key="[tare] interval",
-            fix="name an idle interval inside the recording, or remove [tare]",
-        )
-    tare_N = float(np.median(trace.force_N[inside]))
-    return _Tared(trace=replace(trace, force_N=trace.force_N - tare_N), tare_N=tare_N, problems=())
-
-
-def _check_size(spec: TrialSpec, trace: ForceTrace) -> None:
-    too_large = np.abs(trace.force_N) > LARGEST_N
-    if too_large.any():
-        sample = int(np.argmax(too_large))
-        raise DataError(
-            f"{trace.force_N[sample]:.4g} N at {trace.time_s[sample]:.6g} s is no force that a cell can read",
-            code="RF204",
-            path=spec.file,
-            fix='correct the unit or the cell, or list its text under [import] missing = ["..."]',
-        )
 
 
 def _result(

@@ -137,6 +137,16 @@ def test_every_bad_recording_has_its_problem_and_remedy(bench):
     assert all(problem.fix for problem in extraction.problems)
 
 
+def undecidable(line, truth):
+    """Whether sliding without a peak could as well be a held rope: neither gives a force.
+
+    Below 100 counts, the smallest roughness of the rig's sliding (0.7 %) is less than the step of the converter.
+    """
+    trial, found = line.split(":")[0], line.split()[1]
+    smooth = truth[trial]["lift_force_N"] < 100 * 1000 / 1023
+    return smooth and truth[trial]["status"] == "no-peak" and found == "no-breakaway"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [101, 202, 303])
 def test_a_fresh_campaign_of_the_bench_is_read_as_it_is(tmp_path, seed):
@@ -145,7 +155,8 @@ def test_a_fresh_campaign_of_the_bench_is_read_as_it_is(tmp_path, seed):
     simulate_campaign(tmp_path, plan, seed=seed)
     extraction = extract_campaign(load_campaign(tmp_path / "campaign.toml"), jobs=2)
     truth = truths(tmp_path)["trials"]
-    assert wrong_statuses(extraction, truth) == []
+    wrong = [line for line in wrong_statuses(extraction, truth) if not undecidable(line, truth)]
+    assert wrong == []
     relative = errors(extraction, truth)
     assert abs(relative.mean()) < BIAS
     assert relative.std(ddof=1) < BIAS

@@ -127,7 +127,6 @@ def test_damage_ends_in_an_honest_status(lab, good, case, packed, allowed):
     assert sound.peak_N == pytest.approx(100.0, rel=2e-3)
 
 
-@pytest.mark.xfail(reason="picking says ok with an uncertainty that knows nothing of the gap")
 def test_a_gap_over_the_peak_is_no_certain_force(lab, good, allowed):
     """The last sample before the gap reads 90 N; the rope broke away at 100 N inside it."""
     text = with_force(good, lambda i, f: "" if 1200 < i < 1400 else f)

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import NOT_TRUSTED, FitOption, exit_code_of, rope_radius, show_sections
+from ropefric.cli.fitting_options import (
+    NOT_TRUSTED,
+    FitOption,
+    exit_code_of,
+    read_fit,
+    rope_radius,
+    show_sections,
+)
 from ropefric.cli.output import Output
 from ropefric.cli.quantity_option import read_quantity
 
@@ -17,7 +24,9 @@ if TYPE_CHECKING:
 __all__ = ["COMMAND"]
 
 Lift = Annotated[str, typer.Option("--lift", metavar="FORCE", help='The load, such as "900 N".')]
-SolveFor = Annotated[str, typer.Option("--solve-for", metavar="wrap|radius|end-tension", help="What is looked for.")]
+SolveFor = Annotated[
+    str, typer.Option("--solve-for", metavar="wrap|radius|end-tension", help="What is looked for.")
+]
 WheelRadius = Annotated[str, typer.Option("--wheel-radius", metavar="LENGTH", help="R_w, unless looked for.")]
 Wrap = Annotated[str, typer.Option("--wrap", metavar="ANGLE", help="φ, unless looked for.")]
 EndTension = Annotated[str, typer.Option("--end-tension", metavar="FORCE", help="F_B, unless looked for.")]
@@ -50,54 +59,52 @@ def design(
 
     Exits with 4 when there is none, or the fit is not to be trusted.
     """
-    options = {
-        "wheel_radius_m": (wheel_radius, "m", "--wheel-radius"),
-        "wrap_angle_rad": (wrap, "rad", "--wrap"),
-        "end_tension_N": (end_tension, "N", "--end-tension"),
-    }
-    given = {name: read_quantity(*option) if option[0] else None for name, option in options.items()}
+    R_w = read_quantity(wheel_radius, "m", "--wheel-radius") if wheel_radius else None
+    phi = read_quantity(wrap, "rad", "--wrap") if wrap else None
+    F_B = read_quantity(end_tension, "N", "--end-tension") if end_tension else None
     load_N = read_quantity(lift, "N", "--lift")
     rope_m = 0.5 * read_quantity(rope_diameter, "m", "--rope-diameter") if rope_diameter else None
-    from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.store import load_fit  # noqa: PLC0415
+    from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (quick start-up)
 
-    stored = load_fit(fit)
+    stored = read_fit(fit, out)
     found = find_design(
         stored,
         lift_N=load_N,
         rope_radius_m=rope_radius(stored, rope_m),
         solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
         probability=None if on_average else probability,
-        **given,
+        wheel_radius_m=R_w,
+        wrap_angle_rad=phi,
+        end_tension_N=F_B,
     )
     reached = bool(found.reached[0])
     return Answer(
         data=found.to_dict() | {"fit": fit, "law": stored.law, "fit_status": stored.status.value},
-        show=lambda console: show_sections([_section(found, stored.advice)], console),
+        show=lambda console: show_sections([_section(found)], console),
         exit_code=exit_code_of(stored) if reached else NOT_TRUSTED,
     )
 
 
-def _section(found: "Design", advice: tuple[str, ...]) -> "Section":
+def _section(found: "Design") -> "Section":
     from ropefric.report.section import Section  # noqa: PLC0415
 
     title = f"A design for {found.required_N[0]:.4g} N"
-    notes = list(advice)
     if not found.reached[0]:
-        return Section(title=title, lines=(found.explain(),), notes=tuple(notes))
+        return Section(title=title, lines=(found.explain(),))
     name, factor, unit = _SHOWN[found.solve_for]
-    bound = "" if found.probability is None else f"; {100 * found.probability:g} % of new ropes lift more than " \
-        f"{found.lower_bound_N[0]:.4g} N"
-    lines = (
+    wrap_deg, average_N = math.degrees(found.wrap_angle_rad[0]), found.lift_force_N[0]
+    where = f"R_w = {1e3 * found.wheel_radius_m[0]:.4g} mm, wrap {wrap_deg:.4g} deg"
+    lines = [
         f"{name} = {found.value[0] * factor:.4g} {unit}",
-        f"R_w = {1e3 * found.wheel_radius_m[0]:.4g} mm, wrap {math.degrees(found.wrap_angle_rad[0]):.4g} deg, "
-        f"F_B = {found.end_tension_N[0]:.4g} N",
-        f"F_A = {found.lift_force_N[0]:.4g} N on average{bound}",
-        found.explain(),
-    )
-    if found.extrapolated[0]:
-        notes.append("the design lies outside what was tested")
-    return Section(title=title, lines=lines, notes=tuple(notes))
+        f"{where}, F_B = {found.end_tension_N[0]:.4g} N: F_A = {average_N:.4g} N on average",
+    ]
+    if found.probability is not None:
+        share, bound_N = 100 * found.probability, found.lower_bound_N[0]
+        lines.append(f"{share:g} % of pulls with a new rope lift more than {bound_N:.4g} N")
+    if found.status[0] != 0:
+        lines.append(found.explain())
+    notes = ("the design lies outside what was tested",) if found.extrapolated[0] else ()
+    return Section(title=title, lines=tuple(lines), notes=notes)
 
 
 COMMAND = Command(

@@ -18,16 +18,20 @@ Fixed = Annotated[
     list[str] | None, typer.Option("--fix", metavar="NAME=VALUE", help="Hold a parameter; repeatable.")
 ]
 Bounds = Annotated[
-    list[str] | None, typer.Option("--bound", metavar="NAME=LOW:HIGH", help="Bounds of a parameter; repeatable.")
+    list[str] | None,
+    typer.Option("--bound", metavar="NAME=LOW:HIGH", help="Bounds of a parameter; repeatable."),
 ]
 Start = Annotated[
-    list[str] | None, typer.Option("--start", metavar="NAME=VALUE", help="Start value; the law guesses others.")
+    list[str] | None,
+    typer.Option("--start", metavar="NAME=VALUE", help="Start value; the law guesses others."),
 ]
 Intervals = Annotated[
     str,
     typer.Option(metavar="covariance|profile|bootstrap", help="Where the 95 % intervals come from."),
 ]
-Loss = Annotated[str, typer.Option(help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers.")]
+Loss = Annotated[
+    str, typer.Option(help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers.")
+]
 Seed = Annotated[int, typer.Option(min=0, help="Of the search's further starts and of the bootstrap.")]
 FitFile = Annotated[Path | None, typer.Option("--out", "-o", metavar="FIT.json", help="Store the fit there.")]
 
@@ -77,5 +81,8 @@ def fit(
 
 
 COMMAND = Command(
-    name="fit", run=fit, example="ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=50
+    name="fit",
+    run=fit,
+    example="ropefric fit fits/prth-trials.csv --law coupled --out coupled.json",
+    order=50,
 )

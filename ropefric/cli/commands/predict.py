@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import FitOption, exit_code_of, rope_radius, show_sections
+from ropefric.cli.fitting_options import FitOption, exit_code_of, read_fit, rope_radius, show_sections
 from ropefric.cli.output import Output
 from ropefric.cli.quantity_option import read_quantity
 
@@ -49,31 +49,26 @@ def predict(
 
     Exits with 4 when the fit is not to be trusted.
     """
-    given = {
-        "wheel_radius_m": read_quantity(wheel_radius, "m", "--wheel-radius"),
-        "wrap_angle_rad": read_quantity(wrap, "rad", "--wrap"),
-        "end_tension_N": read_quantity(end_tension, "N", "--end-tension"),
-    }
+    R_w = read_quantity(wheel_radius, "m", "--wheel-radius")
+    phi = read_quantity(wrap, "rad", "--wrap")
+    F_B = read_quantity(end_tension, "N", "--end-tension")
     rope_m = 0.5 * read_quantity(rope_diameter, "m", "--rope-diameter") if rope_diameter else None
     speed_m_s = read_quantity(speed, "m/s", "--speed") if speed else None
     density_kg_m = read_quantity(linear_density, "kg/m", "--linear-density") if linear_density else None
     from ropefric.fitting.hand import hand_calculation  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.fitting.predict import predict as predict_lift  # noqa: PLC0415
-    from ropefric.fitting.store import load_fit  # noqa: PLC0415
-    from ropefric.friction.condition import Conditions  # noqa: PLC0415
+    from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.parts import prediction_section  # noqa: PLC0415
     from ropefric.report.section import Section  # noqa: PLC0415
 
-    stored = load_fit(fit)
-    wheel = Conditions(rope_radius_m=rope_radius(stored, rope_m), **given)
+    stored = read_fit(fit, out)
+    wheel = one_condition(R_w, rope_radius(stored, rope_m), phi, F_B)
     how: Method = method  # type: ignore[assignment]  # the library says what it may be
     found = predict_lift(
         stored, wheel, level=level, method=how, speed_m_s=speed_m_s, linear_density_kg_m=density_kg_m
     )
     data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
     sections = [prediction_section(found)]
-    if not stored.trustworthy:
-        sections.append(Section(title="The fit is not to be trusted", notes=stored.advice))
     if hand:
         lines = _by_hand(hand_calculation(stored, wheel), running=speed_m_s is not None)
         data["hand"] = list(lines)

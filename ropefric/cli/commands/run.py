@@ -100,4 +100,6 @@ def _show(result: "CampaignRun", folder: Path, console: "Console") -> None:
                   soft_wrap=True)  # fmt: skip
 
 
-COMMAND = Command(name="run", run=run, example="ropefric run data/prth-bench/campaign.toml --out out", order=5)
+COMMAND = Command(
+    name="run", run=run, example="ropefric run data/prth-bench/campaign.toml --out out", order=5
+)

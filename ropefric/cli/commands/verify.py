@@ -28,14 +28,19 @@ def verify(out: Output, folder: FitFolder = Path("fits")) -> Answer:
 
     found = verify_fits(folder)
     n_ok = sum(item.ok for item in found)
+    out.note(f"{n_ok} of {len(found)} fits come out of their data again")
 
     def show(console: "Console") -> None:
         rows = [
-            (Path(item.path).name, "ok" if item.ok else "FAILED", number(item.difference, ".1g"), item.message)
+            (
+                Path(item.path).name,
+                "ok" if item.ok else "FAILED",
+                number(item.difference, ".1g"),
+                item.message,
+            )
             for item in found
         ]
         console.print(make_table(("fit", "", "change [standard errors]", "found "), rows, left=2))
-        console.print(f"{n_ok} of {len(found)} fits come out of their data again")
 
     return Answer(
         data={"ok": n_ok == len(found), "fits": [asdict(item) for item in found]},

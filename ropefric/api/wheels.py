@@ -1,0 +1,120 @@
+"""From a friction law to the lift force of a wheel, and back."""
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.api.inputs import PathLike, as_campaign, as_fit
+from ropefric.fitting.design import design as find_design
+from ropefric.fitting.design_result import Design, SolveFor
+from ropefric.fitting.predict import predict as predict_lift
+from ropefric.fitting.prediction import Method, Prediction
+from ropefric.fitting.result import FitResult
+from ropefric.friction.condition import Conditions
+from ropefric.pipeline.run import CampaignRun, run_campaign
+from ropefric.trials.campaign_model import Campaign
+
+__all__ = ["design", "predict", "run"]
+
+
+def predict(
+    fit: FitResult | PathLike,
+    *,
+    wheel_radius_m: npt.ArrayLike,
+    wrap_angle_rad: npt.ArrayLike,
+    end_tension_N: npt.ArrayLike,
+    rope_radius_m: npt.ArrayLike | None = None,
+    level: float = 0.95,
+    method: Method = "linear",
+    linear_density_kg_m: float | None = None,
+    speed_m_s: float | None = None,
+) -> Prediction:
+    """Return the lift force of a fitted law for n wheels, with confidence and prediction intervals.
+
+    Parameters
+    ----------
+    fit : FitResult or path-like
+        The fit or its file.
+    wheel_radius_m, wrap_angle_rad, end_tension_N : array_like, scalar or shape (n,)
+        R_w [m], φ [rad], F_B [N].
+    rope_radius_m : array_like, optional
+        R_r [m]; that of the trials where they had one rope only.
+    level, method, linear_density_kg_m, speed_m_s
+        As `ropefric.fitting.predict.predict`.
+    """
+    stored = as_fit(fit)
+    wheels = Conditions(
+        wheel_radius_m=np.asarray(wheel_radius_m, dtype=np.float64),
+        rope_radius_m=_rope(stored, rope_radius_m),
+        wrap_angle_rad=np.asarray(wrap_angle_rad, dtype=np.float64),
+        end_tension_N=np.asarray(end_tension_N, dtype=np.float64),
+    )
+    return predict_lift(
+        stored,
+        wheels,
+        level=level,
+        method=method,
+        linear_density_kg_m=linear_density_kg_m,
+        speed_m_s=speed_m_s,
+    )
+
+
+def design(
+    fit: FitResult | PathLike,
+    *,
+    lift_N: npt.ArrayLike,
+    solve_for: SolveFor = "wrap",
+    wheel_radius_m: npt.ArrayLike | None = None,
+    wrap_angle_rad: npt.ArrayLike | None = None,
+    end_tension_N: npt.ArrayLike | None = None,
+    rope_radius_m: npt.ArrayLike | None = None,
+    probability: float | None = 0.95,
+) -> Design:
+    """Return the smallest wrap, wheel radius or end tension that lifts a load with a probability.
+
+    Parameters
+    ----------
+    fit : FitResult or path-like
+        The fit or its file.
+    lift_N, solve_for, wheel_radius_m, wrap_angle_rad, end_tension_N, probability
+        As `ropefric.fitting.design.design`.
+    rope_radius_m : array_like, optional
+        R_r [m]; that of the trials where they had one rope only.
+    """
+    stored = as_fit(fit)
+    return find_design(
+        stored, lift_N=lift_N, rope_radius_m=_rope(stored, rope_radius_m), wheel_radius_m=wheel_radius_m,
+        wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N, solve_for=solve_for, probability=probability,
+    )  # fmt: skip
+
+
+def run(
+    campaign: Campaign | PathLike,
+    folder: PathLike,
+    *,
+    law: str = "",
+    jobs: int = 1,
+    cache_dir: PathLike | None = None,
+) -> CampaignRun:
+    """Return a campaign's result, from recordings to the lift force of its wheel, and write its files into a folder.
+
+    Parameters
+    ----------
+    campaign : Campaign or path-like
+        The campaign or its file.
+    folder : path-like
+        Where trials.csv, fits/, comparison.csv, … go.
+    law : str
+        The law to use; "" for the best that is to be trusted.
+    jobs, cache_dir
+        As `extract`.
+    """
+    kept = None if cache_dir is None else Path(cache_dir)
+    return run_campaign(as_campaign(campaign), Path(folder), law=law, jobs=jobs, cache_dir=kept)
+
+
+def _rope(fit: FitResult, given_m: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+    if given_m is None:
+        given_m = fit.only_rope_radius_m()
+    return np.asarray(given_m, dtype=np.float64)

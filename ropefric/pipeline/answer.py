@@ -1,0 +1,143 @@
+"""From a trial table to the law that is used and the lift force it predicts."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ropefric.errors import RopefricError
+from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.comparison import Comparison
+from ropefric.fitting.diagnose import diagnose
+from ropefric.fitting.diagnosis import Diagnosis
+from ropefric.fitting.predict import predict
+from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import LAWS
+from ropefric.pipeline.winner import Winner, choose_winner
+from ropefric.trials.campaign_model import DesignSpec
+
+__all__ = ["CampaignAnswer", "answer_trials"]
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CampaignAnswer:
+    """What a trial table says.
+
+    Attributes
+    ----------
+    table : TrialTable
+        The trials.
+    comparison : Comparison
+        All laws, best first.
+    winner : Winner
+        The law that is used.
+    diagnosis : Diagnosis
+        Which effects the trials support.
+    prediction : Prediction, optional
+        The lift force of the design asked for; None without one, or if the law has no answer there.
+    doubts : tuple of str
+        What is doubtful about the law; what is about the prediction is in its notes.
+    """
+
+    table: TrialTable
+    comparison: Comparison
+    winner: Winner
+    diagnosis: Diagnosis
+    prediction: Prediction | None
+    doubts: tuple[str, ...]
+
+    @property
+    def fit(self) -> FitResult:
+        """Return the fit of the law that is used."""
+        return self.winner.fit
+
+    @property
+    def fits(self) -> tuple[FitResult, ...]:
+        """Return the fits of all laws that have one, best first."""
+        return tuple(entry.fit for entry in self.comparison.ranking if entry.fit is not None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return ranking, fit, prediction and diagnosis as a JSON tree."""
+        return {
+            **self.comparison.to_dict(),
+            "fit": self.fit.to_dict(),
+            "prediction": None if self.prediction is None else self.prediction.to_dict(),
+            "diagnosis": self.diagnosis.to_dict(),
+            "doubts": list(self.doubts),
+        }
+
+
+def answer_trials(
+    table: TrialTable,
+    *,
+    design: DesignSpec | None = None,
+    rope_radius_m: float | None = None,
+    law: str = "",
+    progress: Progress | None = None,
+) -> CampaignAnswer:
+    """Return which law a trial table asks for, what it supports, and the lift force of a design.
+
+    Parameters
+    ----------
+    table : TrialTable
+        The trials.
+    design : DesignSpec, optional
+        The wheel to predict.
+    rope_radius_m : float, optional
+        Its rope [m]; that of the table where it has one only.
+    law : str
+        The law to use; "" for the best that is to be trusted.
+    progress : callable, optional
+        Called with (law, number of it, number of laws) before each fit.
+
+    Raises
+    ------
+    UnknownNameError
+        For an unknown law.
+    RopefricError
+        If not even the constant law can be fitted, or the law asked for cannot.
+
+    Examples
+    --------
+    >>> wraps = np.repeat([3.0, 6.0, 9.0, 12.0], 2)
+    >>> table = TrialTable(
+    ...     trial=tuple("abcdefgh"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20,
+    ...     peak_N=20 * np.exp(0.2 * wraps + 0.01 * np.array([1, -1, 1, -1, -1, 1, -1, 1])),
+    ... )
+    >>> design = DesignSpec(wheel_radius_m=0.04, wrap_angle_rad=5.0, end_tension_N=20.0)
+    >>> answer = answer_trials(table, design=design)
+    >>> answer.fit.law, float(answer.prediction.lift_force_N[0].round(1))
+    ('constant', 54.4)
+    """
+    laws = [*LAWS, law] if law and law not in LAWS else None
+    comparison = compare_laws(table, laws, progress=progress)
+    winner = choose_winner(comparison, law)
+    prediction, refused = _predicted(winner.fit, table, design, rope_radius_m)
+    return CampaignAnswer(
+        table=table,
+        comparison=comparison,
+        winner=winner,
+        diagnosis=diagnose(table, comparison),
+        prediction=prediction,
+        doubts=(*winner.fit.advice, *winner.doubts, *comparison.notes[1:], *refused),
+    )
+
+
+def _predicted(
+    fit: FitResult, table: TrialTable, design: DesignSpec | None, rope_radius_m: float | None
+) -> tuple[Prediction | None, tuple[str, ...]]:
+    """Return the lift force of a design, or None and why there is none."""
+    if design is None:
+        return None, ()
+    rope_m = float(np.median(table.rope_radius_m[table.used])) if rope_radius_m is None else rope_radius_m
+    try:
+        wheel = one_condition(design.wheel_radius_m, rope_m, design.wrap_angle_rad, design.end_tension_N)
+        return predict(fit, wheel), ()
+    except RopefricError as error:
+        return None, (f"no lift force for the design: {error}",)

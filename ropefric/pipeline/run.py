@@ -1,0 +1,198 @@
+"""A campaign from its recordings to the answer, with everything written that others can check."""
+
+import csv
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ropefric.errors import DataError
+from ropefric.fitting.comparison import Comparison
+from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.store import save_fit
+from ropefric.fitting.table import read_trial_table
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.pipeline.answer import CampaignAnswer, Progress, answer_trials
+from ropefric.pipeline.usable import set_aside_impossible
+from ropefric.traces.breakaway import Status
+from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.extract import extract_campaign
+from ropefric.trials.result import Extraction
+from ropefric.trials.tables import write_tables
+
+__all__ = ["CampaignRun", "count_trials", "run_campaign", "write_answer"]
+
+_RANKING = (
+    "law",
+    "status",
+    "counted",
+    "n",
+    "k",
+    "chi2",
+    "aicc",
+    "delta_aicc",
+    "weight",
+    "bic",
+    "loco_error",
+    "note",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CampaignRun:
+    """A campaign's result.
+
+    Attributes
+    ----------
+    campaign : Campaign
+        What was measured.
+    extraction : Extraction
+        The forces.
+    answer : CampaignAnswer
+        What they say.
+    written : tuple of Path
+        The files, in the order they were written.
+    """
+
+    campaign: Campaign
+    extraction: Extraction
+    answer: CampaignAnswer
+    written: tuple[Path, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return counts of the extraction, ranking, fit, prediction and diagnosis as a JSON tree."""
+        return {
+            "campaign": self.campaign.name,
+            "extraction": count_trials(self.extraction),
+        } | self.answer.to_dict()
+
+
+def run_campaign(
+    campaign: Campaign,
+    folder: Path,
+    *,
+    law: str = "",
+    jobs: int = 1,
+    cache_dir: Path | None = None,
+    extract_progress: Callable[[int, int, str], None] | None = None,
+    fit_progress: Progress | None = None,
+    on_extracted: Callable[[Extraction], None] | None = None,
+) -> CampaignRun:
+    """Return the result of a campaign, and write its tables, fits, comparison and prediction into a folder.
+
+    Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
+    prediction.json; the same campaign gives the same bytes, whatever `jobs` and the cache.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        From `load_campaign`.
+    folder : Path
+        Made where it is missing; files of these names are replaced.
+    law : str
+        The law to use; "" for the best that is to be trusted.
+    jobs : int
+        Number of processes.
+    cache_dir : Path, optional
+        Where extracted recordings are kept.
+    extract_progress, fit_progress : callable, optional
+        Told how far the work is; see `extract_campaign` and `compare_laws`.
+    on_extracted : callable, optional
+        Called with the extraction as soon as its tables are written.
+
+    Raises
+    ------
+    DataError
+        RF301 if no recording gave a usable force; the tables are written all the same.
+    RopefricError
+        If no law can be fitted.
+    """
+    found = extract_campaign(campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress)
+    extraction = set_aside_impossible(found, campaign)
+    tables = write_tables(extraction, folder)
+    if on_extracted is not None:
+        on_extracted(extraction)
+    _require_a_force(extraction, campaign)
+    # From the file, so that every fit names its data, with its hash, and can be made again.
+    answer = answer_trials(
+        read_trial_table(tables[0]),
+        design=campaign.design,
+        rope_radius_m=campaign.rope.radius_m,
+        law=law,
+        progress=fit_progress,
+    )
+    return CampaignRun(
+        campaign=campaign,
+        extraction=extraction,
+        answer=answer,
+        written=(*tables, *write_answer(answer, folder)),
+    )
+
+
+def count_trials(extraction: Extraction) -> dict[str, Any]:
+    """Return how many trials were extracted, gave a force, and are kept, and how many have each status.
+
+    Examples
+    --------
+    >>> count_trials(Extraction(name="", trials=(), conditions=(), problems=()))["n_trials"]
+    0
+    """
+    statuses = [trial.breakaway.status for trial in extraction.trials]
+    return {
+        "n_trials": len(statuses),
+        "n_conditions": len(extraction.conditions),
+        "n_ok": statuses.count(Status.OK),
+        "n_kept": sum(trial.kept for trial in extraction.trials),
+        "n_rejected": sum(bool(trial.rejected_by) for trial in extraction.trials),
+        "n_excluded": sum(bool(trial.excluded) for trial in extraction.trials),
+        "status": {status.value: statuses.count(status) for status in Status if status in statuses},
+    }
+
+
+def write_answer(answer: CampaignAnswer, folder: Path) -> tuple[Path, ...]:
+    """Write fits/LAW.json for every law, comparison.csv and prediction.json; return their paths.
+
+    A law's fit or a prediction that an earlier run left and this one does not have is removed.
+    """
+    fits = [save_fit(fit, folder / "fits" / f"{fit.law}.json") for fit in answer.fits]
+    for name in ALL_LAWS.keys() - {fit.law for fit in answer.fits}:
+        (folder / "fits" / f"{name}.json").unlink(missing_ok=True)
+    written = [*fits, _write_ranking(answer.comparison, folder / "comparison.csv")]
+    target = folder / "prediction.json"
+    if answer.prediction is None:
+        target.unlink(missing_ok=True)
+    else:
+        written.append(_write_prediction(answer.prediction, target))
+    return tuple(written)
+
+
+def _require_a_force(extraction: Extraction, campaign: Campaign) -> None:
+    if any(trial.breakaway.status == Status.OK for trial in extraction.trials):
+        return
+    raise DataError(
+        f"none of the {len(extraction.trials)} recordings gave a usable force",
+        code="RF301",
+        path=campaign.path,
+        fix="problems.csv says why for each; `ropefric inspect FILE` shows what a file holds",
+    )
+
+
+def _write_ranking(comparison: Comparison, path: Path) -> Path:
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.DictWriter(stream, _RANKING, lineterminator="\n")
+        writer.writeheader()
+        for entry in comparison.ranking:
+            row = entry.to_dict()
+            writer.writerow({name: _cell(row[name]) for name in _RANKING})
+    return path
+
+
+def _cell(value: Any) -> Any:
+    return str(value).lower() if isinstance(value, bool) else value
+
+
+def _write_prediction(prediction: Prediction, path: Path) -> Path:
+    text = json.dumps(prediction.to_dict(), sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8", newline="\n")
+    return path

@@ -1,0 +1,94 @@
+"""The parts of a summary, each from one result: a fit, a comparison, a diagnosis, a prediction."""
+
+import math
+
+from ropefric.fitting.comparison import Comparison
+from ropefric.fitting.diagnosis import Diagnosis
+from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.result import FitResult
+from ropefric.report.numbers import interval, plain
+from ropefric.report.section import Section, Table
+
+__all__ = ["comparison_section", "diagnosis_section", "fit_section", "prediction_section"]
+
+_VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
+
+
+def fit_section(fit: FitResult, title: str = "") -> Section:
+    """Return a fitted law with its parameters and their 95 % intervals."""
+    law, found = fit.friction_law, fit.statistics
+    between = f"between conditions {_percent(found.scatter_between)}"
+    lines = (
+        f"{law.name}: {law.equation}",
+        f"{found.n} trials of {found.n_conditions} conditions",
+        f"scatter between repeats {_percent(found.scatter_within)}, {between}",
+        f"status {fit.status}: {fit.status.advice}",
+    )
+    rows = []
+    for item, declared in zip(fit.parameters, law.parameters, strict=True):
+        unit = "" if declared.unit == "-" else f" [{declared.unit}]"
+        if not item.vary:
+            std, span = "fixed", "–"
+        elif item.at_bound:
+            std, span = "at its bound", "–"
+        else:
+            std, span = plain(item.std, ".2g"), interval(item.ci95)
+        rows.append((f"{item.name}{unit}", plain(item.value, ".5g"), std, span, declared.meaning))
+    headings = ("parameter", "value", "standard error", "95 % interval", "meaning ")
+    return Section(title=title or "Law", lines=lines, table=Table(headings=headings, rows=tuple(rows)))
+
+
+def comparison_section(comparison: Comparison) -> Section:
+    """Return the laws by AICc; a dash where a law has no such number."""
+    rows = tuple(
+        (
+            entry.law,
+            plain(entry.delta_aicc, ".1f") if entry.counted else "–",
+            plain(entry.weight, ".3f") if entry.counted else "–",
+            _percent(entry.loco_error),
+            entry.status,
+        )
+        for entry in comparison.ranking
+    )
+    headings = ("law", "ΔAICc", "weight", "error at unseen conditions", "status ")
+    left_out = tuple(
+        f"{entry.law} is not counted: {entry.note}" for entry in comparison.ranking if entry.note
+    )
+    table = Table(headings=headings, rows=rows)
+    return Section(title="Comparison", table=table, notes=comparison.notes + left_out)
+
+
+def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
+    """Return why the rope does not obey the capstan equation: the verdicts with their evidence.
+
+    With `full`, the experiments that would decide as well.
+    """
+    if full:
+        return Section(title="", lines=tuple(diagnosis.text.splitlines()))
+    notes = tuple(
+        f"{cause.cause}: {_VERDICTS[cause.supported]}; {cause.evidence}" for cause in diagnosis.causes
+    )
+    return Section(title="Does it obey the capstan equation?", lines=(diagnosis.summary,), notes=notes)
+
+
+def prediction_section(prediction: Prediction, index: int = 0) -> Section:
+    """Return the lift force of one condition with both its intervals."""
+    at, level = prediction.conditions, f"{100 * prediction.level:g} %"
+    where = (
+        f"R_w = {plain(1e3 * at.wheel_radius_m[index])} mm, rope of {plain(2e3 * at.rope_radius_m[index])} mm, "
+        f"wrap {plain(math.degrees(at.wrap_angle_rad[index]))} deg, F_B = {plain(at.end_tension_N[index])} N"
+    )
+    lift = plain(prediction.lift_force_N[index], ".5g")
+    lines = [
+        f"{where}:",
+        f"F_A = {lift} N by {prediction.law}, standard error {plain(prediction.std_N[index], '.2g')} N",
+        f"{level} confidence interval of the mean: {interval(prediction.interval_N[index])} N",
+    ]
+    wide = prediction.prediction_interval_N[index]
+    if not math.isnan(float(wide[0])):
+        lines.append(f"{level} prediction interval of one pull with a new rope: {interval(wide)} N")
+    return Section(title="Lift force", lines=tuple(lines), notes=prediction.notes(index))
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g} %" if math.isfinite(value) else "–"

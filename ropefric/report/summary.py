@@ -1,0 +1,61 @@
+"""A campaign's result on one page."""
+
+from pathlib import Path
+
+from ropefric.pipeline.run import CampaignRun, count_trials
+from ropefric.report.page import as_page
+from ropefric.report.parts import comparison_section, diagnosis_section, fit_section, prediction_section
+from ropefric.report.section import Section
+from ropefric.report.text import as_text
+
+__all__ = ["summary_sections", "summary_text", "write_summary"]
+
+
+def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
+    """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""
+    answer = run.answer
+    how = "as asked for" if answer.winner.forced else "the best law to be trusted by AICc"
+    if not answer.fit.trustworthy:
+        how += ", NOT to be trusted"
+    sections = [
+        _campaign(run),
+        fit_section(answer.fit, f"The law: {answer.fit.law}, {how}"),
+        comparison_section(answer.comparison),
+        diagnosis_section(answer.diagnosis),
+        Section(title="Doubts", notes=answer.doubts or ("nothing was found",)),
+    ]
+    if answer.prediction is not None:
+        sections.append(prediction_section(answer.prediction))
+    elif run.campaign.design is None:
+        sections.append(
+            Section(title="Lift force", lines=("the campaign names no wheel: add [design] to it",))
+        )
+    return tuple(sections)
+
+
+def summary_text(run: CampaignRun) -> str:
+    """Return the summary as plain text."""
+    return as_text(summary_sections(run))
+
+
+def write_summary(run: CampaignRun, folder: Path) -> tuple[Path, ...]:
+    """Write summary.txt and summary.html into a folder; return their paths."""
+    sections = summary_sections(run)
+    texts = {"summary.txt": as_text(sections), "summary.html": as_page(run.campaign.name, sections)}
+    paths = []
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        paths.append(folder / name)
+    return tuple(paths)
+
+
+def _campaign(run: CampaignRun) -> Section:
+    counts = count_trials(run.extraction)
+    statuses = ", ".join(f"{n} {status}" for status, n in counts["status"].items() if status != "ok")
+    line = (
+        f"{run.campaign.name}: {counts['n_trials']} trials of {counts['n_conditions']} conditions, {counts['n_ok']} "
+        f"with a force, {counts['n_kept']} kept; {counts['n_rejected']} set aside by {run.campaign.rejection}"
+    )
+    if counts["n_excluded"]:
+        line += f", {counts['n_excluded']} otherwise"
+    return Section(title="", lines=(line, *((f"without a force: {statuses}",) if statuses else ())))

@@ -207,35 +207,36 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
             fix=f'write it like "1.5 {_example_unit(si_unit)}"',
         )
     value, unit = float(match[1]), match[2]
-    if not math.isfinite(value):
-        raise InputError(f"{name}: {text!r} is not a finite number", code="RF130")
-    if value == 0 and re.search("[1-9]", re.split("[eE]", match[1])[0]):
-        raise InputError(f"{name}: {text!r} is out of range: too small for a float", code="RF130")
-    if len(unit) > 40 or _ENDLESS.search(unit):
-        # pint computes powers before it asks whether they make sense: "9**9**9**9" would never end.
-        raise InputError(
-            f"{name}: '{unit[:40]}' is no unit", code="RF130", fix=f"use '{_example_unit(si_unit)}'"
-        )
-    if not unit and si_unit:
-        raise InputError(
-            f"{name}: {text} has no unit",
-            code="RF130",
-            fix=f'write it with one, for example "{match[1]} {_example_unit(si_unit)}"',
-        )
+    problem, fix = _doubt(match[1], value, unit, si_unit)
+    if problem:
+        raise InputError(f"{name}: {text!r} {problem}", code="RF130", fix=fix)
     if unit == "%":
         unit = "percent"
     if not unit:
         return value
-    if unit.startswith(","):
-        raise InputError(
-            f"{name}: {text!r} has a decimal comma", code="RF130", fix="write a decimal point, as TOML does"
-        )
     factor = unit_factor(unit, si_unit, name=name)
     # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
     result = float(Decimal(match[1]) * Decimal(repr(factor)))
     if not math.isfinite(result):
         raise InputError(f"{name}: {text!r} is too large for a float", code="RF130")
     return result
+
+
+def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str]:
+    """Return what is wrong with a number and its unit as they stand, and the fix; nothing where all is well."""
+    example = _example_unit(si_unit)
+    if not math.isfinite(value):
+        return "is not a finite number", ""
+    if value == 0 and re.search("[1-9]", re.split("[eE]", digits)[0]):
+        return "is out of range: too small for a float", ""
+    if len(unit) > 40 or _ENDLESS.search(unit):
+        # pint computes powers before it asks whether they make sense: "9**9**9**9" would never end.
+        return "is no quantity: what follows the number is no unit", f"use '{example}'"
+    if not unit and si_unit:
+        return "has no unit", f'write it with one, for example "{digits} {example}"'
+    if unit.startswith(","):
+        return "has a decimal comma", "write a decimal point, as TOML does"
+    return "", ""
 
 
 def _dimension(si_unit: str) -> str:

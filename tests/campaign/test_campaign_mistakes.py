@@ -17,7 +17,7 @@ MISTAKES = {
     "unknown key of a channel": ('unit = "bar"', 'units = "bar"', "RF120", "import.channels.pressure.units", "unknown key 'units'", "column and unit"),
     "bare number": ('diameter = "9.8 mm"', "diameter = 9.8", "RF130", "rope.diameter", 'expected text like "40 mm", got 9.8', '"9.8 mm"'),
     "bare number for a force": ('min_step = "5 N"', "min_step = 5", "RF130", "protocol.min_step", 'expected text like "5 N", got 5', '"5 N"'),
-    "number without unit in text": ('"9.8 mm"', '"9.8"', "RF130", "rope.diameter", "9.8 has no unit", '"9.8 mm"'),
+    "number without unit in text": ('"9.8 mm"', '"9.8"', "RF130", "rope.diameter", "'9.8' has no unit", '"9.8 mm"'),
     "decimal comma": ('"9.8 mm"', '"9,8 mm"', "RF130", "rope.diameter", "decimal comma", "decimal point"),
     "unit of another dimension": ('"9.8 mm"', '"9.8 N"', "RF130", "rope.diameter", "'N' is not a unit of length", "'mm'"),
     "knots": ('"1 kN"', '"1 kn"', "RF130", "cells.K1.full_scale", "knot", "'kN'"),

@@ -31,11 +31,31 @@ __all__ = [
 ]
 
 
+_WHERE = {
+    "compare": "ropefric.api.fits",
+    "design": "ropefric.api.wheels",
+    "diagnose": "ropefric.api.fits",
+    "extract": "ropefric.api.recordings",
+    "find_breakaway": "ropefric.api.recordings",
+    "fit": "ropefric.api.fits",
+    "load_campaign": "ropefric.trials.campaign",
+    "load_fit": "ropefric.fitting.store",
+    "predict": "ropefric.api.wheels",
+    "read_trace": "ropefric.api.recordings",
+    "read_trial": "ropefric.api.recordings",
+    "reject": "ropefric.api.recordings",
+    "run": "ropefric.api.wheels",
+    "save_fit": "ropefric.fitting.store",
+    "smooth": "ropefric.api.recordings",
+    "trial_table": "ropefric.api.inputs",
+}
+
+
 def __getattr__(name: str) -> Any:
-    # NumPy and SciPy take longer to load than the rest of a short command; `__init__.pyi` tells editors the types.
-    if name not in __all__:
+    # NumPy, SciPy and pandas take long to load, and a short command needs none; `__init__.pyi` has the types.
+    if name not in _WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module("ropefric.api"), name)
+    value = getattr(import_module(_WHERE[name]), name)
     globals()[name] = value
     return value
 

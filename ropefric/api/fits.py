@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Literal
 
-from ropefric.api.inputs import PathLike, trial_table
+from ropefric.api.inputs import trial_table
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.comparison import Comparison
 from ropefric.fitting.diagnose import diagnose as find_causes
@@ -16,6 +16,7 @@ from ropefric.fitting.result import FitResult
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ropefric.api.campaigns import PathLike
     from ropefric.fitting.table import TrialTable
     from ropefric.trials.result import Extraction
 

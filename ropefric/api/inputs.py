@@ -1,23 +1,19 @@
-"""What the functions take: results, pandas frames or paths of files."""
+"""What the functions on trials and fits take: results, pandas frames or paths of files."""
 
 import os
 from typing import TYPE_CHECKING
 
+from ropefric.api.campaigns import PathLike
 from ropefric.errors import InputError
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.fitting.table import TrialTable, read_trial_table, table_from_frame
-from ropefric.trials.campaign import load_campaign
-from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.result import Extraction
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["PathLike", "as_campaign", "as_fit", "trial_table"]
-
-PathLike = str | os.PathLike[str]
-"""A file or folder."""
+__all__ = ["as_fit", "trial_table"]
 
 
 def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> TrialTable:
@@ -54,11 +50,6 @@ def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> 
         key="trials",
         fix="give a DataFrame or the path of a CSV file",
     )
-
-
-def as_campaign(campaign: Campaign | PathLike) -> Campaign:
-    """Return a campaign, loaded where its file is given."""
-    return campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
 
 
 def as_fit(fit: FitResult | PathLike) -> FitResult:

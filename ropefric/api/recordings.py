@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.api.inputs import PathLike, as_campaign
+from ropefric.api.campaigns import PathLike, as_campaign
 from ropefric.errors import DataError, InputError
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway

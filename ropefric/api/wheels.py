@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.api.inputs import PathLike, as_campaign, as_fit
+from ropefric.api.campaigns import PathLike, as_campaign
+from ropefric.api.inputs import as_fit
 from ropefric.fitting.design import design as find_design
 from ropefric.fitting.design_result import Design, SolveFor
 from ropefric.fitting.predict import predict as predict_lift

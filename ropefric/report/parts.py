@@ -4,12 +4,20 @@ import math
 
 from ropefric.fitting.comparison import Comparison
 from ropefric.fitting.diagnosis import Diagnosis
+from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.prediction import Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.report.numbers import interval, plain
 from ropefric.report.section import Section, Table
 
-__all__ = ["comparison_section", "diagnosis_section", "fit_section", "prediction_section"]
+__all__ = [
+    "comparison_section",
+    "diagnosis_section",
+    "fit_section",
+    "notes_sections",
+    "origin_section",
+    "prediction_section",
+]
 
 _VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 
@@ -35,7 +43,31 @@ def fit_section(fit: FitResult, title: str = "") -> Section:
             std, span = plain(item.std, ".2g"), interval(item.ci95)
         rows.append((f"{item.name}{unit}", plain(item.value, ".5g"), std, span, declared.meaning))
     headings = ("parameter", "value", "standard error", "95 % interval", "meaning ")
-    return Section(title=title or "Law", lines=lines, table=Table(headings=headings, rows=tuple(rows)))
+    return Section(
+        title=title or f"The law: {law.name}", lines=lines, table=Table(headings=headings, rows=tuple(rows))
+    )
+
+
+def notes_sections(fit: FitResult) -> tuple[Section, Section]:
+    """Return what is doubtful about a fit, and how it was made."""
+    return (
+        Section(title="Doubts", notes=fit.advice or ("nothing was found",)),
+        Section(title="How it was made", notes=fit.notes),
+    )
+
+
+def origin_section(fit: FitResult) -> Section:
+    """Return what a fit was made from, and the range of the conditions it holds for."""
+    source, versions = fit.provenance.get("input", {}), fit.provenance.get("versions", {})
+    ranges = tuple(
+        f"{title} {plain(factor * low)} to {plain(factor * high)} {unit}"
+        for name, (title, unit, factor) in REGRESSORS.items()
+        if name in fit.validity
+        for low, high in [fit.validity[name]]
+    )
+    made = ", ".join(f"{name} {number}" for name, number in sorted(versions.items()))
+    lines = (f"from {source.get('path') or 'no file'}, with {made or 'unknown versions'}", "tested:")
+    return Section(title="Where it comes from, and where it holds", lines=lines, notes=ranges)
 
 
 def comparison_section(comparison: Comparison) -> Section:

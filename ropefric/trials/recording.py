@@ -36,8 +36,7 @@ RATE_TOLERANCE = 0.01
 def content_hash(path: Path) -> str:
     """Return the SHA-256 of a file's bytes; empty if it cannot be read."""
     try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
+        return hashlib.sha256(path.read_bytes()).hexdigest()
     except (OSError, ValueError):
         return ""
 

@@ -56,8 +56,7 @@ def fit(
     from ropefric.fitting.fit import fit_law  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.fitting.intervals import with_intervals  # noqa: PLC0415
     from ropefric.fitting.store import save_fit  # noqa: PLC0415
-    from ropefric.report.parts import fit_section  # noqa: PLC0415
-    from ropefric.report.section import Section  # noqa: PLC0415
+    from ropefric.report.parts import fit_section, notes_sections  # noqa: PLC0415
 
     options = {
         "fixed": parse_assignments(fix or (), option="--fix"),
@@ -68,11 +67,7 @@ def fit(
     result = with_intervals(fitted, intervals, seed=seed)
     if file is not None:
         out.note(f"wrote {save_fit(result, file)}")
-    sections = [
-        fit_section(result, f"The law: {result.law}"),
-        Section(title="Doubts", notes=result.advice or ("nothing was found",)),
-        Section(title="How it was made", notes=result.notes),
-    ]
+    sections = [fit_section(result), *notes_sections(result)]
     return Answer(
         data=result.to_dict(),
         show=lambda console: show_sections(sections, console),

@@ -67,7 +67,7 @@ def find_dialect(text: Text, profile: ImportProfile) -> Dialect:
     head = text.data[:HEAD_BYTES]
     if len(head) < len(text.data):
         head = head[: head.rfind(b"\n") + 1] or head  # a cut line would mislead
-    lines = [line.decode(errors="replace") for line in head.split(b"\n", HEAD_LINES)[:HEAD_LINES]]
+    lines = b"\n".join(head.split(b"\n", HEAD_LINES)[:HEAD_LINES]).decode(errors="replace").split("\n")
     skip = max(profile.data_row - 1, profile.header_row, profile.units_row, profile.block_names_row, 0)
     data_lines = lines[skip:]
     if len(data_lines) < 2:  # an explicit data row far down the file

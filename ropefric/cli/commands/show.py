@@ -1,0 +1,31 @@
+"""`ropefric show`: a stored fit, told to people."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.fitting_options import exit_code_of, read_fit, show_sections
+from ropefric.cli.output import Output
+
+__all__ = ["COMMAND"]
+
+FitFile = Annotated[Path, typer.Argument(metavar="FIT.json", help="A stored fit.")]
+
+
+def show(out: Output, file: FitFile) -> Answer:
+    """Show a stored fit: its parameters, whether to trust it, what it was made from, where it holds.
+
+    Exits with 4 when it is not to be trusted.
+    """
+    from ropefric.report.parts import fit_section, notes_sections, origin_section  # noqa: PLC0415  (quick start-up)
+
+    fit = read_fit(file, out)
+    sections = [fit_section(fit), *notes_sections(fit), origin_section(fit)]
+    return Answer(
+        data=fit.to_dict(), show=lambda console: show_sections(sections, console), exit_code=exit_code_of(fit)
+    )
+
+
+COMMAND = Command(name="show", run=show, example="ropefric show fits/prth-coupled.json", order=55)

@@ -1,0 +1,122 @@
+"""`run`: a campaign's whole way on small simulated campaigns."""
+
+import shutil
+
+import pytest
+
+NOT_TRUSTED = 4
+FILES = {
+    *("trials.csv", "conditions.csv", "problems.csv", "comparison.csv", "prediction.json"),
+    *("summary.txt", "summary.html"),
+}
+
+
+@pytest.fixture(scope="module")
+def capstan(tmp_path_factory):
+    """Nine conditions of three pulls that obey the capstan equation."""
+    from ropefric.cli.app import main
+
+    folder = tmp_path_factory.mktemp("capstan") / "campaign"
+    words = ["--law", "constant", "-p", "mu=0.15", "--conditions", "9", "--repeats", "3", "--no-faults", "-q"]
+    assert main(["simulate", str(folder), *words]) == 0
+    return folder
+
+
+def files(folder):
+    return {
+        p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()
+    }
+
+
+def test_everything_is_written_and_told(call, capstan, tmp_path):
+    done = call("run", capstan, "--out", tmp_path)
+    assert done.code == 0, done.err
+    names = {name for name in files(tmp_path) if not name.startswith(".cache")}
+    assert names >= FILES
+    assert "fits/constant.json" in names
+    assert sum(name.endswith(".png") for name in names) == 9
+    for words in (
+        *("The law: constant", "95 % interval", "ΔAICc", "Doubts", "F_A = ", "95 % confidence interval"),
+        *("95 % prediction interval", f"written to {tmp_path}"),
+    ):
+        assert words in done.out
+    assert "extract 27/27" in done.err
+    assert "figures 9/9" in done.err
+    summary = (tmp_path / "summary.txt").read_text(encoding="utf-8")
+    assert done.out.startswith(summary)
+
+
+def test_json_alone_on_stdout_with_the_agreed_shape(call, bench, tmp_path):
+    done = call("run", bench / "campaign.toml", "--out", tmp_path, "--json", "--quiet", "--no-figures")
+    tree = done.json()
+    assert done.err == ""
+    assert tree.keys() >= {"extraction", "ranking", "fit", "prediction"}
+    assert tree["extraction"]["n_trials"] == 12
+    assert tree["fit"]["law"] in {entry["law"] for entry in tree["ranking"]}
+    assert tree["fit"]["schema"] == "ropefric.fit/1"
+    assert done.code == (0 if tree["fit"]["status"] == "ok" else NOT_TRUSTED)
+    assert tree["prediction"].keys() >= {
+        "lift_force_N",
+        "std_N",
+        "interval_N",
+        "level",
+        "extrapolated",
+        "method",
+    }
+    assert not (tmp_path / "figures").exists()
+
+
+def test_the_same_bytes_however_it_is_worked_through(call, bench, tmp_path):
+    runs = []
+    for name, *options in (("a", "--jobs", "1"), ("b", "--jobs", "2"), ("c", "--no-cache"), ("a",)):
+        call("run", bench, "--out", tmp_path / name, "--no-figures", *options)
+        runs.append(
+            {name: text for name, text in files(tmp_path / name).items() if not name.startswith(".cache")}
+        )
+    assert runs[1:] == runs[:1] * 3
+
+
+def test_the_page_is_whole_and_escapes_what_it_shows(call, bench, tmp_path):
+    shutil.copytree(bench, tmp_path / "campaign")
+    path = tmp_path / "campaign" / "campaign.toml"
+    path.write_text(path.read_text(encoding="utf-8").replace('name = "', 'name = "<b>&', 1), encoding="utf-8")
+    call("run", tmp_path / "campaign", "--out", tmp_path / "out", "--no-figures")
+    page = (tmp_path / "out" / "summary.html").read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert "<title>&lt;b&gt;&amp;" in page
+    assert "<b>&" not in page
+    for foreign in ("http:", "https:", "src=", "href="):
+        assert foreign not in page
+
+
+def test_a_law_can_be_asked_for(call, bench, tmp_path):
+    done = call("run", bench, "--out", tmp_path, "--no-figures", "--law", "constant-offset")
+    assert "The law: constant-offset, as asked for" in done.out
+    refused = call("run", bench, "--out", tmp_path / "other", "--law", "constnat")
+    assert refused.code == 3
+    assert "did you mean 'constant'?" in refused.err
+    assert not (tmp_path / "other" / "trials.csv").exists()
+
+
+def test_a_law_not_to_be_trusted_is_4(call, bench, tmp_path):
+    """Two conditions of one wrap and one load tell no law from another."""
+    done = call("run", bench, "--out", tmp_path, "--no-figures", "--law", "coupled")
+    assert done.code == NOT_TRUSTED
+    assert "NOT to be trusted" in done.out
+    assert (tmp_path / "summary.txt").exists()
+
+
+def test_nothing_to_extract_is_3_with_the_tables(call, bench, tmp_path):
+    shutil.copytree(bench, tmp_path / "campaign")
+    for path in (tmp_path / "campaign" / "traces").iterdir():
+        path.write_bytes(b"")
+    done = call("run", tmp_path / "campaign", "--out", tmp_path / "out", "--no-figures")
+    assert (done.code, done.out) == (3, "")
+    assert "none of the 12 recordings gave a usable force" in done.err
+    assert (tmp_path / "out" / "problems.csv").exists()
+    error = call("run", tmp_path / "campaign", "--out", tmp_path / "out", "--json").json()["error"]
+    assert error["code"] == "RF301"
+
+
+def test_a_campaign_that_is_not_there_is_3(call, tmp_path):
+    assert call("run", tmp_path / "nowhere.toml", "--out", tmp_path / "out").code == 3

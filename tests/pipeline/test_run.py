@@ -1,0 +1,220 @@
+"""The main job: which law is used, what is written, and what happens when something is wrong."""
+
+import csv
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ropefric.errors import DataError, FitError, UnknownNameError
+from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.status import FitStatus
+from ropefric.pipeline.answer import answer_trials
+from ropefric.pipeline.run import count_trials, run_campaign, write_answer
+from ropefric.pipeline.usable import REASON, set_aside_impossible
+from ropefric.pipeline.winner import choose_winner
+from ropefric.trials.campaign import load_campaign
+from ropefric.trials.campaign_model import DesignSpec
+
+WHEEL = DesignSpec(wheel_radius_m=0.05, wrap_angle_rad=6.0, end_tension_N=40.0)
+
+
+def tree(folder):
+    return {
+        p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()
+    }
+
+
+def test_the_bench_leaves_what_others_can_check(bench_run):
+    run, folder = bench_run
+    names = set(tree(folder))
+    assert names >= {"trials.csv", "conditions.csv", "problems.csv", "comparison.csv", "prediction.json"}
+    assert {f"fits/{fit.law}.json" for fit in run.answer.fits} <= names
+    assert {path.relative_to(folder).as_posix() for path in run.written} == names
+    with (folder / "comparison.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["law"] for row in rows] == [entry.law for entry in run.answer.comparison.ranking]
+    assert float(rows[0]["delta_aicc"]) == 0.0
+    prediction = json.loads((folder / "prediction.json").read_text(encoding="utf-8"))
+    assert prediction["lift_force_N"] == run.answer.prediction.lift_force_N[0]
+    source = json.loads((folder / "fits" / "coupled.json").read_text(encoding="utf-8"))["provenance"]["input"]
+    assert source["path"] == "../trials.csv"
+    counts = run.to_dict()["extraction"]
+    assert counts == count_trials(run.extraction)
+    assert (counts["n_trials"], counts["n_conditions"]) == (432, 36)
+    assert sum(counts["status"].values()) == 432
+    json.dumps(run.to_dict(), allow_nan=False)
+
+
+@pytest.mark.parametrize(("law", "theta"), [("constant", (0.2,)), ("size-exponential", (0.46, -0.22, -0.3))])
+def test_the_law_that_made_the_data_is_used(pulls, law, theta):
+    answer = answer_trials(pulls(law, *theta), design=WHEEL, rope_radius_m=0.005)
+    assert answer.fit.law == law
+    truth = answer.fit.friction_law.log_lift(list(theta), answer.prediction.conditions)[0]
+    assert abs(answer.prediction.log_lift[0] - truth) < 4 * answer.prediction.std_log[0]
+
+
+def test_a_law_that_is_asked_for_is_used_and_its_place_is_said(pulls):
+    table = pulls("constant", 0.2)
+    answer = answer_trials(table, law="wrap-exponential-from-zero", design=WHEEL)
+    assert answer.fit.law == "wrap-exponential-from-zero"
+    assert answer.winner.forced
+    assert any("was asked for" in doubt or "takes no part" in doubt for doubt in answer.doubts)
+    with pytest.raises(UnknownNameError, match="did you mean 'constant'"):
+        answer_trials(table, law="constnat")
+
+
+def test_a_law_that_cannot_be_trusted_does_not_win(pulls):
+    found = compare_laws(pulls("constant", 0.2))
+    best = found.ranking[0]
+    spoilt = replace(best, fit=replace(best.fit, status=FitStatus.AT_BOUND), status="at-bound")
+    winner = choose_winner(replace(found, ranking=(spoilt, *found.ranking[1:])))
+    assert winner.fit.law != best.law
+    assert winner.fit.trustworthy
+    assert f"{best.law} stands" in winner.doubts[0]
+    assert "at-bound" in winner.doubts[0]
+
+
+def test_where_no_law_can_be_trusted_the_best_says_so(pulls):
+    found = compare_laws(pulls("constant", 0.2))
+    spoilt = tuple(
+        entry
+        if entry.fit is None
+        else replace(entry, fit=replace(entry.fit, status=FitStatus.UNIDENTIFIABLE))
+        for entry in found.ranking
+    )
+    winner = choose_winner(replace(found, ranking=spoilt))
+    assert winner.fit.law == found.best.law
+    assert not winner.fit.trustworthy
+
+
+def test_a_law_without_an_answer_cannot_be_asked_for(pulls):
+    found = compare_laws(pulls("constant", 0.2))
+    gone = replace(found.ranking[0], fit=None, counted=False, note="no answer here")
+    with pytest.raises(FitError, match="no answer here"):
+        choose_winner(replace(found, ranking=(gone, *found.ranking[1:])), gone.law)
+
+
+def test_a_design_without_an_answer_is_a_doubt_and_no_number(pulls):
+    wild = replace(WHEEL, wrap_angle_rad=1e6)
+    answer = answer_trials(pulls("constant", 0.2), design=wild)
+    assert answer.prediction is None
+    assert any("no lift force for the design" in doubt and "overflows" in doubt for doubt in answer.doubts)
+    assert answer.to_dict()["prediction"] is None
+
+
+def test_what_an_earlier_run_left_is_removed_and_what_others_left_is_not(pulls, tmp_path):
+    answer = answer_trials(pulls("constant", 0.2), design=WHEEL)
+    (tmp_path / "fits").mkdir()
+    for name in ("wrap-power-from-zero", "prth-constant"):
+        (tmp_path / "fits" / f"{name}.json").write_text("{}")
+    write_answer(answer, tmp_path)
+    before = tree(tmp_path)
+    assert "fits/wrap-power-from-zero.json" not in before
+    assert "fits/prth-constant.json" in before
+    write_answer(replace(answer, prediction=None), tmp_path)
+    assert before.keys() - tree(tmp_path).keys() == {"prediction.json"}
+
+
+@pytest.fixture
+def lab(tmp_path):
+    """Twelve recordings of a straight pull: wraps of half a turn and a turn, from 30 to 90 N."""
+    rows = ["trial,file,wheel_radius_mm,wrap_angle_deg,end_tension_N"]
+    rng = np.random.default_rng(3)
+    for number in range(12):
+        wrap_deg = (180, 360)[number % 2]
+        peak_N = 20 * math.exp(0.2 * math.radians(wrap_deg)) * (1 + 0.01 * rng.standard_normal())
+        time_s = np.arange(2500) / 1000
+        force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, peak_N, 0.8 * peak_N])
+        force_N += 0.05 * rng.standard_normal(time_s.size)
+        text = "time_s,force_N\n" + "".join(
+            f"{t:.4f},{f:.4f}\n" for t, f in zip(time_s, force_N, strict=True)
+        )
+        (tmp_path / f"p{number}.csv").write_text(text, encoding="utf-8")
+        rows.append(f"p{number},p{number}.csv,40,{wrap_deg},20")
+
+    def load(change=lambda rows: rows):
+        (tmp_path / "trials.csv").write_text("\n".join([*change(rows), ""]), encoding="utf-8")
+        (tmp_path / "campaign.toml").write_text(
+            'schema = "ropefric.campaign/1"\nname = "lab"\ntrials = "trials.csv"\n[rope]\ndiameter = "9.8 mm"\n',
+            encoding="utf-8",
+        )
+        return load_campaign(tmp_path / "campaign.toml")
+
+    return load
+
+
+def test_the_same_campaign_gives_the_same_bytes(lab, tmp_path):
+    runs = []
+    for name, options in {"a": {}, "b": {"jobs": 2}, "c": {"cache_dir": tmp_path / "cache"}}.items():
+        run_campaign(lab(), tmp_path / name, **options)
+        runs.append(tree(tmp_path / name))
+    assert runs[0] == runs[1] == runs[2]
+    run = run_campaign(lab(), tmp_path / "c", cache_dir=tmp_path / "cache")
+    assert run.extraction.n_reused == 12
+    assert tree(tmp_path / "c") == runs[0]
+    assert run.answer.fit["mu"].value == pytest.approx(0.2, rel=0.02)
+    assert run.answer.prediction is None
+
+
+def test_a_pull_below_its_end_tension_is_set_aside_and_ends_nothing(lab, tmp_path):
+    campaign = lab(lambda rows: [row.replace("p5,p5.csv,40,360,20", "p5,p5.csv,40,360,2000") for row in rows])
+    run = run_campaign(campaign, tmp_path / "out")
+    (odd,) = [trial for trial in run.extraction.trials if trial.trial == "p5"]
+    assert (odd.kept, odd.excluded) == (False, REASON)
+    assert count_trials(run.extraction)["n_kept"] == 11
+    assert any(problem.code == "RF240" for problem in run.extraction.problems)
+    assert run.answer.fit["mu"].value == pytest.approx(0.2, rel=0.02)
+    assert set_aside_impossible(run.extraction, campaign) is run.extraction
+
+
+def test_no_usable_force_is_told_with_the_tables_written(lab, tmp_path):
+    campaign = lab()
+    for path in tmp_path.glob("p*.csv"):
+        path.write_text("time_s,force_N\n", encoding="utf-8")
+    with pytest.raises(DataError, match="none of the 12 recordings gave a usable force") as caught:
+        run_campaign(campaign, tmp_path / "out")
+    assert caught.value.code == "RF301"
+    assert (tmp_path / "out" / "problems.csv").exists()
+
+
+# --- a real rope, held: the negative control ---
+
+
+@pytest.fixture
+def capstan(real_data, tmp_path):
+    source = real_data / "phy_mini_ia_capstan"
+    with (source / "per_trial.csv").open(encoding="utf-8") as stream:
+        wraps = {round(float(row["nominal_deg"])): row["wrap_rad_measured"] for row in csv.DictReader(stream)}
+    rows = [f"wrap{deg},force_{deg}deg.csv,20.75,{rad},7.8816" for deg, rad in wraps.items()]
+    header = "trial,file,wheel_radius_mm,wrap_angle_rad,lift_force_N"
+    (tmp_path / "trials.csv").write_text("\n".join([header, *rows, ""]), encoding="utf-8")
+    (tmp_path / "campaign.toml").write_text(
+        f'schema = "ropefric.campaign/1"\nname = "capstan"\ntrials = "trials.csv"\ndata = "{source.as_posix()}"\n'
+        '[rope]\ndiameter = "4 mm"\n[protocol]\nname = "held"\nside = "slack"\n'
+        '[design]\nwheel_radius = "20.75 mm"\nwrap_angle = "200 deg"\nend_tension = "4.2 N"\n',
+        encoding="utf-8",
+    )
+    return load_campaign(tmp_path / "campaign.toml")
+
+
+def test_a_real_rope_on_a_cylinder_obeys_the_capstan_equation(capstan, tmp_path):
+    answer = run_campaign(capstan, tmp_path / "out").answer
+    assert answer.fit.law == "constant"
+    assert answer.fit.trustworthy
+    assert answer.fit["mu"].value == pytest.approx(0.181, abs=0.006)
+    low, high = answer.fit["mu"].ci95
+    assert low < 0.181 < high
+    assert high - low < 0.04
+    assert answer.diagnosis["wrap effect"].supported == "no"
+    assert answer.diagnosis["load dependence"].supported == "cannot-tell"
+    laws = {entry.law: entry for entry in answer.comparison.ranking}
+    assert all(
+        laws[law].delta_aicc > 2 or not laws[law].counted
+        for law in ("wrap-power", "wrap-exponential", "coupled")
+    )
+    assert answer.prediction.lift_force_N[0] == pytest.approx(
+        4.2 * math.exp(0.181 * math.radians(200)), rel=0.03
+    )

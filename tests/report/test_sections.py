@@ -1,0 +1,53 @@
+"""Text and pages of sections: aligned, folded where it may be, nothing lost, nothing that is not a number shown."""
+
+import math
+
+import pytest
+
+from ropefric.report.numbers import interval, plain
+from ropefric.report.page import as_page
+from ropefric.report.section import Section, Table
+from ropefric.report.text import WIDTH, as_text
+
+TABLE = Table(headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", "")))
+LONG = " ".join(["friction"] * 40)
+
+
+def test_numbers_stand_right_and_words_left():
+    lines = as_text([Section(title="", table=TABLE)]).splitlines()
+    assert lines == ["law        ΔAICc  why", "constant     0.0  won", "coupled   1234.5"]
+
+
+def test_sentences_are_folded_and_arithmetic_is_not():
+    folded = as_text([Section(title="A", lines=(LONG,), notes=(LONG,))]).splitlines()
+    assert max(map(len, folded)) <= WIDTH
+    assert " ".join(" ".join(folded[1:]).replace("-", " ").split()) == f"{LONG} {LONG}"
+    assert [line[:4] for line in folded if line.startswith("  -")] == ["  - "]
+    assert f"  {LONG}" in as_text([Section(title="A", lines=(LONG,), verbatim=True)]).splitlines()
+
+
+def test_sections_are_set_apart():
+    assert (
+        as_text([Section(title="A", lines=("a",)), Section(title="B", lines=("b",))]) == "A\n  a\n\nB\n  b\n"
+    )
+
+
+def test_a_page_holds_what_the_text_holds_and_escapes_it():
+    page = as_page("a < b", [Section(title="x & y", lines=("<script>",), table=TABLE, notes=("n",))])
+    for words in ("<title>a &lt; b</title>", "x &amp; y", "&lt;script&gt;", "<td>1234.5</td>", "<li>n</li>"):
+        assert words in page
+    assert "<script>" not in page
+    assert page.count("<tr>") == page.count("</tr>") == 3
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(math.nan, "–"), (math.inf, "∞"), (-math.inf, "−∞"), (None, "–"), (0.0, "0"), (1234567.0, "1.235e+06")],
+)
+def test_what_is_no_number_is_shown_as_none(value, text):
+    assert plain(value) == text
+
+
+def test_an_open_interval_is_shown_open():
+    assert interval((0.1, math.inf)) == "0.1 … ∞"
+    assert interval((math.nan, math.nan)) == "–"

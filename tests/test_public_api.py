@@ -1,0 +1,161 @@
+"""`import ropefric as rf`: the names, their signatures, that they load late, and that they work together."""
+
+import ast
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ropefric as rf
+from ropefric.errors import DataError, InputError
+from ropefric.traces.trace import ForceTrace
+
+ROOT = Path(__file__).parents[1]
+TRIALS = ROOT / "fits" / "prth-trials.csv"
+COUPLED = ROOT / "fits" / "prth-coupled.json"
+
+SIGNATURES = {
+    "compare": "(trials, laws=None, *, progress=None)",
+    "design": "(fit, *, lift_N, solve_for='wrap', wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
+    "rope_radius_m=None, probability=0.95)",
+    "diagnose": "(trials, comparison=None)",
+    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
+    "find_breakaway": "(trace, *, window_s=None, peak='smoothed', start_s=None, stop_s=None, min_step_N=None, "
+    "ending='sliding')",
+    "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
+    "n_starts=4, seed=0, intervals='covariance')",
+    "load_campaign": "(path, *, missing_recordings='error')",
+    "load_fit": "(path)",
+    "predict": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, level=0.95, "
+    "method='linear', linear_density_kg_m=None, speed_m_s=None)",
+    "read_trace": "(path, profile=None, *, sample='', calibration=None)",
+    "read_trial": "(campaign, trial)",
+    "reject": "(values, rule='two-sigma')",
+    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None)",
+    "save_fit": "(fit, path)",
+    "smooth": "(trace, window_s=None)",
+    "trial_table": "(trials)",
+}
+
+
+def bare(function):
+    """Return the signature without annotations."""
+    signature = inspect.signature(function)
+    plain = [
+        parameter.replace(annotation=inspect.Parameter.empty) for parameter in signature.parameters.values()
+    ]
+    return str(inspect.Signature(plain))
+
+
+def test_the_public_names_and_signatures_are_these():
+    assert {name: bare(getattr(rf, name)) for name in dir(rf) if name != "__version__"} == SIGNATURES
+    assert rf.__all__ == ["__version__", *SIGNATURES] == dir(rf)
+
+
+def test_editors_are_told_the_same_names():
+    stub = ast.parse((ROOT / "ropefric" / "__init__.pyi").read_text(encoding="utf-8"))
+    imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
+    assert {alias.asname: node.module for node in imports for alias in node.names} == rf._WHERE
+    assert list(rf._WHERE) == list(SIGNATURES)
+
+
+def test_everything_public_is_documented():
+    for name in SIGNATURES:
+        assert inspect.getdoc(getattr(rf, name)).startswith(("Return ", "Write "))
+
+
+def test_names_load_late_and_unknown_ones_are_attribute_errors():
+    code = (
+        "import sys, ropefric as rf\n"
+        "assert 'numpy' not in sys.modules\n"
+        "rf.read_trace, rf.reject, rf.extract\n"
+        "heavy = {'pandas', 'lmfit', 'matplotlib', 'typer'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+    with pytest.raises(AttributeError, match="has no attribute 'fti'"):
+        _ = rf.fti
+
+
+def test_all_kinds_of_tables_are_one():
+    from_path = rf.trial_table(TRIALS)
+    frame = pd.read_csv(TRIALS)
+    before = frame.copy()
+    kinds = [rf.trial_table(str(TRIALS)), rf.trial_table(frame), rf.trial_table(from_path.to_frame())]
+    pd.testing.assert_frame_equal(frame, before)
+    for table in kinds:
+        assert table.trial == from_path.trial
+        np.testing.assert_array_equal(table.used, from_path.used)
+        np.testing.assert_array_equal(table.peak_N, from_path.peak_N)
+    assert rf.trial_table(from_path) is from_path
+    fits = [rf.fit(table, "constant") for table in (TRIALS, frame, from_path)]
+    assert len({fit["mu"].value for fit in fits}) == 1
+    with pytest.raises(InputError, match="list is no trial table"):
+        rf.trial_table([1, 2])
+
+
+def test_an_extraction_is_a_table(tmp_path):
+    rig = pytest.importorskip("ropefric.rig.campaign")
+    from dataclasses import replace
+
+    from ropefric.rig.prth_bench import prth_bench_plan
+
+    plan = prth_bench_plan()
+    rig.simulate_campaign(
+        tmp_path, replace(plan, conditions=plan.conditions[:2], repeats=4, faults={}), seed=5
+    )
+    campaign = rf.load_campaign(tmp_path / "campaign.toml")
+    extraction = rf.extract(campaign, cache_dir=tmp_path / "cache")
+    table = rf.trial_table(extraction)
+    assert table.trial == tuple(trial.trial for trial in extraction.trials)
+    assert table.peak_N.tolist() == [trial.peak_N for trial in extraction.trials]
+    fit = rf.fit(extraction, "constant")
+    assert fit.statistics.n == 8
+    trace = rf.read_trial(campaign, "c01-r02")
+    assert rf.find_breakaway(trace).peak_N == pytest.approx(extraction.trials[1].peak_N, rel=1e-12)
+    assert rf.smooth(trace).window_s == pytest.approx(extraction.trials[1].breakaway.window_s, rel=0.01)
+    with pytest.raises(InputError, match="no trial 'c99'"):
+        rf.read_trial(campaign, "c99")
+
+
+def test_a_fit_goes_into_a_file_and_predicts_the_same(tmp_path):
+    fit = rf.fit(TRIALS, "coupled", intervals="profile")
+    path = rf.save_fit(fit, tmp_path / "fit.json")
+    wheels = {"wheel_radius_m": [0.02, 0.05], "wrap_angle_rad": 7.0, "end_tension_N": [20.0, 90.0]}
+    made, stored = rf.predict(fit, **wheels), rf.predict(path, **wheels)
+    np.testing.assert_array_equal(made.lift_force_N, stored.lift_force_N)
+    np.testing.assert_array_equal(made.interval_N, stored.interval_N)
+    needed = rf.design(path, lift_N=made.lift_force_N, probability=None, wheel_radius_m=[0.02, 0.05],
+                       end_tension_N=[20.0, 90.0])  # fmt: skip
+    np.testing.assert_allclose(needed.value, 7.0, rtol=1e-9)
+
+
+def test_comparison_and_diagnosis_fit_together():
+    comparison = rf.compare(TRIALS, ["coupled", "wrap-power"])
+    assert comparison.best.law == "coupled"
+    assert rf.diagnose(TRIALS, comparison)["wrap effect"].supported == "yes"
+
+
+def test_a_window_that_nothing_can_be_chosen_for_is_told():
+    flat = ForceTrace(time_s=np.arange(500) / 1000, force_N=np.zeros(500))
+    with pytest.raises(InputError, match="no window can be chosen"):
+        rf.smooth(flat)
+    assert rf.smooth(flat, 0.01).force_N.tolist() == [0.0] * 500
+
+
+def test_side_by_side_recordings_need_a_name(tmp_path):
+    path = tmp_path / "wide.csv"
+    path.write_text("A,,B,\ntime_s,force_N,time_s,force_N\n0,1,0,2\n1,2,1,3\n2,3,2,4\n", encoding="utf-8")
+    from ropefric.traces.readers.profile import Channel, ImportProfile
+
+    profile = ImportProfile(
+        separator=",", header_row=2, data_row=3, block_names_row=1, block_columns=2,
+        channels={"time": Channel(column="time_s"), "force": Channel(column="force_N")},
+    )  # fmt: skip
+    assert rf.read_trace(path, profile, sample="B").force_N.tolist() == [2.0, 3.0, 4.0]
+    with pytest.raises(DataError, match="names 2 of them"):
+        rf.read_trace(path, profile)

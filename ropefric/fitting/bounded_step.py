@@ -68,12 +68,14 @@ def bounded_steps(
     b = downhill / scale
     floor, roof = low * scale, high * scale
     held = ~vary | ((low >= 0.0) & (b < 0.0)) | ((high <= 0.0) & (b > 0.0))
-    stop = np.zeros_like(b)
+    stop = np.zeros(b.shape)
     step = _solve(A, b, damping, held, stop)
     for _ in range(2 * b.shape[1]):
         beyond = ~held & ((step < floor) | (step > roof))
         inward = held & vary
-        if inward.any():
+        if not (np.count_nonzero(beyond) or np.count_nonzero(inward)):
+            break
+        if np.count_nonzero(inward):
             push = b - np.einsum("mij,mj->mi", A, step)
             inward &= np.where(step <= floor, push > _PUSH, push < -_PUSH)
             # Letting go waits until nothing is beyond a bound, or two parameters could swap for ever.
@@ -84,8 +86,9 @@ def bounded_steps(
         stop = np.where(beyond, np.clip(step, floor, roof), np.where(inward, 0.0, stop))
         held = (held | beyond) & ~inward
         step[again] = _solve(A[again], b[again], damping[again], held[again], stop[again])
-    step = np.clip(step / scale, low, high)
-    length2 = np.einsum("mi,mij,mj->m", step, normal, step)
+    step = np.minimum(np.maximum(step / scale, low), high)
+    # Two products of two: einsum is slow with three.
+    length2 = ((normal @ step[:, :, np.newaxis])[:, :, 0] * step).sum(axis=1)
     return step, np.maximum(length2, 0.0)
 
 
@@ -97,7 +100,7 @@ def column_scale(normal: FloatArray) -> FloatArray:
     >>> column_scale(np.array([[[4.0, 0.0], [0.0, 0.0]]])).tolist()
     [[2.0, 1.0]]
     """
-    square = np.einsum("mii->mi", normal)
+    square = normal.diagonal(axis1=1, axis2=2)
     return np.sqrt(np.where(square > _NOTHING, square, 1.0))
 
 
@@ -106,10 +109,11 @@ def _solve(
 ) -> FloatArray:
     """Return the minimum over the parameters that are not held, the others standing at their fixed steps."""
     system, right = A, b
-    if held.any():
+    if np.count_nonzero(held):
         system = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, A)
         right = np.where(held, fixed, b - np.einsum("mij,mj->mi", A, fixed))
-    diagonal = np.einsum("mii->mi", system)
-    extra = np.where(diagonal > 0.0, damping[:, np.newaxis] + _RIDGE, 1.0)
-    system = system + np.eye(b.shape[1]) * extra[:, np.newaxis, :]
+    system = np.array(system, order="C")
+    # The diagonal is a view: what is added to it is added to the system.
+    diagonal = system.reshape(len(b), -1)[:, :: b.shape[1] + 1]
+    diagonal += np.where(diagonal > 0.0, damping[:, np.newaxis] + _RIDGE, 1.0)
     return np.asarray(np.linalg.solve(system, right[..., np.newaxis])[..., 0])

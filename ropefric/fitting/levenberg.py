@@ -158,13 +158,15 @@ class _Search:
     slow: BoolArray = field(init=False)
     converged: BoolArray = field(init=False)
     alive: BoolArray = field(init=False)
+    curved: bool = False
 
     def begin(self, *, same_start: bool) -> None:
         """Evaluate the starts; where the law has no answer, try the problem's own start."""
         m = len(self.theta)
         rows = np.arange(m)
-        if same_start and bool(self.problem.law.admissible(self.theta[0], self.data.conditions)):
-            self.chi2, self.normal, self.downhill = self.data.evaluate_shared(self.theta[0], m)
+        shared = self.data.evaluate_shared(self.theta[0], m) if same_start else None
+        if shared is not None:
+            self.chi2, self.normal, self.downhill = shared
         else:
             nowhere = np.full(m, np.inf)
             self.chi2, self.normal, self.downhill = self.data.evaluate(self.theta, rows, nowhere)
@@ -185,45 +187,49 @@ class _Search:
         """Step until no data set is left; return the number of steps."""
         signal = np.broadcast_to(self.data.signal, self.chi2.shape)
         for steps in range(max_iterations):
-            rows = np.flatnonzero(self.alive)
+            # Cheaper calls than the plain ones throughout: in a single fit they weigh as much as the law.
+            rows = self.alive.nonzero()[0]
             if not rows.size:
                 return steps
             step, length2 = self._propose(rows, np.zeros(rows.size))
-            enough2 = (
-                tolerance**2 * self.chi2[rows] / self.problem.n_points + _MODEL_ROUNDING**2 * signal[rows]
-            )
+            chi2, loudness, last2 = self.chi2[rows], signal[rows], self.last_length2[rows]
+            slow = self.slow[rows]
+            enough2 = tolerance**2 * chi2 / self.problem.n_points + _MODEL_ROUNDING**2 * loudness
             # χ² cannot resolve steps shorter than its own rounding: they are taken as they come, until they no
             # longer shrink.
-            blur = _EPS * (64.0 * self.chi2[rows] + 4.0 * np.sqrt(self.chi2[rows] * signal[rows]))
+            blur = _EPS * (64.0 * chi2 + 4.0 * np.sqrt(chi2 * loudness))
             blind = length2 <= blur
-            done = (length2 <= enough2) | (blind & (length2 > 0.25 * self.last_length2[rows]))
-            rate = length2 / self.last_length2[rows]
+            done = (length2 <= enough2) | (blind & (length2 > 0.25 * last2))
+            rate = length2 / last2
             # At this rate the step after this one would be too short to take: no slope is needed any more.
-            final = ~self.slow[rows] & (rate > 0.0) & (rate < _SLOW) & (_CAUTION * rate * length2 <= enough2)
-            self.slow[rows] |= rate > _SLOW
+            final = ~slow & (rate > 0.0) & (rate < _SLOW) & (_CAUTION * rate * length2 <= enough2)
+            self.slow[rows] = slow | (rate > _SLOW)
             self.last_length2[rows] = length2
-            self.converged[rows[done]] = True
-            self.alive[rows[done]] = False
-            left = np.flatnonzero(~done)
-            if not left.size:
-                continue
-            damped = np.flatnonzero((self.damping[rows] > 0.0) & ~blind & ~done)
+            damped = ((self.damping[rows] > 0.0) & ~blind & ~done).nonzero()[0]
             if damped.size:
                 step[damped], length2[damped] = self._propose(rows[damped], self.damping[rows[damped]])
                 final[damped] = False
             slack = np.where(blind, 4.0 * blur, 0.0)
-            self._try(rows[left], step[left], length2[left], slack[left], final[left])
+            if not np.count_nonzero(done):
+                self._try(rows, step, length2, slack, final)
+                continue
+            self.converged[rows[done]] = True
+            self.alive[rows[done]] = False
+            left = (~done).nonzero()[0]
+            if left.size:
+                self._try(rows[left], step[left], length2[left], slack[left], final[left])
         return max_iterations
 
     def _propose(self, rows: npt.NDArray[np.intp], damping: FloatArray) -> tuple[FloatArray, FloatArray]:
-        theta = self.theta[rows]
+        at = slice(None) if rows.size == len(self.theta) else rows
+        theta = self.theta[at]
         return bounded_steps(
-            self.normal[rows],
-            self.downhill[rows],
-            curvature=self.curvature[rows],
+            self.normal[at],
+            self.downhill[at],
+            curvature=self.curvature[at],
             low=np.minimum(self.problem.lower - theta, 0.0),
             high=np.maximum(self.problem.upper - theta, 0.0),
-            vary=self.vary[rows],
+            vary=self.vary[at],
             damping=damping,
         )
 
@@ -237,19 +243,22 @@ class _Search:
     ) -> None:
         """Take the steps that lower χ² (or keep it within a slack), and learn from how well that was foretold."""
         theta, old = self.theta[rows], self.chi2[rows]
-        inside = np.clip(theta + step, self.problem.lower, self.problem.upper)
+        inside = np.minimum(np.maximum(theta + step, self.problem.lower), self.problem.upper)
         trial = np.where(self.vary[rows], inside, theta)
         limit = np.where(slack > 0.0, old + slack, np.nextafter(old, 0.0))
         chi2, normal, downhill = self.data.evaluate(trial, rows, np.where(final, -1.0, limit))
         better = chi2 <= limit
-        bend = np.einsum("mi,mij,mj->m", step, self.curvature[rows], step)
-        foretold = 2.0 * np.einsum("mi,mi->m", step, self.downhill[rows]) - length2 - bend
-        gain = (old - np.where(better, chi2, old)) / np.where(foretold > 0.0, foretold, np.inf)
-        self._adapt(rows, np.where(slack > 0.0, 1.0, gain), better)
+        # Undamped steps that succeed stay undamped, whatever they gained.
+        if np.count_nonzero(self.damping[rows]) or np.count_nonzero(better) < better.size:
+            gain = self._gain(rows, step, length2, old - np.where(better, chi2, old))
+            self._adapt(rows, np.where(slack > 0.0, 1.0, gain), better)
         self._learn(rows, step, better & ~final, normal, downhill)
-        taken, arrived = rows[better], rows[better & final]
-        self.theta[taken], self.chi2[taken] = trial[better], chi2[better]
-        self.normal[taken], self.downhill[taken] = normal[better], downhill[better]
+        arrived = rows[better & final]
+        if np.count_nonzero(better) < better.size:
+            rows, trial, chi2 = rows[better], trial[better], chi2[better]
+            normal, downhill = normal[better], downhill[better]
+        self.theta[rows], self.chi2[rows] = trial, chi2
+        self.normal[rows], self.downhill[rows] = normal, downhill
         self.converged[arrived] = True
         self.alive[arrived] = False
 
@@ -262,14 +271,24 @@ class _Search:
         downhill: FloatArray,
     ) -> None:
         """Learn the model's curvature where Gauss-Newton alone is slow; forget it where a step failed."""
-        self.curvature[rows[~better]] = 0.0
+        if self.curved:
+            self.curvature[rows[~better]] = 0.0
         use = better & self.slow[rows]
-        if not use.any():
+        if not np.count_nonzero(use):
             return
+        self.curved = True
         taken = rows[use]
         change = self.downhill[taken] - downhill[use]
         S = learnt_curvature(self.curvature[taken], normal[use], step[use], change)
         self.curvature[taken] = np.where(usable(normal[use], S)[:, np.newaxis, np.newaxis], S, 0.0)
+
+    def _gain(
+        self, rows: npt.NDArray[np.intp], step: FloatArray, length2: FloatArray, fallen: FloatArray
+    ) -> FloatArray:
+        """Return how much χ² fell as a part of what the step foretold."""
+        bend = np.einsum("mi,mi->m", np.einsum("mij,mj->mi", self.curvature[rows], step), step)
+        foretold = 2.0 * np.einsum("mi,mi->m", step, self.downhill[rows]) - length2 - bend
+        return np.asarray(fallen / np.where(foretold > 0.0, foretold, np.inf))
 
     def _adapt(self, rows: npt.NDArray[np.intp], gain: FloatArray, better: BoolArray) -> None:
         """Damp more after a step that failed or gained little of what was foretold, less after a good one."""

@@ -89,11 +89,11 @@ class Prediction:
         return tuple(notes)
 
     def _disagreement(self, index: int) -> str:
-        text = "the parameters are too uncertain to be carried over linearly"
+        text = "the interval depends on how the parameters' uncertainty is carried over: linearly"
         if self.drawn_interval_N is None:
-            return f"{text}: the law has no answer for most of what they may be"
-        low, high = self.drawn_interval_N[index]
-        return f"{text}: drawn from their covariance they give {low:.4g}–{high:.4g} N"
+            return f"{text} only, for the law has no answer for most of what they may be"
+        (near, far), (low, high) = self.interval_N[index], self.drawn_interval_N[index]
+        return f"{text} {near:.4g}–{far:.4g} N, drawn from their covariance {low:.4g}–{high:.4g} N"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: one flat object for one condition, `{"predictions": [...]}` for several."""

@@ -91,3 +91,8 @@ class FitProblem:
     def jacobian(self, theta: FloatArray) -> FloatArray:
         """Return the derivatives of the residuals by all p parameters, shape (n, p) or (m, n, p)."""
         return self.law.jacobian(theta, self.conditions) / self.std[:, None]
+
+    def residuals_and_jacobian(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return `residuals` and `jacobian`, the law evaluated once for both."""
+        log_lift, slopes = self.law.log_lift_and_jacobian(theta, self.conditions)
+        return (log_lift - self.log_lift) / self.std, slopes / self.std[:, None]

@@ -14,8 +14,6 @@ from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import columns_of
-from ropefric.friction.physics import evaluated
 
 __all__ = ["Reduced", "reduced"]
 
@@ -67,7 +65,10 @@ class Reduced:
         chosen = np.zeros(len(theta), dtype=np.intp) if rows is None else rows
         chi2 = np.empty(len(theta))
         for part in self._blocks(len(theta)):
-            chi2[part] = self._misfit(theta[part], chosen[part])[0]
+            (values,), has_answer = _each(
+                self._log_lift, theta[part], self.conditions, (len(self.conditions),)
+            )
+            chi2[part] = self._misfit(values, has_answer, chosen[part])[0]
         return chi2
 
     def evaluate(
@@ -82,36 +83,44 @@ class Reduced:
         rows : ndarray of int, shape (r,)
             The data set each is for.
         limit : ndarray, shape (r,)
-            The derivatives are made only where χ² is not above this.
+            The derivatives come back only where χ² is not above this. Below zero χ² is asked for alone, and the
+            slope of the law is not made.
 
         Returns
         -------
         tuple of ndarray, shapes (r,), (r, p, p), (r, p)
-            χ² is infinite where the law or its slope has no answer.
+            χ² is infinite where the law has no answer, or its slope where that is made.
         """
         (r, p), k = theta.shape, len(self.conditions)
         chi2, normal, downhill = np.empty(r), np.zeros((r, p, p)), np.zeros((r, p))
-        for part in self._blocks(r):
-            here = rows[part]
-            chi2[part], residual = self._misfit(theta[part], here)
-            good = np.flatnonzero(np.isfinite(chi2[part]) & (chi2[part] <= limit[part]))
-            J, has_slope = _each(self._slopes, theta[part][good], self.conditions, (k, p))
-            chi2[part.start + good[~has_slope]] = np.inf
-            good, J = good[has_slope], J[has_slope]
-            weight = _row(self.weight, here[good])
-            sloped = np.swapaxes(J, 1, 2) * weight[:, np.newaxis, :]
-            normal[part.start + good] = sloped @ J
-            downhill[part.start + good] = (sloped @ residual[good][:, :, np.newaxis])[..., 0]
+        (plain,), (sloped,) = (limit < 0.0).nonzero(), (limit >= 0.0).nonzero()
+        if plain.size:
+            chi2[plain] = self.chi2(theta[plain], rows[plain])
+        for part in self._blocks(sloped.size):
+            at = sloped[part]
+            (values, J), has_answer = _each(
+                self.law.log_lift_and_jacobian, theta[at], self.conditions, (k,), (k, p)
+            )
+            chi2[at], residual = self._misfit(values, has_answer, rows[at])
+            (good,) = (np.isfinite(chi2[at]) & (chi2[at] <= limit[at])).nonzero()
+            if good.size < at.size:
+                at, J, residual = at[good], J[good], residual[good]
+            weighted = J.swapaxes(1, 2) * _row(self.weight, rows[at])[:, np.newaxis, :]
+            normal[at] = weighted @ J
+            downhill[at] = (weighted @ residual[:, :, np.newaxis])[..., 0]
         return chi2, normal, downhill
 
-    def evaluate_shared(self, theta: FloatArray, m: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the same as `evaluate` for all m data sets at one parameter set of shape (p,), where it answers.
+    def evaluate_shared(self, theta: FloatArray, m: int) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Return the same as `evaluate` for all m data sets at one parameter set of shape (p,).
 
-        The law is evaluated once, so this costs next to nothing.
+        The law is evaluated once, so this costs next to nothing. None where it has no answer.
         """
         p = theta.size
-        J = self.law.jacobian(theta, self.conditions)
-        residual = self.mean - self.law.log_lift(theta, self.conditions)
+        try:
+            values, J = self.law.log_lift_and_jacobian(theta, self.conditions)
+        except InputError:
+            return None
+        residual = self.mean - values
         chi2 = (self.weight * residual**2).sum(axis=-1) + self.rest
         products = (J[:, :, np.newaxis] * J[:, np.newaxis, :]).reshape(len(J), p * p)
         normal = (self.weight @ products).reshape(-1, p, p)
@@ -122,14 +131,12 @@ class Reduced:
             np.broadcast_to(downhill, (m, p)).copy(),
         )
 
-    def _slopes(self, theta: FloatArray, conditions: Conditions) -> FloatArray:
-        """Return law.jacobian for sets that log_lift has just answered for: they need not be refused again."""
-        law = self.law
-        columns = columns_of(theta, law.parameter_names, law.name)
-        return evaluated(lambda: law.physics.rise_slopes(columns, conditions), columns, conditions, law.name)
+    def _log_lift(self, theta: FloatArray, conditions: Conditions) -> tuple[FloatArray]:
+        return (self.law.log_lift(theta, conditions),)
 
-    def _misfit(self, theta: FloatArray, rows: npt.NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
-        values, has_answer = _each(self.law.log_lift, theta, self.conditions, (len(self.conditions),))
+    def _misfit(
+        self, values: FloatArray, has_answer: npt.NDArray[np.bool_], rows: npt.NDArray[np.intp]
+    ) -> tuple[FloatArray, FloatArray]:
         residual = _row(self.mean, rows) - values
         # A law may answer with 1e300, which no square can hold: such a set is no candidate.
         with np.errstate(over="ignore"):
@@ -185,6 +192,10 @@ def reduced(
     _check("std", s > 0.0, "positive")
     _check("multiplicity", (count >= 0.0) & np.isfinite(count), "finite and zero or more")
     order, starts = _distinct(problem.conditions)
+    repeated = starts.size < order.size
+    if not repeated:
+        # Nothing to put together, so the points stay as they are.
+        order = starts
     rows = max(len(y), len(s), len(count))
     size = max(1, _WIDE_BLOCK // problem.n_points)
     parts = [
@@ -195,7 +206,7 @@ def reduced(
     shared_weight = len(s) == 1 and len(count) == 1
     return Reduced(
         law=problem.law,
-        conditions=problem.conditions.select(order[starts]),
+        conditions=problem.conditions.select(order[starts]) if repeated else problem.conditions,
         weight=weight[:1] if shared_weight else weight,
         mean=mean,
         rest=rest,
@@ -255,21 +266,24 @@ def _row(array: FloatArray, rows: npt.NDArray[np.intp]) -> FloatArray:
 
 
 def _each(
-    question: Callable[[FloatArray, Conditions], FloatArray],
+    question: Callable[[FloatArray, Conditions], tuple[FloatArray, ...]],
     theta: FloatArray,
     conditions: Conditions,
-    shape: tuple[int, ...],
-) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-    """Return the answers of a law, each of one shape, and which sets have one; the others' answer is zero."""
+    *shapes: tuple[int, ...],
+) -> tuple[tuple[FloatArray, ...], npt.NDArray[np.bool_]]:
+    """Return the answers of a law, of these shapes a set, and which sets have them; the others' are zero."""
     has_answer = np.ones(len(theta), dtype=np.bool_)
     try:
         # Nearly always all sets have an answer, so it is asked for before it is asked about.
         return question(theta, conditions), has_answer
     except InputError:
-        table = np.zeros((len(theta), *shape))
+        tables = tuple(np.zeros((len(theta), *shape)) for shape in shapes)
     for i, one in enumerate(theta):
         try:
-            table[i] = question(one, conditions)
+            answers = question(one, conditions)
         except InputError:
             has_answer[i] = False
-    return table, has_answer
+            continue
+        for table, answer in zip(tables, answers, strict=True):
+            table[i] = answer
+    return tables, has_answer

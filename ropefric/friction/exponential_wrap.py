@@ -45,14 +45,17 @@ class ExponentialWrap:
         """Return a e^{bφ0} φ exprel(bφ) + c φ."""
         return exponential_rise(self._start(columns, conditions), conditions.wrap_angle_rad, *columns)
 
-    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-        """Return ∂ by a, b, c: that of the wrap itself and that of the shift of φ0."""
-        a, b, _c = columns
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return the rise and ∂ by a, b, c: that of the wrap itself and that of the shift of φ0."""
+        a, b, c = columns
         p = self._start(columns, conditions)
+        rise = exponential_rise(p, conditions.wrap_angle_rad, a, b, c)
         shift = self._shift(columns, conditions, p)
         own = exponential_rise_slopes(p, conditions.wrap_angle_rad, a, b)
         before = exponential_rise_slopes(np.zeros_like(p), p, a, b)
-        return tuple(slope + shift * start for slope, start in zip(own, before, strict=True))
+        return rise, tuple(slope + shift * start for slope, start in zip(own, before, strict=True))
 
     def condition_slopes(
         self, columns: Columns, conditions: Conditions

@@ -109,8 +109,37 @@ class FrictionLaw:
         """
         columns = self._checked(theta, conditions)
         return evaluated(
-            lambda: self.physics.rise_slopes(columns, conditions), columns, conditions, self.name
+            lambda: self.physics.rise_and_slopes(columns, conditions)[1], columns, conditions, self.name
         )
+
+    def log_lift_and_jacobian(
+        self, theta: npt.ArrayLike, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return `log_lift` and `jacobian`, what both need made once.
+
+        Parameters and refusals are those of `log_lift`; where only the derivative is not finite, it is refused too.
+
+        Returns
+        -------
+        tuple of ndarray, shapes (n,) and (n, p), or (m, n) and (m, n, p)
+            The same numbers as of the two by themselves.
+
+        Examples
+        --------
+        >>> from ropefric.friction.laws import LAWS
+        >>> pull = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=10, end_tension_N=20)
+        >>> log_lift, jacobian = LAWS["constant"].log_lift_and_jacobian([0.2], pull)
+        >>> log_lift.round(4).tolist(), jacobian.tolist()
+        ([4.9957], [[10.0]])
+        """
+        columns = self._checked(theta, conditions)
+
+        def formula() -> tuple[FloatArray, ...]:
+            rise, slopes = self.physics.rise_and_slopes(columns, conditions)
+            return rise, *slopes
+
+        table = evaluated(formula, columns, conditions, self.name)
+        return conditions.log_end_tension + table[..., 0], table[..., 1:]
 
     def log_lift_gradient_conditions(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂(R_w, φ, ln F_B), analytically.

@@ -45,8 +45,13 @@ class Physics(Protocol):
         """Return ln F_A − ln F_B, shape (n,) or (m, n)."""
         ...
 
-    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-        """Return the derivative of the rise by each parameter; each broadcasts to the rise."""
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return the rise and its derivative by each parameter, what both need made once.
+
+        The rise is that of `rise` to the last bit, and each slope broadcasts to it.
+        """
         ...
 
     def condition_slopes(

@@ -67,12 +67,16 @@ class PowerWrap:
         m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
         return m * self._span(m, k, d, conditions).integral() * (phi > 0.0) + d * phi
 
-    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-        """Return ∂ by each parameter: that of the wrap itself and that of the shift of φ0."""
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return the rise and ∂ by each parameter: that of the wrap itself and that of the shift of φ0."""
         m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
         span = self._span(m, k, d, conditions)
         some = phi > 0.0
-        by_m, by_k, by_d = span.integral() * some, m * span.slope() * some, phi + 0.0 * m
+        integral = span.integral()
+        rise = m * integral * some + d * phi
+        by_m, by_k, by_d = integral * some, m * span.slope() * some, phi + 0.0 * m
         if self.equivalence:
             u, s = span.log_start, span.s
             shift = -np.expm1(k * span.length) * _power_share(m, k, d, u) * some
@@ -80,7 +84,7 @@ class PowerWrap:
             by_m = by_m + shift * below
             by_k = by_k + shift * m * below * (u - 1.0 / s)
             by_d = by_d + shift * np.exp(u)
-        return (*(slope * by_m for slope in self.strength_slopes(columns, conditions)), by_k, by_d)
+        return rise, (*(slope * by_m for slope in self.strength_slopes(columns, conditions)), by_k, by_d)
 
     def condition_slopes(
         self, columns: Columns, conditions: Conditions

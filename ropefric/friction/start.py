@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.law import FrictionLaw
 
@@ -14,6 +15,10 @@ __all__ = ["mean_mu", "product", "searched_start"]
 _MAX_CONDITIONS = 400
 _FINALISTS = 12
 _STEPS = 40
+# A set is settled when the next step would lower its sum of squares by less than this part of it,
+_SETTLED = 1e-6
+# or of the data's: ln F_A is then met to ten digits.
+_NOTHING = 1e-20
 
 
 def mean_mu(conditions: Conditions, log_lift: FloatArray) -> float:
@@ -87,32 +92,70 @@ def _approach(
     law: FrictionLaw, conditions: Conditions, log_lift: FloatArray, theta: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the sets after damped steps inside the bounds, all at once, and their sums of absolute residuals."""
-    free = np.array([0.0 if parameter.fixed else 1.0 for parameter in law.parameters])
+    theta, misfit = theta.copy(), np.empty(len(theta))
+    rows = np.arange(len(theta))
     damping = np.full(len(theta), 1e-2)
-    residual = log_lift - law.log_lift(theta, conditions)
+    near, residual, J = theta, *_seen(law, conditions, log_lift, theta)
+    nothing = _NOTHING * float(log_lift @ log_lift)
     for _ in range(_STEPS):
-        J = law.jacobian(theta, conditions) * free
-        normal = np.einsum("mni,mnj->mij", J, J)
-        downhill = np.einsum("mni,mn->mi", J, residual)
-        # A parameter that presses against its bound is out of the step, or it would spoil the others'.
-        held = (
-            ((theta <= law.lower) & (downhill < 0.0))
-            | ((theta >= law.upper) & (downhill > 0.0))
-            | (free == 0.0)
-        )
-        normal = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, normal)
-        downhill = np.where(held, 0.0, downhill)
-        size = np.einsum("mii->mi", normal)
-        scale = np.where(size > 0.0, size, 1.0)
-        system = (
-            normal + np.eye(theta.shape[1]) * (damping[:, np.newaxis] * scale + (size <= 0.0))[:, np.newaxis]
-        )
-        step = np.linalg.solve(system, downhill[..., np.newaxis])[..., 0]
-        trial = np.clip(theta + step, law.lower, law.upper)
-        trial = np.where(law.admissible(trial, conditions)[:, np.newaxis], trial, theta)
-        trial_residual = log_lift - law.log_lift(trial, conditions)
-        better = (trial_residual**2).sum(axis=-1) < (residual**2).sum(axis=-1)
-        theta = np.where(better[:, np.newaxis], trial, theta)
+        step, fall = _damped_step(law, near, J, residual, damping)
+        square = (residual**2).sum(axis=-1)
+        going = ~((fall <= _SETTLED * square + nothing) & (damping <= 1.0))
+        if not going.all():
+            theta[rows[~going]], misfit[rows[~going]] = near[~going], np.abs(residual[~going]).sum(axis=-1)
+            rows, near, residual, J = rows[going], near[going], residual[going], J[going]
+            step, square, damping = step[going], square[going], damping[going]
+            if not rows.size:
+                return theta, misfit
+        trial = np.clip(near + step, law.lower, law.upper)
+        trial = np.where(law.admissible(trial, conditions)[:, np.newaxis], trial, near)
+        try:
+            trial_residual, trial_J = _seen(law, conditions, log_lift, trial)
+        except InputError:
+            # In a corner of the bounds a slope may overflow where the law itself still answers.
+            answered = [_answers(law, conditions, one) for one in trial]
+            trial = np.where(np.array(answered)[:, np.newaxis], trial, near)
+            trial_residual, trial_J = _seen(law, conditions, log_lift, trial)
+        better = (trial_residual**2).sum(axis=-1) < square
+        near = np.where(better[:, np.newaxis], trial, near)
         residual = np.where(better[:, np.newaxis], trial_residual, residual)
+        J = np.where(better[:, np.newaxis, np.newaxis], trial_J, J)
         damping = np.clip(np.where(better, damping * 0.2, damping * 5.0), 1e-12, 1e8)
-    return theta, np.abs(residual).sum(axis=-1)
+    theta[rows], misfit[rows] = near, np.abs(residual).sum(axis=-1)
+    return theta, misfit
+
+
+def _answers(law: FrictionLaw, conditions: Conditions, theta: FloatArray) -> bool:
+    try:
+        law.log_lift_and_jacobian(theta, conditions)
+    except InputError:
+        return False
+    return True
+
+
+def _seen(
+    law: FrictionLaw, conditions: Conditions, log_lift: FloatArray, theta: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the residuals of the sets, shape (m, n), and the slopes of the law."""
+    values, J = law.log_lift_and_jacobian(theta, conditions)
+    return log_lift - values, J
+
+
+def _damped_step(
+    law: FrictionLaw, theta: FloatArray, J: FloatArray, residual: FloatArray, damping: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the steps, bounds not looked at, and how far they should lower the sums of squares."""
+    normal = J.swapaxes(1, 2) @ J
+    downhill = (J.swapaxes(1, 2) @ residual[:, :, np.newaxis])[:, :, 0]
+    # A parameter that presses against its bound is out of the step, or it would spoil the others'.
+    held = ((theta <= law.lower) & (downhill < 0.0)) | ((theta >= law.upper) & (downhill > 0.0))
+    held |= np.array([parameter.fixed for parameter in law.parameters])
+    normal = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, normal)
+    downhill = np.where(held, 0.0, downhill)
+    size = np.einsum("mii->mi", normal)
+    scale = np.where(size > 0.0, size, 1.0)
+    extra = damping[:, np.newaxis] * scale + (size <= 0.0)
+    system = normal + np.eye(theta.shape[1]) * extra[:, np.newaxis]
+    step = np.linalg.solve(system, downhill[..., np.newaxis])[..., 0]
+    # (N + E) s = g makes the fall 2 gᵀs − sᵀN s = gᵀs + sᵀE s, where nothing cancels.
+    return step, (step * (downhill + extra * step)).sum(axis=-1)

@@ -38,9 +38,12 @@ class Uniform:
         """Return μ φ."""
         return self.mu(columns, conditions) * conditions.wrap_angle_rad
 
-    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-        """Return ∂μ φ by each parameter."""
-        return tuple(slope * conditions.wrap_angle_rad for slope in self.mu_slopes(columns, conditions))
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return μ φ and ∂μ φ by each parameter."""
+        slopes = tuple(slope * conditions.wrap_angle_rad for slope in self.mu_slopes(columns, conditions))
+        return self.rise(columns, conditions), slopes
 
     def condition_slopes(
         self, columns: Columns, conditions: Conditions

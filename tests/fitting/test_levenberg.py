@@ -80,6 +80,14 @@ def test_clean_data_give_the_truth_from_the_guess(bench_problem, law):
     assert fit.chi2[0] < 1e-16
 
 
+def test_residuals_and_jacobian_together_are_the_two_alone(bench_problem):
+    problem = bench_problem(LAWS["coupled"])
+    for theta in (problem.start, problem.start * [[1.0], [0.9]]):
+        residuals, jacobian = problem.residuals_and_jacobian(theta)
+        assert np.array_equal(residuals, problem.residuals(theta))
+        assert np.array_equal(jacobian, problem.jacobian(theta))
+
+
 def test_repeats_are_summed_exactly(bench_problem):
     law = LAWS["wrap-power"]
     problem = bench_problem(law, repeats=5, std=0.02)

@@ -76,6 +76,28 @@ def test_many_sets_are_a_loop_over_one(law, plan):
 
 
 @EVERY_LAW
+def test_lift_and_jacobian_together_are_the_two_alone(law, plan):
+    """To the last bit: a fit must not depend on which of them it asked. Bending alone refuses a wrap of zero."""
+    zero = varied(plan, wrap_angle_rad=np.where(plan.wrap_angle_rad > 10.0, 0.0, plan.wrap_angle_rad))
+    sets = some_sets(law, np.random.default_rng(5))
+    for conditions in (plan, zero) if law.admissible(sets, zero).all() else (plan,):
+        for theta in (sets, sets[0]):
+            log_lift, jacobian = law.log_lift_and_jacobian(theta, conditions)
+            assert np.array_equal(log_lift, law.log_lift(theta, conditions))
+            assert np.array_equal(jacobian, law.jacobian(theta, conditions))
+    with pytest.raises(InputError, match="theta has shape"):
+        law.log_lift_and_jacobian(sets[:, 1:], plan)
+
+
+def test_together_is_refused_where_only_the_slope_has_no_answer():
+    law, pull = LAWS["wrap-power"], varied(EULER, wrap_angle_rad=300.0)
+    theta = [5e-12, -0.999, 0.0]
+    assert np.isfinite(law.log_lift(theta, pull)).all()
+    with pytest.raises(InputError, match="wrap-power: no finite value at condition 0"):
+        law.log_lift_and_jacobian(theta, pull)
+
+
+@EVERY_LAW
 def test_jacobian_is_the_derivative(law, plan):
     for theta in some_sets(law, np.random.default_rng(2)):
         found = law.jacobian(theta, plan)
@@ -146,6 +168,14 @@ def test_guess_survives_poor_data(law):
             assert np.isfinite(found).all()
             assert (law.lower <= found).all()
             assert (found <= law.upper).all()
+
+
+def test_guess_stays_where_the_law_has_slopes():
+    """Frictionless data over hundreds of radians draw it into the corner of the bounds where a slope overflows."""
+    law = LAWS["wrap-power"]
+    pulls = varied(EULER.select([0, 1]), wrap_angle_rad=[60.0, 300.0], end_tension_N=[300.0, 1.0])
+    found = law.guess(pulls, pulls.log_end_tension - np.array([0.0, 1.0]))
+    assert np.isfinite(law.jacobian(found, pulls)).all()
 
 
 @EVERY_LAW

@@ -29,16 +29,20 @@ class Bending:
         mu, e = columns[0], _ratio(columns, conditions)
         return _solve(mu, e, conditions.wrap_angle_rad)
 
-    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-        """Return ∂ by μ and EI; the latter grows as 1/√EI towards EI = 0, where it is refused."""
-        contact, by_log_E, _by_tension, slope = _partials(columns, conditions)
-        return contact / slope, by_log_E / slope / columns[1]
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return h and ∂ by μ and EI; the latter grows as 1/√EI towards EI = 0, where it is refused."""
+        h = self.rise(columns, conditions)
+        contact, by_log_E, _by_tension, slope = _partials(columns, conditions, h)
+        return h, (contact / slope, by_log_E / slope / columns[1])
 
     def condition_slopes(
         self, columns: Columns, conditions: Conditions
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return ∂ ln F_A by R_w, φ and ln F_B."""
-        _contact, by_log_E, by_tension, slope = _partials(columns, conditions)
+        h = self.rise(columns, conditions)
+        _contact, by_log_E, by_tension, slope = _partials(columns, conditions, h)
         by_radius = -2.0 * by_log_E / slope / conditions.centreline_radius_m
         return by_radius, columns[0] / slope, by_tension / slope
 
@@ -103,12 +107,12 @@ def _solve(mu: FloatArray, e: FloatArray, phi: FloatArray) -> FloatArray:
 
 
 def _partials(
-    columns: Columns, conditions: Conditions
+    columns: Columns, conditions: Conditions, h: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return φ_c, −∂f/∂ln E, −∂f/∂ln F_B and ∂f/∂h of the equation f = 0 for ln F_A."""
+    """Return φ_c, −∂f/∂ln E, −∂f/∂ln F_B and ∂f/∂h of the equation f = 0 at its root h."""
     mu, e = columns[0], _ratio(columns, conditions)
     phi = conditions.wrap_angle_rad
-    tight = e * np.exp(-_solve(mu, e, phi))
+    tight = e * np.exp(-h)
     contact = phi - _lifted(tight) - _lifted(e)
     s_A, s_B = _lifted_slope(tight), _lifted_slope(e)
     gain_A, gain_B = 1.0 / (1.0 - tight), 1.0 / (1.0 - e)

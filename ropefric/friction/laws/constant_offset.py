@@ -25,9 +25,11 @@ class Offset:
         mu, k = columns
         return mu * conditions.wrap_angle_rad + k
 
-    def rise_slopes(self, _columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-        """Return ∂ by μ and k."""
-        return conditions.wrap_angle_rad, np.array(1.0)
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return μ φ + k and ∂ by μ and k."""
+        return self.rise(columns, conditions), (conditions.wrap_angle_rad, np.array(1.0))
 
     def condition_slopes(
         self, columns: Columns, _conditions: Conditions

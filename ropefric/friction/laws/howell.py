@@ -26,14 +26,16 @@ class Howell:
         K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
         return K * conditions.wrap_angle_rad * log1prel(z)
 
-    def rise_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-        """Return ∂ by A and n."""
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return the rise and ∂ by A and n."""
         A, _n = columns
         K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
         grown = K * conditions.wrap_angle_rad
         by_log_K = grown / (1.0 + z)
         by_q = by_log_K * _log_lever(conditions) + grown**2 * log1prel_slope(z)
-        return by_log_K / A, -by_q
+        return grown * log1prel(z), (by_log_K / A, -by_q)
 
     def condition_slopes(
         self, columns: Columns, conditions: Conditions

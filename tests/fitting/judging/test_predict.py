@@ -62,7 +62,7 @@ def test_disagreement_is_told(wrap_fit):
     vague = replace(wrap_fit, covariance=100.0 * wrap_fit.covariance)
     found = predict(vague, pulls([30.0]))
     assert not found.linear_agrees.all()
-    assert "too uncertain to be carried over linearly" in found.notes(0)[-1]
+    assert "the interval depends on how the parameters' uncertainty is carried over" in found.notes(0)[-1]
     assert predict(vague, pulls([30.0]), check=False).linear_agrees is None
 
 

@@ -1,6 +1,7 @@
 """`ropefric design`: the smallest wrap, wheel or end tension that lifts a load."""
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -19,6 +20,7 @@ from ropefric.cli.quantity_option import read_quantity
 
 if TYPE_CHECKING:
     from ropefric.fitting.design_result import Design
+    from ropefric.fitting.result import FitResult
     from ropefric.report.section import Section
 
 __all__ = ["COMMAND"]
@@ -35,6 +37,12 @@ RopeDiameter = Annotated[
 ]
 Probability = Annotated[
     float, typer.Option(help="Probability, 0.5 or more, that one pull with a new rope lifts the load.")
+]
+Chart = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FOLDER", help="Draw the lift force over wheel radius and wrap at this end tension there."
+    ),
 ]
 OnAverage = Annotated[bool, typer.Option("--on-average", help="Ask only that the mean law lifts the load.")]
 
@@ -54,6 +62,7 @@ def design(
     rope_diameter: RopeDiameter = "",
     probability: Probability = 0.95,
     on_average: OnAverage = False,
+    chart: Chart = None,
 ) -> Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
@@ -78,11 +87,38 @@ def design(
         end_tension_N=F_B,
     )
     reached = bool(found.reached[0])
+    files = _write_chart(stored, found, chart, probability) if chart is not None and reached else ()
+    for path in files:
+        out.note(f"wrote {path}")
     return Answer(
-        data=found.to_dict() | {"fit": fit, "law": stored.law, "fit_status": stored.status.value},
+        data=found.to_dict()
+        | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
         show=lambda console: show_sections([_section(found)], console),
         exit_code=exit_code_of(stored) if reached else NOT_TRUSTED,
     )
+
+
+def _write_chart(fit: "FitResult", found: "Design", folder: Path, probability: float) -> tuple[Path, ...]:
+    """Draw the wheels and wraps that were tested, and some way beyond, at the design's end tension."""
+    import numpy as np  # noqa: PLC0415  (these: quick start-up)
+
+    from ropefric.fitting.design import design_chart  # noqa: PLC0415
+    from ropefric.plotting.design_chart import draw_design_chart  # noqa: PLC0415
+    from ropefric.plotting.save import save_figure  # noqa: PLC0415
+
+    (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
+    radii_m = np.unique(np.append(np.linspace(small_m, large_m, 4), found.wheel_radius_m[0]))
+    farthest_rad = 1.2 * max(most_rad, float(found.wrap_angle_rad[0]))
+    chart = design_chart(
+        fit,
+        radii_m,
+        np.linspace(farthest_rad / 80, farthest_rad, 80),
+        float(found.end_tension_N[0]),
+        rope_radius_m=float(found.rope_radius_m[0]),
+        probability=probability,
+    )
+    drawn = draw_design_chart(chart, required_N=float(found.required_N[0]))
+    return save_figure(drawn, folder, "design_chart")
 
 
 def _section(found: "Design") -> "Section":

@@ -53,12 +53,13 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     problem, minimum = found.problem, found.minimum
     law, theta = problem.law, minimum.theta
     shown = problem.vary & ~minimum.at_bound
-    jacobian = problem.jacobian(theta)[:, shown]
+    residuals, slopes = problem.residuals_and_jacobian(theta)
+    jacobian = slopes[:, shown]
     n_conditions = int(problem.group.max()) + 1
     covariance, kind, dof, notes = _errors(found, settings, jacobian, n_conditions)
     std = np.where(minimum.at_bound, nan, 0.0)
     std[shown] = np.where(unseen_part(jacobian), inf, np.sqrt(np.diag(covariance)))
-    log_residuals = -problem.residuals(theta) * problem.std
+    log_residuals = -residuals * problem.std
     lack = lack_of_fit(jacobian, log_residuals, problem.std, problem.group, found.scatter)
     seen = identify(jacobian, [name for name, free in zip(law.parameter_names, shown, strict=True) if free])
     verdict = judge(

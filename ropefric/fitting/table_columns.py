@@ -6,7 +6,7 @@ from ropefric.errors import InputError, Problem
 from ropefric.quantities import split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.trials.toml_quantities import readable_unit
-from ropefric.trials.trial_columns import STANDARD_GRAVITY_M_S2, BoundColumn
+from ropefric.trials.trial_columns import STANDARD_GRAVITY_M_S2, BoundColumn, bind_header
 
 __all__ = ["OPTIONAL_NUMBERS", "REQUIRED_NUMBERS", "TEXTS", "bind_table_columns"]
 
@@ -81,22 +81,7 @@ def bind_table_columns(
     >>> columns["peak_N"].unit, others, problems
     ('kN', ('R_w',), ())
     """
-    bound: dict[str, BoundColumn] = {}
-    others: list[str] = []
-    problems: list[Problem] = []
-    for index, name in enumerate(header):
-        try:
-            column = _bind(index, name, bound)
-        except InputError as error:
-            message = error.problem.message.removeprefix(f"{name}: ")
-            problems.append(
-                Problem(code=error.code, message=message, path=path, line=line, key=name, fix=error.fix)
-            )
-        else:
-            if column is None:
-                others.append(name)
-            else:
-                bound[column.field] = column
+    bound, others, problems = bind_header(header, path, line, bind=_bind)
     # A column with a wrong unit is there; that it is missing as well would only confuse.
     there = set(bound) | {_field_of(problem.key) for problem in problems}
     problems += [_missing(field, example, path, line) for field, example in REQUIRED_NUMBERS.items()

@@ -3,13 +3,13 @@
 import numpy as np
 
 from ropefric.traces.breakaway import Breakaway, Phase, Status
-from ropefric.traces.peak import Peak
+from ropefric.traces.peak import Neighbourhood, Peak, measure_peak
 from ropefric.traces.prepare import Prepared
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.sliding import Sliding
 from ropefric.traces.slips import DROP_SIGMAS
 
-__all__ = ["kinetic", "peak_result", "phases_of"]
+__all__ = ["kinetic", "peak_between", "peak_result", "phases_of"]
 
 WIDE_GAP = 5.0
 
@@ -20,6 +20,34 @@ def kinetic(prepared: Prepared, sliding: Sliding | None) -> tuple[float, float]:
         return float("nan"), float("nan")
     stretch = prepared.force_N[prepared.view.samples(sliding.first, sliding.stop, prepared.force_N.size)]
     return float(stretch.mean()), float(stretch.std(ddof=1))
+
+
+def peak_between(prepared: Prepared, settings: PickSettings, *, climb: int, block: int, fallen: int) -> Peak:
+    """Return the peak at a block, measured on its samples.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The recording.
+    settings : PickSettings
+        For the window.
+    climb, block, fallen : int
+        Block from which the force climbs steadily, block of the peak, block at which the force has dropped.
+    """
+    view, n = prepared.view, prepared.force_N.size
+    where = Neighbourhood(
+        loading=view.first_sample(climb),
+        first=view.first_sample(block - 1),
+        stop=view.last_sample(min(fallen - 1, block + 1), n) + 1 if fallen > block else n,
+        fallen=view.last_sample(fallen, n),
+    )
+    return measure_peak(
+        prepared.time_s,
+        prepared.force_N,
+        where,
+        noise_std_N=prepared.noise_N,
+        window_s=settings.window_s,
+    )
 
 
 def phases_of(prepared: Prepared, block: int, sliding: Sliding | None) -> tuple[Phase, ...]:

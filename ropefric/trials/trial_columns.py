@@ -1,5 +1,6 @@
 """The columns a trial list may have, and which of them a header names."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ropefric.errors import InputError, Problem
@@ -7,7 +8,7 @@ from ropefric.quantities import split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.trials.toml_quantities import readable_unit
 
-__all__ = ["STANDARD_GRAVITY_M_S2", "TEXT_COLUMNS", "BoundColumn", "bind_columns"]
+__all__ = ["STANDARD_GRAVITY_M_S2", "TEXT_COLUMNS", "BoundColumn", "bind_columns", "bind_header"]
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Weight per mass [m/s²], CGPM 1901; what turns `end_mass_kg` into a tension."""
@@ -88,20 +89,45 @@ def bind_columns(
     >>> columns["wrap_angle_rad"].unit, problems
     ('turn', ())
     """
+    bound, _, problems = bind_header(header, path, line, bind=_bind)
+    return bound, tuple(problems)
+
+
+def bind_header(
+    header: Sequence[str],
+    path: str,
+    line: int | None,
+    *,
+    bind: Callable[[int, str, dict[str, BoundColumn]], BoundColumn | None],
+) -> tuple[dict[str, BoundColumn], list[str], list[Problem]]:
+    """Return the columns that a table knows, by field, the names it leaves alone, and all that is wrong.
+
+    Parameters
+    ----------
+    header : sequence of str
+        The names.
+    path, line
+        Where they stand, for messages.
+    bind : callable
+        `(index, name, bound so far)` gives a column, None to leave it alone, or raises an `InputError`.
+    """
     bound: dict[str, BoundColumn] = {}
+    others: list[str] = []
     problems: list[Problem] = []
     for index, name in enumerate(header):
         try:
-            column = _bind(index, name, bound)
+            column = bind(index, name, bound)
         except InputError as error:
             message = error.problem.message.removeprefix(f"{name}: ")
             problems.append(
                 Problem(code=error.code, message=message, path=path, line=line, key=name, fix=error.fix)
             )
         else:
-            if column is not None:
+            if column is None:
+                others.append(name)
+            else:
                 bound[column.field] = column
-    return bound, tuple(problems)
+    return bound, others, problems
 
 
 def _bind(index: int, name: str, bound: dict[str, BoundColumn]) -> BoundColumn | None:

@@ -4,8 +4,7 @@ import numpy as np
 
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.loading import climb_to, flattened
-from ropefric.traces.outcome import kinetic, peak_result, phases_of
-from ropefric.traces.peak import Neighbourhood, measure_peak
+from ropefric.traces.outcome import kinetic, peak_between, peak_result, phases_of
 from ropefric.traces.prepare import Prepared, failed, prepare, too_short
 from ropefric.traces.protocols.protocol import Protocol
 from ropefric.traces.settings import PickSettings
@@ -21,7 +20,7 @@ from ropefric.traces.verdict import (
     without_break,
 )
 
-__all__ = ["PROTOCOL", "pick_breakaway"]
+__all__ = ["PROTOCOL", "pick_breakaway", "pick_prepared", "smallest_drop_N"]
 
 
 def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
@@ -48,14 +47,17 @@ def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway
     ('ok', 199.9, 160)
     """
     prepared = prepare(trace, settings)
-    if prepared is None:
-        return (too_short(trace, settings),)
+    return (too_short(trace, settings) if prepared is None else pick_prepared(trace, prepared, settings),)
+
+
+def pick_prepared(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
+    """Return the break-away of a recording that is prepared already, see `pick_breakaway`."""
     rise_N = float(prepared.view.force_N.max() - prepared.view.force_N[0])
     if rise_N <= 2 * smallest_drop_N(prepared, settings):
-        return (failed(Status.NO_BREAKAWAY, _flat_detail(prepared, rise_N), prepared),)
+        return failed(Status.NO_BREAKAWAY, _flat_detail(prepared, rise_N), prepared)
     if settings.ending == "separation":
-        return (_before_separation(trace, prepared, settings),)
-    return (_before_sliding(trace, prepared, settings),)
+        return _before_separation(trace, prepared, settings)
+    return _before_sliding(trace, prepared, settings)
 
 
 def smallest_drop_N(prepared: Prepared, settings: PickSettings) -> float:
@@ -147,20 +149,13 @@ def _no_peak(prepared: Prepared, block: int, sliding: Sliding, detail: str) -> B
 
 
 def _measured(prepared: Prepared, block: int, sliding: Sliding | None, settings: PickSettings) -> Breakaway:
-    view, n = prepared.view, prepared.force_N.size
-    fallen = sliding.first if sliding else min(block + 2, view.force_N.size - 1)
-    where = Neighbourhood(
-        loading=view.first_sample(climb_to(view.force_N, block).start),
-        first=view.first_sample(block - 1),
-        stop=view.last_sample(min(fallen - 1, block + 1), n) + 1 if fallen > block else n,
-        fallen=view.last_sample(fallen, n),
-    )
-    peak = measure_peak(
-        prepared.time_s,
-        prepared.force_N,
-        where,
-        noise_std_N=prepared.noise_N,
-        window_s=settings.window_s,
+    force_N = prepared.view.force_N
+    peak = peak_between(
+        prepared,
+        settings,
+        climb=climb_to(force_N, block).start,
+        block=block,
+        fallen=sliding.first if sliding else min(block + 2, force_N.size - 1),
     )
     return peak_result(prepared, peak, settings, sliding=sliding, phases=phases_of(prepared, block, sliding))
 

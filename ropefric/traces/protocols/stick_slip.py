@@ -2,14 +2,14 @@
 
 import numpy as np
 
+from ropefric.traces.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, Phase, Status
-from ropefric.traces.outcome import peak_result
-from ropefric.traces.peak import Neighbourhood, measure_peak
-from ropefric.traces.prepare import Prepared, prepare
-from ropefric.traces.protocols.breakaway import pick_breakaway, smallest_drop_N
+from ropefric.traces.outcome import peak_between, peak_result
+from ropefric.traces.prepare import prepare, too_short
+from ropefric.traces.protocols.breakaway import pick_prepared, smallest_drop_N
 from ropefric.traces.protocols.protocol import Protocol
 from ropefric.traces.settings import PickSettings
-from ropefric.traces.sliding import Sliding, sliding_after
+from ropefric.traces.sliding import sliding_after
 from ropefric.traces.slips import FAST_BLOCKS, fast_drop_N, slips
 from ropefric.traces.static_break import first_static_break
 from ropefric.traces.trace import ForceTrace
@@ -43,9 +43,11 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     >>> [round(tooth.peak_N) for tooth in teeth]
     [200, 205, 205, 205, 205, 205]
     """
-    (first,) = pick_breakaway(trace, settings)
     prepared = prepare(trace, settings)
-    if first.status is not Status.OK or prepared is None:
+    if prepared is None:
+        return (too_short(trace, settings),)
+    first = pick_prepared(trace, prepared, settings)
+    if first.status is not Status.OK:
         return (first,)
     view = prepared.view
     block = first_static_break(view, smallest_drop_N(prepared, settings))
@@ -63,36 +65,21 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     bottom = sliding.first
     for tooth in found:
         edge = _edge(view.force_N, bottom, tooth)
+        fallen = edge + 1 + int(np.argmin(view.force_N[edge + 1 : edge + FAST_BLOCKS + 1]))
         if edge > bottom:
-            teeth.append(_tooth(prepared, bottom, edge, sliding, settings))
-        bottom = edge + 1 + int(np.argmin(view.force_N[edge + 1 : edge + FAST_BLOCKS + 1]))
+            peak = peak_between(prepared, settings, climb=bottom, block=edge, fallen=fallen)
+            loading = Phase(
+                name="loading", start_s=float(view.time_s[bottom]), end_s=float(view.time_s[edge])
+            )
+            teeth.append(peak_result(prepared, peak, settings, sliding=sliding, phases=(loading,)))
+        bottom = fallen
     return tuple(teeth)
 
 
-def _edge(force_N: np.ndarray, bottom: int, tooth: int) -> int:
+def _edge(force_N: FloatArray, bottom: int, tooth: int) -> int:
     """Return the highest block just before a fall that was located to a few blocks."""
     first = max(bottom, tooth - 2)
     return first + int(np.argmax(force_N[first : tooth + 3]))
-
-
-def _tooth(prepared: Prepared, bottom: int, edge: int, sliding: Sliding, settings: PickSettings) -> Breakaway:
-    view, n = prepared.view, prepared.force_N.size
-    fallen = edge + 1 + int(np.argmin(view.force_N[edge + 1 : edge + FAST_BLOCKS + 1]))
-    where = Neighbourhood(
-        loading=view.first_sample(bottom),
-        first=view.first_sample(edge - 1),
-        stop=view.last_sample(min(fallen - 1, edge + 1), n) + 1,
-        fallen=view.last_sample(fallen, n),
-    )
-    peak = measure_peak(
-        prepared.time_s,
-        prepared.force_N,
-        where,
-        noise_std_N=prepared.noise_N,
-        window_s=settings.window_s,
-    )
-    loading = Phase(name="loading", start_s=float(view.time_s[bottom]), end_s=float(view.time_s[edge]))
-    return peak_result(prepared, peak, settings, sliding=sliding, phases=(loading,))
 
 
 PROTOCOL = Protocol(

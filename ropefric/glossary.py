@@ -72,6 +72,8 @@ GLOSSARY: Registry[Term] = Registry(
         Term("std_kept_N", "s", "N", "Sample standard deviation of the trials kept"),
         Term("mu", "μ", "-", "Friction coefficient; local"),
         Term("mu_average", "μ̄", "-", "Friction coefficient; average over the wrap"),
+        Term("lift_margin", "", "-", "Lift force over the weight of the payload; above 1 it lifts"),
+        Term("margin_N", "", "N", "Lift force beyond the weight of the payload"),
         Term("linear_density_kg_m", "ρ", "kg/m", "Mass per length"),
         Term("speed_m_s", "v", "m/s", "Rope speed"),
         Term("stiffness_N_m", "k", "N/m", "Stiffness"),

@@ -58,6 +58,26 @@ SUFFIX_UNITS: dict[str, str] = {
 }
 """Unit suffixes of names (`wrap_angle_deg`) and what they mean to pint."""
 
+_USUAL: dict[tuple[str, str], float] = {
+    **{(unit, "m"): factor for unit, factor in (("m", 1.0), ("cm", 0.01), ("mm", 1e-3), ("um", 1e-6))},
+    **{(unit, "N"): factor for unit, factor in (("N", 1.0), ("kN", 1e3), ("mN", 1e-3))},
+    **{
+        (unit, "rad"): factor for unit, factor in (("rad", 1.0), ("deg", math.pi / 180.0), ("turn", math.tau))
+    },
+    **{(unit, "s"): factor for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0))},
+    **{(unit, "kg"): factor for unit, factor in (("kg", 1.0), ("g", 1e-3))},
+    **{(unit, "kg/m"): factor for unit, factor in (("kg/m", 1.0), ("g/m", 1e-3))},
+    **{(unit, "N/m"): factor for unit, factor in (("N/m", 1.0), ("N/mm", 1e3), ("kN/m", 1e3))},
+    **{(unit, "Pa"): factor for unit, factor in (("Pa", 1.0), ("MPa", 1e6), ("GPa", 1e9))},
+    **{(unit, "W"): factor for unit, factor in (("W", 1.0), ("kW", 1e3))},
+    **{(unit, unit): 1.0 for unit in ("V", "Hz", "m/s", "N*m", "N*m^2", "kg*m^2", "kg/m^3", "N*s/m")},
+    ("mV", "V"): 1e-3,
+    ("kHz", "Hz"): 1e3,
+    ("mm^2", "m^2"): 1e-6,
+    ("percent", ""): 0.01,
+}
+"""Factors that nearly every file needs, so that nearly none has to wait for pint; its own, to the last bit."""
+
 _GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V", "mpa": "MPa"}
 _ENDLESS = re.compile(r"\d{3}|(\^|\*\*)[\s(]*[-+]?[\d.]+\s*(\^|\*\*)|\d\s*(\^|\*\*)|(\^|\*\*)\s*\(")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL)
@@ -139,6 +159,11 @@ def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
 
 @cache
 def _factor(unit: str, si_unit: str, name: str) -> float:
+    usual = _USUAL.get((unit, si_unit))
+    return _factor_by_pint(unit, si_unit, name) if usual is None else usual
+
+
+def _factor_by_pint(unit: str, si_unit: str, name: str) -> float:
     import pint  # noqa: PLC0415
 
     registry = _registry()

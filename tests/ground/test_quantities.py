@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ropefric import quantities
 from ropefric.errors import InputError
 from ropefric.quantities import SUFFIX_UNITS, parse_quantity, split_unit_suffix, unit_factor
 
@@ -110,3 +111,8 @@ def _converts(unit, si_unit):
         return unit_factor(unit, si_unit) > 0
     except InputError:
         return False
+
+
+@pytest.mark.parametrize(("unit", "si_unit"), quantities._USUAL)
+def test_the_usual_factors_are_pints_own(unit, si_unit):
+    assert quantities._USUAL[unit, si_unit] == quantities._factor_by_pint(unit, si_unit, "quantity")

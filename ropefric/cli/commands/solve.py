@@ -1,0 +1,129 @@
+"""`ropefric solve`: the answer to a scene, or to a grid of scenes."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.fitting_options import show_sections
+from ropefric.cli.output import Output
+from ropefric.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from ropefric.scenes.scene import Scene
+    from ropefric.scenes.sweep import Sweep
+
+__all__ = ["COMMAND"]
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="What to solve.")]
+SweepOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--sweep",
+        metavar="KEY=START:STOP:COUNT",
+        help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
+    ),
+]
+OutFolder = Annotated[
+    Path | None, typer.Option("--out", "-o", help="Write the answer (and a sweep's CSV and figure) there.")
+]
+Plot = Annotated[str, typer.Option(help="Which number of a sweep the figure shows; by default the first.")]
+
+NOT_TRUSTED = 4
+_LISTED_POINTS = 1000
+
+
+def solve(
+    out: Output, scene: SceneFile, *, sweep: SweepOption = None, folder: OutFolder = None, plot: Plot = ""
+) -> Answer:
+    """Solve a scene: a hoist, a belt press or a band saw, with the effects that its accuracy calls for.
+
+    Exits with 4 when the friction behind the answer is not to be trusted.
+    """
+    from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
+
+    loaded = load_scene(scene)
+    if sweep:
+        return _swept(out, loaded, sweep, folder, plot)
+    from ropefric.report.scene import solution_sections  # noqa: PLC0415
+    from ropefric.scenes.solve import solve_scene  # noqa: PLC0415
+
+    solution = solve_scene(loaded)
+    files = () if folder is None else _write(out, solution.to_dict(), folder)
+    trusted = loaded.source is None or not loaded.source.warnings
+    return Answer(
+        data=solution.to_dict() | {"files": list(files)},
+        show=lambda console: show_sections(solution_sections(solution), console),
+        exit_code=0 if trusted else NOT_TRUSTED,
+    )
+
+
+def _write(out: Output, tree: dict[str, Any], folder: Path) -> tuple[Path, ...]:
+    from ropefric.cli.jsontext import json_text  # noqa: PLC0415
+
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "answer.json"
+    path.write_text(json_text(tree), encoding="utf-8", newline="\n")
+    out.note(f"wrote {path}")
+    return (path,)
+
+
+def _swept(out: Output, scene: "Scene", asked: list[str], folder: Path | None, plot: str) -> Answer:
+    from ropefric.report.scene import sweep_sections  # noqa: PLC0415
+    from ropefric.scenes.axis import parse_axis  # noqa: PLC0415
+    from ropefric.scenes.sweep import sweep_scene  # noqa: PLC0415
+
+    axes = tuple(parse_axis(scene, text) for text in asked)
+    with Progress(out, "solve") as progress:
+        found = sweep_scene(scene, axes, progress=progress.update)
+    files = [] if folder is None else _write_sweep(out, found, folder, plot)
+    return Answer(
+        data=_tree(found) | {"files": files},
+        show=lambda console: show_sections(sweep_sections(found), console),
+    )
+
+
+def _write_sweep(out: Output, found: "Sweep", folder: Path, plot: str) -> list[Path]:
+    from ropefric.scenes.table import write_sweep  # noqa: PLC0415
+
+    files = [write_sweep(found, folder / "sweep.csv")]
+    if len(found.axes) <= 2:
+        from ropefric.plotting.save import save_figure  # noqa: PLC0415
+        from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
+
+        files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")
+    for path in files:
+        out.note(f"wrote {path}")
+    return files
+
+
+def _tree(found: "Sweep") -> dict[str, Any]:
+    axes = [
+        {"key": axis.key, "unit": axis.unit, "values": [float(value / axis.factor) for value in axis.values]}
+        for axis in found.axes
+    ]
+    points = next(iter(found.columns.values())).size
+    # A million numbers on a terminal serve nobody; the CSV of --out has them.
+    listed = points <= _LISTED_POINTS
+    columns = {
+        name: [None if value != value else float(value) for value in values] if listed else None  # noqa: PLR0124
+        for name, values in found.columns.items()
+    }
+    return {
+        "axes": axes,
+        "points": points,
+        "columns": columns,
+        "failed": found.failed,
+        "first_failure": found.first_failure,
+        "effects": {"simulated": list(found.simulated)},
+        "error_bound": found.error_bound,
+    }
+
+
+COMMAND = Command(
+    name="solve",
+    run=solve,
+    example="ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/",
+    order=85,
+)

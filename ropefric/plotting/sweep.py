@@ -1,0 +1,118 @@
+"""A sweep of a scene as a figure: a line over one axis, a line each for the few values of another, else a map."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.glossary import GLOSSARY
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
+from ropefric.plotting.labels import figure_label
+from ropefric.plotting.legend import legend_below
+from ropefric.plotting.style import house_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ropefric.friction.condition import FloatArray
+    from ropefric.scenes.axis import Axis
+    from ropefric.scenes.sweep import Sweep
+
+__all__ = ["draw_sweep"]
+
+_MOST_LINES = 6
+_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
+_DRAWN_POINTS = 2000
+
+
+def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
+    """Return the figure of one number of a sweep over one or two axes.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        Over one or two axes.
+    quantity : str
+        Name of the number; by default the first.
+
+    Raises
+    ------
+    InputError
+        For more than two axes, or a number the sweep does not have.
+    """
+    if len(sweep.axes) > 2:
+        raise InputError(
+            f"a figure shows one or two axes, this sweep has {len(sweep.axes)}", fix="use its CSV file"
+        )
+    name = quantity or next(iter(sweep.columns))
+    if name not in sweep.columns:
+        raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
+    grid = sweep.columns[name].reshape(sweep.shape)
+    with house_style():
+        figure = new_figure(9.0, 6.0)
+        axes = figure.subplots()
+        across = sweep.axes[-1]
+        axes.set_xlabel(_axis_words(across))
+        if len(sweep.axes) == 1:
+            axes.plot(*_thinned(across, grid), color="black")
+            axes.set_ylabel(_label(name))
+        elif sweep.axes[0].values.size <= _MOST_LINES:
+            for place, row in enumerate(grid):
+                value = sweep.axes[0].values[place] / sweep.axes[0].factor
+                shade = str(0.65 * place / _MOST_LINES)
+                axes.plot(
+                    *_thinned(across, row),
+                    linestyle=_DASHES[place],
+                    color=shade,
+                    label=f"{sweep.axes[0].key} = {value:.4g} {sweep.axes[0].unit}".rstrip(),
+                )
+            axes.set_ylabel(_label(name))
+            legend_below(axes)
+        else:
+            _draw_map(axes, sweep, grid, name)
+    header = (*(axis.key for axis in sweep.axes), name)
+    table = DataTable(header=header, rows=_rows(sweep, grid))
+    return FigureWithData(figure=figure, tables=(table,))
+
+
+def _draw_map(axes: "Axes", sweep: "Sweep", grid: "FloatArray", name: str) -> None:
+    down, across = sweep.axes
+    drawn = axes.pcolormesh(
+        across.values / across.factor,
+        down.values / down.factor,
+        np.ma.masked_invalid(grid),
+        cmap="cividis",
+        shading="nearest",
+    )
+    axes.set_ylabel(_axis_words(down))
+    bar = axes.figure.colorbar(drawn, ax=axes)
+    bar.set_label(_label(name))
+
+
+def _thinned(axis: "Axis", values: "FloatArray") -> "tuple[FloatArray, FloatArray]":
+    """Return at most some thousand points of a line: no screen shows more."""
+    step = max(1, axis.values.size // _DRAWN_POINTS)
+    return axis.values[::step] / axis.factor, values[::step]
+
+
+def _axis_words(axis: "Axis") -> str:
+    return f"{axis.key} [{axis.unit}]" if axis.unit else axis.key
+
+
+def _label(name: str) -> str:
+    path, _, last = name.rpartition(".")
+    own = figure_label(last) if last in GLOSSARY else last
+    return f"{path}: {own}" if path else own
+
+
+def _rows(sweep: "Sweep", grid: "FloatArray") -> tuple[tuple[object, ...], ...]:
+    if len(sweep.axes) == 1:
+        xs, ys = _thinned(sweep.axes[0], grid)
+        return tuple((float(x), float(y)) for x, y in zip(xs, ys, strict=True))
+    down, across = sweep.axes
+    step = max(1, across.values.size // _DRAWN_POINTS)
+    return tuple(
+        (float(value / down.factor), float(across.values[place] / across.factor), float(row[place]))
+        for value, row in zip(down.values, grid, strict=True)
+        for place in range(0, across.values.size, step)
+    )

@@ -1,0 +1,175 @@
+"""A scene's answer and its plan, told to people."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropefric.glossary import GLOSSARY
+from ropefric.report.section import Section, Table
+
+if TYPE_CHECKING:
+    from ropefric.scenes.explain import EffectWorth, Explanation
+    from ropefric.scenes.plan import Decision
+    from ropefric.scenes.solve import Solution
+    from ropefric.scenes.sweep import Sweep
+    from ropefric.scenes.uncertainty import Uncertain
+
+__all__ = ["explanation_sections", "plan_lines", "quantities_table", "solution_sections", "sweep_sections"]
+
+
+MACHINES: "dict[str, Callable[[Solution], list[Section]]]" = {}
+"""What each system has to show beside its few main numbers."""
+
+
+def solution_sections(solution: "Solution") -> list[Section]:
+    """Return what a scene's answer is, how sure, and what was simulated for it."""
+    scene = solution.scene
+    lines = [] if scene.source is None else [f"friction: {scene.source.origin}"]
+    answer = Section(
+        title=f"{scene.kind.name}: {scene.document.path}",
+        lines=tuple(lines),
+        table=quantities_table(solution.quantities, solution.level),
+        notes=solution.warnings,
+    )
+    more = MACHINES.get(scene.kind.name)
+    extra = more(solution) if more is not None else []
+    return [answer, *extra, Section(title="Simulated", lines=plan_lines(solution))]
+
+
+def quantities_table(quantities: Sequence["Uncertain"], level: float) -> Table:
+    """Return the numbers of an answer with their uncertainty, if any has one."""
+    uncertain = any(quantity.std[0] != 0.0 for quantity in quantities)
+    headings: tuple[str, ...] = ("quantity", "value") + (
+        ("standard error", f"{100 * level:g} % interval ") if uncertain else ()
+    )
+    rows = []
+    for quantity in quantities:
+        cells = [_label(quantity.name), f"{quantity.value[0]:.6g}"]
+        if uncertain:
+            low, high = quantity.interval[0]
+            spread = math.isfinite(quantity.std[0])
+            cells += [f"{quantity.std[0]:.2g}", f"{low:.5g} … {high:.5g}"] if spread else ["not known", ""]
+        rows.append(tuple(cells))
+    return Table(headings=headings, rows=tuple(rows))
+
+
+def _label(name: str) -> str:
+    path, _, last = name.rpartition(".")
+    term = GLOSSARY.get(last)
+    if term is None:
+        return name
+    words = term.meaning.partition(";")[0] + (f" [{term.unit}]" if term.unit not in {"", "-"} else "")
+    return f"{path}: {words}" if path else words
+
+
+def plan_lines(solution: "Solution") -> tuple[str, ...]:
+    """Return in words what was simulated, what was not, and how far that may be from everything."""
+    plan = solution.plan
+    bound = "not known" if math.isinf(plan.error_bound) else f"at most {plan.error_bound:.2g}"
+    return (
+        f"effects: {', '.join(plan.simulated) or 'none'}",
+        f"left out: {', '.join(plan.left_out) or 'none'}",
+        f"method: {plan.method.name}{_settings(plan.method.settings)}",
+        f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
+    )
+
+
+def _settings(settings: Mapping[str, float]) -> str:
+    if not settings:
+        return ""
+    return " (" + ", ".join(f"{name} {value:g}" for name, value in settings.items()) + ")"
+
+
+def explanation_sections(told: "Explanation") -> list[Section]:
+    """Return the table of effects and the method, with what was measured if anything was."""
+    worth = told.worth
+    headings: tuple[str, ...] = ("effect", "fate ", "worth at most")
+    if worth is not None:
+        headings += ("measured worth", "share of time")
+    rows = []
+    for place, decision in enumerate(told.plan.decisions):
+        cells = [decision.name, decision.fate, _bound(decision)]
+        if worth is not None:
+            cells += _measured(worth[place])
+        rows.append(tuple(cells))
+    plan = told.plan
+    bound = "not known" if math.isinf(plan.error_bound) else f"{plan.error_bound:.2g}"
+    lines = [
+        f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
+        f"method: {plan.method.name}{_settings(plan.method.settings)}: {plan.method.why}",
+    ]
+    if worth is not None:
+        lines.append(
+            f"measured: difference {told.difference:.2g}; {_time(told.planned_s)} as planned, "
+            f"{_time(told.all_s)} with everything"
+        )
+    notes = tuple(f"{one.name}: {one.why}" for one in plan.decisions)
+    return [
+        Section(
+            title=f"Effects of this {told.system} scene",
+            lines=tuple(lines),
+            table=Table(headings=headings, rows=tuple(rows), left=2),
+            notes=notes,
+        )
+    ]
+
+
+def _bound(decision: "Decision") -> str:
+    if decision.fate == "not applicable":
+        return "–"
+    if math.isinf(decision.bound):
+        return "not known"
+    return "0" if decision.bound == 0.0 else f"{decision.bound:.2g}"
+
+
+def _measured(worth: "EffectWorth") -> list[str]:
+    return [
+        "–" if math.isnan(worth.worth) else f"{worth.worth:.2g}",
+        "–" if math.isnan(worth.time_share) else f"{100 * worth.time_share:.0f} %",
+    ]
+
+
+def _time(seconds: float) -> str:
+    return f"{1e6 * seconds:.0f} µs" if seconds < 1e-3 else f"{1e3 * seconds:.3g} ms"
+
+
+_SHOWN_POINTS = 20
+
+
+def sweep_sections(sweep: "Sweep") -> list[Section]:
+    """Return what a sweep found: its points where they are few, else the range of every number."""
+    names = ", ".join(sweep.simulated) or "none"
+    lines = [f"effects: {names}; relative difference to everything at most {sweep.error_bound:.2g}"]
+    if sweep.failed:
+        lines.append(f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}")
+    total = math.prod(sweep.shape)
+    title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
+    if total <= _SHOWN_POINTS:
+        return [Section(title=title, lines=tuple(lines), table=_points(sweep))]
+    rows = []
+    for name, values in sweep.columns.items():
+        found = values[~np.isnan(values)]
+        rows.append((_label(name), f"{found.min():.6g}", f"{found.max():.6g}"))
+    return [
+        Section(
+            title=title,
+            lines=tuple(lines),
+            table=Table(headings=("quantity", "lowest", "highest"), rows=tuple(rows)),
+        )
+    ]
+
+
+def _points(sweep: "Sweep") -> Table:
+    headings = [f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes]
+    rows = []
+    for place in range(math.prod(sweep.shape)):
+        cells, rest = [], place
+        for axis in reversed(sweep.axes):
+            rest, own = divmod(rest, axis.values.size)
+            cells.append(f"{axis.values[own] / axis.factor:.6g}")
+        cells.reverse()
+        cells += [f"{values[place]:.6g}" for values in sweep.columns.values()]
+        rows.append(tuple(cells))
+    return Table(headings=(*headings, *(_label(name) for name in sweep.columns)), rows=tuple(rows), left=0)

@@ -1,0 +1,204 @@
+"""An axis of a sweep: a key of the scene and the values it is to take."""
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.friction.condition import FloatArray
+from ropefric.registry import did_you_mean
+from ropefric.scenes.scene import Scene, read_scene
+from ropefric.trials.toml_document import TomlDocument
+
+__all__ = ["Axis", "parse_axis", "replaced", "scalar_keys"]
+
+_MAX_POINTS = 10_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Axis:
+    """A key of a scene and its values.
+
+    Attributes
+    ----------
+    key : str
+        The TOML key with its tables: "wheel.wrap".
+    values : ndarray, shape (n,)
+        In SI units.
+    unit : str
+        The unit in which they were written; "" for a bare number.
+    factor : float
+        SI value of one such unit.
+
+    Examples
+    --------
+    >>> Axis(key="friction.mu", values=np.array([0.1, 0.2]), unit="", factor=1.0).values.size
+    2
+    """
+
+    key: str
+    values: FloatArray
+    unit: str
+    factor: float
+
+
+def parse_axis(scene: Scene, text: str) -> Axis:
+    """Return the axis that "KEY=START:STOP:COUNT" or "KEY=A,B,C" asks for.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that is swept; it tells what the key holds.
+    text : str
+        "wheel.wrap=90deg:1440deg:50", "wheel.wrap=90deg:1440deg:50:log", "friction.mu=0.1,0.2".
+
+    Raises
+    ------
+    UnknownNameError
+        For a key the scene does not give, or that is no number.
+    InputError
+        For values that are none, or not allowed in this scene.
+
+    Examples
+    --------
+    >>> import math
+    >>> from pathlib import Path
+    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
+    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
+    >>> scene = read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path())
+    >>> axis = parse_axis(scene, "wheel.wrap=90deg:450deg:3")
+    >>> [round(math.degrees(value)) for value in axis.values], axis.unit
+    ([90, 270, 450], 'deg')
+    """
+    key, equals, values = (part.strip() for part in text.partition("="))
+    if not equals or not key or not values:
+        raise InputError(
+            f"--sweep {text!r} is not KEY=START:STOP:COUNT or KEY=A,B,C",
+            key="--sweep",
+            fix='write it like  --sweep "wheel.wrap=90deg:1440deg:50"',
+        )
+    known = scalar_keys(scene)
+    if key not in known:
+        raise UnknownNameError(
+            f"the scene gives no number {key!r} that could be swept",
+            key="--sweep",
+            fix=f"{did_you_mean(key, known)}; a key that the scene leaves out must be written into it first",
+        )
+    if ":" in values:
+        return _range(scene, key, values)
+    texts = [part.strip() for part in values.split(",")]
+    found = np.array([_si(scene, key, part) for part in texts])
+    return Axis(key=key, values=found, **_unit(scene, key, texts[-1]))
+
+
+def _range(scene: Scene, key: str, text: str) -> Axis:
+    parts = [part.strip() for part in text.split(":")]
+    spaced = parts[3] if len(parts) == 4 else "linear"
+    count = int(parts[2]) if len(parts) in (3, 4) and parts[2].isdecimal() else 0
+    if not 2 <= count <= _MAX_POINTS or spaced not in {"linear", "log"}:
+        raise InputError(
+            f"{text!r} is not START:STOP:COUNT with a count from 2 to {_MAX_POINTS}",
+            key="--sweep",
+            fix="write it like  90deg:1440deg:50  or, in equal ratios,  90deg:1440deg:50:log",
+        )
+    start, stop = (_si(scene, key, part) for part in parts[:2])
+    if spaced == "log":
+        if not (start > 0.0 and stop > 0.0):
+            raise InputError(f"{text!r} has no equal ratios: both ends must be positive", key="--sweep")
+        values = np.geomspace(start, stop, count)
+    else:
+        values = np.linspace(start, stop, count)
+    return Axis(key=key, values=values, **_unit(scene, key, parts[1]))
+
+
+def _si(scene: Scene, key: str, text: str) -> float:
+    """Return a value in SI, read and checked by the scene itself."""
+    now = _at(scene.document.data, key)
+    written: Any = text if isinstance(now, str) else _bare(key, text)
+    changed = read_scene(
+        TomlDocument(path=scene.document.path, data=_with(scene.document.data, key, written), lines={}),
+        scene.folder,
+    )
+    return float(_at(changed.table, key))
+
+
+def _bare(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(
+            f"{key}: {text!r} is no number", key="--sweep", fix="write it without unit"
+        ) from None
+
+
+def _unit(scene: Scene, key: str, text: str) -> dict[str, Any]:
+    unit = re.sub(r"^\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*", "", text)
+    if not unit:
+        return {"unit": "", "factor": 1.0}
+    # A scale without offset: what one unit is follows from two values that are both allowed.
+    one, two = (_si(scene, key, text), re.match(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)", text))
+    written = float(two[1]) if two else 1.0
+    return {"unit": unit, "factor": one / written if written else 1.0}
+
+
+def scalar_keys(scene: Scene) -> tuple[str, ...]:
+    """Return the keys of a scene that hold a number, with or without unit.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
+    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
+    >>> scalar_keys(read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path()))
+    ('wheel.radius', 'wheel.wrap', 'rope.diameter', 'load.end_tension', 'friction.mu')
+    """
+    return tuple(
+        key
+        for key, _ in _leaves(scene.document.data)
+        if isinstance(_at(scene.table, key), int | float) and key != "accuracy"
+    )
+
+
+def _leaves(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
+    found = []
+    for name, value in tree.items():
+        key = f"{prefix}.{name}" if prefix else str(name)
+        found += _leaves(value, key) if isinstance(value, dict) else [(key, value)]
+    return found
+
+
+def _at(tree: Any, key: str) -> Any:
+    """Return what stands at a key of a TOML tree or of the table made from it; None where nothing does."""
+    for name in key.split("."):
+        if isinstance(tree, BaseModel):
+            fields = {field.alias or own: own for own, field in type(tree).model_fields.items()}
+            tree = getattr(tree, fields[name]) if name in fields else None
+        else:
+            tree = tree.get(name) if isinstance(tree, dict) else None
+    return tree
+
+
+def _with(tree: Any, key: str, value: Any) -> dict[str, Any]:
+    name, _, rest = key.partition(".")
+    return {**tree, name: _with(tree[name], rest, value) if rest else value}
+
+
+def replaced(table: Any, key: str, value: float) -> Any:
+    """Return a checked table with another SI value at a key; the value itself is not checked again.
+
+    Examples
+    --------
+    >>> from ropefric.scenes.schema import ReferenceTable
+    >>> replaced(ReferenceTable(wrap="90 deg"), "wrap", 3.0).wrap
+    3.0
+    """
+    name, _, rest = key.partition(".")
+    if isinstance(table, dict):
+        return {**table, name: replaced(table[name], rest, value) if rest else value}
+    fields = {field.alias or own: own for own, field in type(table).model_fields.items()}
+    own = fields[name]
+    new = replaced(getattr(table, own), rest, value) if rest else value
+    return table.model_copy(update={own: new})

@@ -1,0 +1,119 @@
+"""What makes a system a kind of scene: its TOML keys, and its answer in words and numbers."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.friction.condition import FloatArray
+from ropefric.scenes.friction_source import FrictionSource
+from ropefric.scenes.schema import SceneTable
+from ropefric.systems.effect import System
+from ropefric.systems.friction import WrapFriction
+
+__all__ = ["Kind", "Quantity", "SweepField"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Quantity:
+    """One number of an answer that people read, and that friction may make uncertain.
+
+    Attributes
+    ----------
+    name : str
+        Glossary name, with the unit.
+    value : ndarray
+        One value a case of a sweep; shape (1,) for a single scene.
+    positive : bool
+        Whether its interval is taken in the logarithm, as for forces.
+
+    Examples
+    --------
+    >>> Quantity(name="lift_force_N", value=np.array([323.9]), positive=True).name
+    'lift_force_N'
+    """
+
+    name: str
+    value: FloatArray
+    positive: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepField:
+    """A key of the scene that takes many values in one call.
+
+    Attributes
+    ----------
+    field : str
+        The attribute of the problem that it sets.
+    factor : float
+        What the key's SI value is multiplied with to give the attribute.
+
+    Examples
+    --------
+    >>> SweepField(field="rope_radius_m", factor=0.5).factor
+    0.5
+    """
+
+    field: str
+    factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """A kind of scene.
+
+    Attributes
+    ----------
+    name : str
+        What `system = "…"` says.
+    schema : type of SceneTable
+        Its TOML keys.
+    system : System
+        Its effects and mechanics.
+    own_wheel : callable
+        `own_wheel(table)` returns the wheel radius and the rope radius [m] that a law without reference refers to.
+    problem : callable
+        `problem(table, friction)` returns the problem; `friction` is None where the scene gives none.
+    with_friction : callable
+        `with_friction(problem, friction)` returns the problem with another friction.
+    quantities : callable
+        `quantities(answer, problem)` returns the numbers that people read; none of them is uncertain where no
+        friction enters.
+    tree : callable
+        `tree(answer, problem)` returns the JSON shape of the answer, without what all scenes share.
+    contacts : callable
+        `contacts(problem)` returns the conditions at which the friction is used, as a mapping from the regressor's
+        name to an array; for telling an extrapolation.
+    sweep_fields : mapping
+        Keys that can be swept in one call.
+    with_fields : callable
+        `with_fields(problem, fields)` returns the problem with arrays in place of these attributes.
+    in_one_call : callable
+        `in_one_call(model)` returns whether a model can be solved for many cases at once.
+    answerable : callable
+        `answerable(problem)` returns for which of many cases there is an answer, as far as that shows without
+        solving them.
+
+    Examples
+    --------
+    >>> from ropefric.scenes.kinds import KINDS
+    >>> KINDS["hoist"].sweep_fields["wheel.wrap"].field
+    'wrap_angle_rad'
+    """
+
+    name: str
+    schema: type[SceneTable]
+    system: System[Any, Any, Any]
+    own_wheel: Callable[[Any], tuple[float, float]]
+    problem: Callable[[Any, WrapFriction | None], Any]
+    with_friction: Callable[[Any, WrapFriction], Any]
+    quantities: Callable[[Any, Any], tuple[Quantity, ...]]
+    tree: Callable[[Any, Any], dict[str, Any]]
+    contacts: Callable[[Any, FrictionSource], Mapping[str, FloatArray]]
+    sweep_fields: Mapping[str, SweepField]
+    with_fields: Callable[[Any, Mapping[str, FloatArray]], Any]
+    in_one_call: Callable[[Any], bool]
+    answerable: Callable[[Any], npt.NDArray[np.bool_]]

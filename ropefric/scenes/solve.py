@@ -1,0 +1,176 @@
+"""A scene solved: the answer, its uncertainty, and what was simulated for it."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ropefric.errors import RopefricError
+from ropefric.fitting.extrapolation import outside_range, outside_words
+from ropefric.friction.condition import Conditions
+from ropefric.scenes.plan import Plan, make_plan
+from ropefric.scenes.scene import Scene, placed
+from ropefric.scenes.uncertainty import Uncertain, carry_through, known
+from ropefric.systems.effect import assemble
+
+__all__ = ["Solution", "solve_scene"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solution:
+    """The answer to a scene.
+
+    Attributes
+    ----------
+    scene : Scene
+        What was asked.
+    plan : Plan
+        What was simulated, and how.
+    answer : object
+        Of the scene's system.
+    quantities : tuple of Uncertain
+        The numbers that people read.
+    level : float
+        Of the intervals.
+    extrapolation : tuple of str
+        In which respects the friction is used outside what it was tested for.
+    """
+
+    scene: Scene
+    plan: Plan
+    answer: Any
+    quantities: tuple[Uncertain, ...]
+    level: float
+    extrapolation: tuple[str, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Return what speaks against using the answer."""
+        source = self.scene.source
+        own = () if source is None else source.warnings
+        beyond = tuple(f"extrapolated: {words}" for words in self.extrapolation)
+        if self.plan.keeps_accuracy:
+            return (*own, *beyond)
+        bound = "not known" if math.isinf(self.plan.error_bound) else f"up to {self.plan.error_bound:.2g}"
+        wanted = (
+            f"the error of leaving out {', '.join(self.plan.left_out)} is {bound}, more than the accuracy of "
+        )
+        return (*own, *beyond, f"{wanted}{self.plan.accuracy:g}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON shape; numbers without a finite value are null."""
+        kind, plan = self.scene.kind, self.plan
+        tree = {"system": kind.name, **kind.tree(self.answer, self.scene.problem)}
+        for quantity in self.quantities:
+            _put(tree, quantity)
+        tree["level"] = self.level
+        tree["extrapolated"] = bool(self.extrapolation)
+        tree["effects"] = {
+            "simulated": list(plan.simulated),
+            "left_out": list(plan.left_out),
+            "not_applicable": [one.name for one in plan.decisions if one.fate == "not applicable"],
+        }
+        tree["accuracy"] = plan.accuracy
+        tree["error_bound"] = _finite(plan.error_bound)
+        tree["method"] = {
+            "name": plan.method.name,
+            "settings": dict(plan.method.settings),
+            "error": _finite(plan.method.error),
+            "why": plan.method.why,
+        }
+        tree["friction"] = None if self.scene.source is None else self.scene.source.origin
+        tree["warnings"] = list(self.warnings)
+        return tree
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
+    """Put a number at its place: "slip.2.utilisation" goes under slip, under "2"."""
+    *path, name = quantity.name.split(".")
+    place = tree
+    for part in path:
+        place = place.setdefault(part, {})
+    place[name] = _finite(quantity.value[0])
+    if len(quantity.std) and quantity.std[0] == 0.0:
+        return
+    stem = name.removesuffix("_N") if name.endswith("_N") else name
+    unit = "_N" if stem != name else ""
+    # The main answer has the contract's bare names; the others carry their own.
+    prefix = "" if name == "lift_force_N" else f"{stem}_"
+    place[f"{prefix}std{unit}"] = _finite(quantity.std[0])
+    place[f"{prefix}interval{unit}"] = [_finite(end) for end in quantity.interval[0]]
+
+
+def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
+    """Return the answer to a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        From `load_scene`.
+    level : float
+        Of the intervals.
+
+    Raises
+    ------
+    DataError
+        Where the scene has no answer, or an effect it names cannot be simulated; with the line of the key.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from ropefric.scenes.scene import read_scene
+    >>> from ropefric.trials.toml_document import TomlDocument
+    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
+    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
+    >>> solution = solve_scene(read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path()))
+    >>> solution.quantities[0].value.round(1).tolist(), solution.plan.simulated
+    ([526.9], ())
+    """
+    try:
+        plan, model = make_plan(
+            scene.kind.system, scene.problem, accuracy=scene.accuracy, effects=scene.effects
+        )
+        answer = scene.kind.system.solve(model, plan.method)
+        quantities = scene.kind.quantities(answer, scene.problem)
+        uncertain = (
+            tuple(known(quantity) for quantity in quantities)
+            if scene.source is None
+            else carry_through(
+                scene.source, lambda friction: _again(scene, plan, friction), quantities, level=level
+            )
+        )
+    except RopefricError as error:
+        raise placed(error, scene.document) from error
+    return Solution(
+        scene=scene,
+        plan=plan,
+        answer=answer,
+        quantities=uncertain,
+        level=level,
+        extrapolation=_extrapolation(scene),
+    )
+
+
+def _again(scene: Scene, plan: Plan, friction: Any) -> Any:
+    problem = scene.kind.with_friction(scene.problem, friction)
+    model = assemble(scene.kind.system, problem, plan.simulated)
+    return scene.kind.quantities(scene.kind.system.solve(model, plan.method), problem)
+
+
+def _extrapolation(scene: Scene) -> tuple[str, ...]:
+    source = scene.source
+    if source is None or source.tested is None:
+        return ()
+    contacts = Conditions(
+        **{name: np.atleast_1d(v) for name, v in scene.kind.contacts(scene.problem, source).items()}
+    )
+    outside = np.flatnonzero(outside_range(source.tested, contacts).any(axis=1))
+    words: dict[str, None] = {}
+    for index in outside:
+        words |= dict.fromkeys(outside_words(source.tested, contacts, int(index)))
+    return tuple(words)

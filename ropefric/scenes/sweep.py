@@ -1,0 +1,216 @@
+"""A scene solved over a grid of its own numbers: in one call where the system allows, point by point elsewhere."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from math import prod
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError, RopefricError
+from ropefric.friction.condition import FloatArray
+from ropefric.scenes.axis import Axis, replaced
+from ropefric.scenes.kind import Quantity
+from ropefric.scenes.plan import make_plan
+from ropefric.scenes.scene import Scene, source_of
+
+__all__ = ["Sweep", "sweep_scene"]
+
+_BLOCK = 50_000
+_PLANNED_POINTS = 1000
+"""Up to here a grid gets a plan of its own; beyond, bounding the effects would cost more than simulating them."""
+
+Progress = Callable[[int, int, str], None]
+IntArray = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sweep:
+    """The answers over a grid.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+        The grid; the last axis runs fastest.
+    columns : mapping of str to ndarray, shape (points,)
+        The numbers of the answer, NaN where a point has none.
+    failed : int
+        How many points have no answer.
+    first_failure : str
+        What the first of them says.
+    simulated : tuple of str
+        Effects in the model, wherever on the grid.
+    error_bound : float
+        The largest of all points.
+    """
+
+    axes: tuple[Axis, ...]
+    columns: dict[str, FloatArray]
+    failed: int
+    first_failure: str
+    simulated: tuple[str, ...]
+    error_bound: float
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Return the lengths of the axes."""
+        return tuple(axis.values.size for axis in self.axes)
+
+
+def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | None = None) -> Sweep:
+    """Return the numbers of a scene's answer over the grid of all axes.
+
+    Parameters
+    ----------
+    scene : Scene
+        What stays the same.
+    axes : tuple of Axis
+        What changes; at least one, no key twice.
+    progress : callable, optional
+        Called with points done, points in all and what was done.
+
+    Raises
+    ------
+    InputError
+        If a key is swept twice, or no point of the grid has an answer.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from ropefric.scenes.axis import parse_axis
+    >>> from ropefric.scenes.scene import read_scene
+    >>> from ropefric.trials.toml_document import TomlDocument
+    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
+    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
+    >>> scene = read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path())
+    >>> sweep_scene(scene, (parse_axis(scene, "wheel.wrap=0.5turn,1turn"),)).columns["lift_force_N"].round(1).tolist()
+    [150.0, 281.1]
+    """
+    keys = [axis.key for axis in axes]
+    if not keys or len(set(keys)) < len(keys):
+        raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
+    total = prod(axis.values.size for axis in axes)
+    collected = _Collected(total=total)
+    by_array = all(key in scene.kind.sweep_fields for key in keys) and _takes_arrays(scene)
+    solve = _solve_answerable if by_array else _solve_point
+    for places, values in _blocks(axes, total, _BLOCK if by_array else 1):
+        solve(scene, keys, values, places, collected)
+        if progress is not None:
+            progress(int(places[-1]) + 1, total, "points")
+    if collected.failed == total:
+        raise InputError(
+            f"no point of the sweep has an answer; the first says: {collected.first_failure}",
+            code="RF503",
+            key="--sweep",
+            fix="sweep over values that this scene can take",
+        )
+    return Sweep(
+        axes=axes,
+        columns=collected.columns,
+        failed=collected.failed,
+        first_failure=collected.first_failure,
+        simulated=tuple(name for name in scene.kind.system.effects if name in collected.simulated),
+        error_bound=collected.error_bound,
+    )
+
+
+@dataclass(slots=True, kw_only=True)
+class _Collected:
+    """What has come in so far."""
+
+    total: int
+    columns: dict[str, FloatArray] = field(default_factory=dict)
+    failed: int = 0
+    first_failure: str = ""
+    error_bound: float = 0.0
+    simulated: set[str] = field(default_factory=set)
+
+    def put(self, places: IntArray, quantities: tuple[Quantity, ...]) -> None:
+        for quantity in quantities:
+            column = self.columns.setdefault(quantity.name, np.full(self.total, np.nan))
+            column[places] = quantity.value
+
+    def fail(self, error: RopefricError) -> None:
+        self.first_failure = self.first_failure or error.problem.message
+        self.failed += 1
+
+
+def _takes_arrays(scene: Scene) -> bool:
+    plan, model = make_plan(
+        scene.kind.system, scene.problem, accuracy=scene.accuracy, effects=_asked(scene, 10**9)
+    )
+    del plan
+    return scene.kind.in_one_call(model)
+
+
+def _asked(scene: Scene, points: int) -> str | tuple[str, ...]:
+    return "all" if scene.effects == "auto" and points > _PLANNED_POINTS else scene.effects
+
+
+def _blocks(axes: tuple[Axis, ...], total: int, size: int) -> Iterator[tuple[IntArray, list[FloatArray]]]:
+    shape = tuple(axis.values.size for axis in axes)
+    for start in range(0, total, size):
+        places = np.arange(start, min(start + size, total))
+        grid = np.unravel_index(places, shape)
+        yield places, [axis.values[place] for axis, place in zip(axes, grid, strict=True)]
+
+
+def _solve_answerable(
+    scene: Scene, keys: list[str], values: list[FloatArray], places: IntArray, collected: _Collected
+) -> None:
+    """Solve the points of a block that can have an answer in one call, and one of the others, to hear why not."""
+    possible = scene.kind.answerable(_at(scene, keys, values))
+    hopeless = np.flatnonzero(~possible)
+    if hopeless.size:
+        first = hopeless[:1]
+        _solve_block(scene, keys, [value[first] for value in values], places[first], collected)
+        collected.failed += hopeless.size - 1
+    if possible.any():
+        _solve_block(scene, keys, [value[possible] for value in values], places[possible], collected)
+
+
+def _at(scene: Scene, keys: list[str], values: list[FloatArray]) -> Any:
+    fields = {
+        scene.kind.sweep_fields[key].field: scene.kind.sweep_fields[key].factor * value
+        for key, value in zip(keys, values, strict=True)
+    }
+    return scene.kind.with_fields(scene.problem, fields)
+
+
+def _solve_block(
+    scene: Scene, keys: list[str], values: list[FloatArray], places: IntArray, collected: _Collected
+) -> None:
+    """Solve many points in one call; where one of them has no answer, halve the block until it stands alone."""
+    try:
+        _solve(scene, _at(scene, keys, values), places, _asked(scene, collected.total), collected)
+    except RopefricError as error:
+        if places.size == 1:
+            collected.fail(error)
+            return
+        for half in np.array_split(np.arange(places.size), 2):
+            _solve_block(scene, keys, [value[half] for value in values], places[half], collected)
+
+
+def _solve_point(
+    scene: Scene, keys: list[str], values: list[FloatArray], places: IntArray, collected: _Collected
+) -> None:
+    table = scene.table
+    for key, value in zip(keys, values, strict=True):
+        table = replaced(table, key, float(value[0]))
+    try:
+        source = source_of(scene.kind, table, scene.folder)
+        problem = scene.kind.problem(table, None if source is None else source.friction)
+        _solve(scene, problem, places, scene.effects, collected)
+    except RopefricError as error:
+        collected.fail(error)
+
+
+def _solve(
+    scene: Scene, problem: Any, places: IntArray, effects: str | tuple[str, ...], collected: _Collected
+) -> None:
+    plan, model = make_plan(scene.kind.system, problem, accuracy=scene.accuracy, effects=effects)
+    answer = scene.kind.system.solve(model, plan.method)
+    collected.put(places, scene.kind.quantities(answer, problem))
+    collected.simulated.update(plan.simulated)
+    collected.error_bound = max(collected.error_bound, plan.error_bound)

@@ -1,0 +1,64 @@
+"""A sweep as a CSV file: written fast, because it may have a million rows."""
+
+from math import prod
+from pathlib import Path
+
+import numpy as np
+
+from ropefric.errors import DataError
+from ropefric.friction.condition import FloatArray
+from ropefric.scenes.sweep import Sweep
+
+__all__ = ["header_of", "write_sweep"]
+
+_BLOCK = 50_000
+
+
+def header_of(sweep: Sweep) -> tuple[str, ...]:
+    """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
+    keys = (f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes)
+    return (*keys, *sweep.columns)
+
+
+def write_sweep(sweep: Sweep, path: Path) -> Path:
+    """Write a sweep as CSV, one row a point, the last axis fastest; return the path.
+
+    Swept values stand in the unit in which they were asked for; a point without an answer has empty cells.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What to write.
+    path : Path
+        The file; its folder is made where it is missing.
+
+    Raises
+    ------
+    DataError
+        If it cannot be written.
+    """
+    shape, total = sweep.shape, prod(sweep.shape)
+    # An axis has few values, so each is put into words once.
+    words = [np.array([f"{value / axis.factor:.10g}" for value in axis.values]) for axis in sweep.axes]
+    row = ",".join(["%s"] * len(words) + ["%.9g"] * len(sweep.columns)) + "\n"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            stream.write(",".join(header_of(sweep)) + "\n")
+            for start in range(0, total, _BLOCK):
+                places = np.unravel_index(np.arange(start, min(start + _BLOCK, total)), shape)
+                keys = [word[place].tolist() for word, place in zip(words, places, strict=True)]
+                values = [column[start : start + _BLOCK] for column in sweep.columns.values()]
+                stream.write(_rows(row, keys, values))
+    except OSError as error:
+        raise DataError(
+            f"cannot write the sweep: {error.strerror}", code="RF105", path=path, fix="choose another folder"
+        ) from None
+    return path
+
+
+def _rows(row: str, keys: list[list[str]], values: list[FloatArray]) -> str:
+    cells: list[list[str] | list[float]] = [*keys, *(column.tolist() for column in values)]
+    size = len(cells[0])
+    text = (row * size) % tuple(cell for line in zip(*cells, strict=True) for cell in line)
+    return text.replace("nan", "") if any(np.isnan(column).any() for column in values) else text

@@ -1,0 +1,1 @@
+"""Machines that live on friction between a rope, belt or blade and a wheel: their pure mechanics."""

@@ -1,0 +1,147 @@
+"""What an effect of a system is: something the mechanics may be assembled with, or done without."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Generic, TypeVar
+
+from ropefric.registry import Registry
+
+__all__ = ["Effect", "Method", "System", "assemble"]
+
+P = TypeVar("P")
+"""A problem: everything a scene says about its parts."""
+M = TypeVar("M")
+"""A model: the mechanics put together for one problem, ready to be solved."""
+A = TypeVar("A")
+"""An answer."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effect(Generic[P, M]):
+    """Something physical that a model may contain or not.
+
+    Attributes
+    ----------
+    name : str
+        Its name in scenes.
+    adds : str
+        What it brings into the model, in words.
+    instead : str
+        What stands in its place when it is left out.
+    needs : callable
+        `needs(problem)` returns the scene keys that are missing for it; empty where it can be simulated.
+    influence : callable
+        `influence(problem)` returns an upper bound of |ln(answer with it / answer without it)|, whatever other
+        effects are simulated; `inf` where no bound is known. Called only where nothing is missing.
+    apply : callable
+        `apply(model, problem)` returns the model with the effect in it. Called only where it is simulated.
+    cost : float
+        Time it adds to a solution, as a share of solving without it; for deciding which of two to leave out.
+
+    Examples
+    --------
+    >>> heavier = Effect(name="weight", adds="its weight", instead="no weight", cost=0.1,
+    ...     needs=lambda problem: (), influence=lambda problem: 0.02, apply=lambda model, problem: model + problem)
+    >>> heavier.apply(1.0, 0.5)
+    1.5
+    """
+
+    name: str
+    adds: str
+    instead: str
+    needs: Callable[[P], tuple[str, ...]]
+    influence: Callable[[P], float]
+    apply: Callable[[M, P], M]
+    cost: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Method:
+    """How a model is solved.
+
+    Attributes
+    ----------
+    name : str
+        "closed form", "spectral", …
+    settings : mapping
+        What the method was told: an order, a step, a tolerance.
+    error : float
+        Upper bound of the relative error it makes.
+    why : str
+        Why this one is enough.
+
+    Examples
+    --------
+    >>> Method(name="closed form", error=1e-13, why="it has no setting to save time with").settings
+    mappingproxy({})
+    """
+
+    name: str
+    settings: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    error: float
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class System(Generic[P, M, A]):
+    """A kind of machine: its bare model, the effects it may have, how it is solved.
+
+    Attributes
+    ----------
+    name : str
+        Its name in scenes.
+    effects : Registry of Effect
+        In the order in which they are applied.
+    bare : callable
+        `bare(problem)` returns the model without any effect.
+    method : callable
+        `method(model, budget)` returns the cheapest method whose relative error stays below `budget`.
+    solve : callable
+        `solve(model, method)` returns the answer.
+    distance : callable
+        `distance(answer, reference)` returns the largest relative difference of two answers.
+    """
+
+    name: str
+    effects: Registry[Effect[P, M]]
+    bare: Callable[[P], M]
+    method: Callable[[M, float], Method]
+    solve: Callable[[M, Method], A]
+    distance: Callable[[A, A], float]
+
+
+def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:
+    """Return the model of a problem with the named effects in it and no others.
+
+    Parameters
+    ----------
+    system : System
+        The kind of machine.
+    problem : object
+        What the scene says.
+    simulated : iterable of str
+        Names of effects, in any order.
+
+    Raises
+    ------
+    UnknownNameError
+        For a name the system does not have.
+
+    Examples
+    --------
+    >>> def double(model, problem):
+    ...     return 2.0 * model
+    >>> effect = Effect(name="double", adds="", instead="", cost=0.1, needs=lambda problem: (),
+    ...     influence=lambda problem: 0.7, apply=double)
+    >>> toy = System(name="toy", effects=Registry("effect", [effect]), bare=lambda problem: problem,
+    ...     method=lambda model, budget: None, solve=lambda model, method: model, distance=lambda a, b: abs(a - b))
+    >>> assemble(toy, 3.0, ["double"]), assemble(toy, 3.0, [])
+    (6.0, 3.0)
+    """
+    wanted = {system.effects[name].name for name in simulated}
+    model = system.bare(problem)
+    for effect in system.effects.values():
+        if effect.name in wanted:
+            model = effect.apply(model, problem)
+    return model

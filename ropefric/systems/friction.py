@@ -1,0 +1,233 @@
+"""The friction of a machine: a law, the condition it falls back on, and what of a contact it is told."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import Conditions, FloatArray, one_condition
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.parameter import columns_of
+from ropefric.friction.physics import refusals_of
+
+__all__ = ["EVERYTHING", "ScaleTo", "WrapFriction"]
+
+EVERYTHING = frozenset({"wrap", "end-tension", "size"})
+"""What of a contact a law may be told: how far the rope wraps, how tight it is, how large the wheel is."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScaleTo:
+    """A coefficient that a law is scaled to.
+
+    Attributes
+    ----------
+    mu : float
+        Average coefficient, positive.
+    wrap_angle_rad : float
+        Over which wrap [rad], at the reference wheel, rope and end tension.
+
+    Examples
+    --------
+    >>> ScaleTo(mu=1.2, wrap_angle_rad=3.14).mu
+    1.2
+    """
+
+    mu: float
+    wrap_angle_rad: float
+
+    def __post_init__(self) -> None:
+        for name in ("mu", "wrap_angle_rad"):
+            value = getattr(self, name)
+            if not 0.0 < value < np.inf:
+                raise InputError(f"a law cannot be scaled to {name} = {value:g}", fix="give it positive")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WrapFriction:
+    """A friction law with parameters, as a machine uses it.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+        The law.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    reference : Conditions
+        One condition: what stands in for whatever of a contact the law is not told. A law fitted to tests has its
+        reference amid the tests.
+    scale_to : ScaleTo, optional
+        Where the law gives only the shape and the size comes from elsewhere.
+
+    Examples
+    --------
+    >>> from ropefric.friction.laws import LAWS
+    >>> belt = WrapFriction.constant(1.2)
+    >>> float(belt.exponent(wheel_radius_m=0.1, rope_radius_m=0.0025, wrap_angle_rad=2.0, slack_tension_N=900.0))
+    2.4
+    """
+
+    law: FrictionLaw
+    theta: FloatArray
+    reference: Conditions
+    scale_to: ScaleTo | None = None
+
+    @classmethod
+    def constant(cls, mu: float) -> "WrapFriction":
+        """Return a coefficient that is the same everywhere.
+
+        Examples
+        --------
+        >>> WrapFriction.constant(0.2).law.name
+        'constant'
+        """
+        from ropefric.friction.laws import LAWS  # noqa: PLC0415  (thirty laws, for callers that bring none)
+
+        anywhere = one_condition(1.0, 0.1, np.pi, 100.0)
+        return cls(law=LAWS["constant"], theta=np.array([mu], dtype=np.float64), reference=anywhere)
+
+    @cached_property
+    def scale(self) -> float:
+        """Return the factor on every coefficient of the law; 1 unless it is scaled.
+
+        Raises
+        ------
+        InputError
+            If the law has no answer, or no friction, at the reference.
+        """
+        if self.scale_to is None:
+            return 1.0
+        at = Conditions(
+            wheel_radius_m=self.reference.wheel_radius_m,
+            rope_radius_m=self.reference.rope_radius_m,
+            wrap_angle_rad=np.array([self.scale_to.wrap_angle_rad]),
+            end_tension_N=self.reference.end_tension_N,
+        )
+        own = float(self.law.average_mu(self.theta, at)[0])
+        if not own > 0.0:
+            raise InputError(
+                f"{self.law.name} gives the coefficient {own:g} at the reference; it cannot be scaled to "
+                f"{self.scale_to.mu:g}",
+                fix="check the law's parameters",
+            )
+        return self.scale_to.mu / own
+
+    def exponent(
+        self,
+        *,
+        wheel_radius_m: npt.ArrayLike,
+        rope_radius_m: npt.ArrayLike,
+        wrap_angle_rad: npt.ArrayLike,
+        slack_tension_N: npt.ArrayLike,
+        told: frozenset[str] = EVERYTHING,
+    ) -> FloatArray:
+        """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17).
+
+        Parameters
+        ----------
+        wheel_radius_m, rope_radius_m : array_like
+            R_w and R_r [m]; for a belt R_r is half its thickness.
+        wrap_angle_rad : array_like
+            φ [rad], zero or more.
+        slack_tension_N : array_like
+            F_B [N] on the slack side, without its centrifugal part.
+        told : frozenset of str
+            Members of `EVERYTHING`; for the others the law sees the reference, and the coefficient it gives there
+            counts over the whole wrap.
+
+        Returns
+        -------
+        ndarray
+            M [-], of the shape the arguments broadcast to.
+
+        Raises
+        ------
+        InputError
+            Where the law has no answer, or a negative coefficient.
+
+        Examples
+        --------
+        >>> from ropefric.friction.laws import LAWS
+        >>> rope = WrapFriction(law=LAWS["wrap-power"], theta=np.array([0.2, -0.5, 0.1]),
+        ...     reference=one_condition(0.05, 0.005, 3.14, 20.0))
+        >>> contact = dict(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[0.0, 10.0], slack_tension_N=20)
+        >>> rope.exponent(**contact).round(4).tolist()
+        [0.0, 1.455]
+        >>> rope.exponent(**contact, told=frozenset()).round(4).tolist()
+        [0.0, 1.4972]
+        """
+        own = {
+            "wheel_radius_m": wheel_radius_m,
+            "rope_radius_m": rope_radius_m,
+            "wrap_angle_rad": wrap_angle_rad,
+            "end_tension_N": slack_tension_N,
+        }
+        arrays = {name: np.asarray(value, dtype=np.float64) for name, value in own.items()}
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        contacts, seen_shape = self._seen(arrays, told)
+        coefficient = self.scale * self.law.average_mu(self.theta, contacts).reshape(seen_shape)
+        if (coefficient < 0.0).any():
+            raise InputError(
+                f"{self.law.name} gives the negative coefficient {coefficient.min():.4g} where the machine uses it",
+                code="RF420",
+                fix="keep to wheels, wraps and tensions near those the law was fitted to",
+            )
+        if coefficient.size == 1:
+            coefficient = coefficient.reshape(())
+        return np.broadcast_to(coefficient * arrays["wrap_angle_rad"], shape)
+
+    def has_answer(
+        self,
+        *,
+        wheel_radius_m: FloatArray,
+        rope_radius_m: FloatArray,
+        wrap_angle_rad: FloatArray,
+        slack_tension_N: FloatArray,
+    ) -> npt.NDArray[np.bool_]:
+        """Return for which of n contacts, arrays of shape (n,) in their valid range, `exponent` has an answer.
+
+        Examples
+        --------
+        >>> from ropefric.friction.laws import LAWS
+        >>> rope = WrapFriction(law=LAWS["wrap-power"], theta=np.array([0.2, -0.5, 0.1]),
+        ...     reference=one_condition(0.05, 0.005, 3.14, 20.0))
+        >>> here = np.ones(2)
+        >>> rope.has_answer(wheel_radius_m=0.04 * here, rope_radius_m=0.005 * here, wrap_angle_rad=3.0 * here,
+        ...     slack_tension_N=np.array([0.5, 20.0])).tolist()
+        [False, True]
+        """
+        contacts = Conditions(
+            wheel_radius_m=wheel_radius_m,
+            rope_radius_m=rope_radius_m,
+            wrap_angle_rad=wrap_angle_rad,
+            end_tension_N=slack_tension_N,
+        )
+        columns = columns_of(self.theta, self.law.parameter_names, self.law.name)
+        answered = np.ones(len(contacts), dtype=np.bool_)
+        for refusal in refusals_of(self.law.physics, columns, contacts):
+            answered &= ~refusal.mask
+        return answered
+
+    def _seen(
+        self, arrays: dict[str, FloatArray], told: frozenset[str]
+    ) -> tuple[Conditions, tuple[int, ...]]:
+        """Return what the law gets to see of the contacts, on one axis, and the shape it came in."""
+        seen = {
+            name: array if _OWNER[name] in told else getattr(self.reference, name)
+            for name, array in arrays.items()
+        }
+        # Over a wrap of zero there is no average coefficient, and none is needed.
+        seen["wrap_angle_rad"] = np.where(seen["wrap_angle_rad"] == 0.0, 1.0, seen["wrap_angle_rad"])
+        spread = np.broadcast_arrays(*seen.values())
+        flat = {name: array.ravel() for name, array in zip(seen, spread, strict=True)}
+        return Conditions(**flat), spread[0].shape
+
+
+_OWNER = {
+    "wheel_radius_m": "size",
+    "rope_radius_m": "size",
+    "wrap_angle_rad": "wrap",
+    "end_tension_N": "end-tension",
+}

@@ -1,0 +1,104 @@
+"""What is known of a rope on a wheel, for one case or many at once."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import FloatArray
+from ropefric.systems.friction import WrapFriction
+
+__all__ = ["GRAVITY_M_S2", "HoistProblem"]
+
+GRAVITY_M_S2 = 9.80665
+"""Standard acceleration of gravity [m/s2]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HoistProblem:
+    """A rope on a wheel, n cases side by side; scalars are spread.
+
+    Attributes
+    ----------
+    friction : WrapFriction
+        The law.
+    wheel_radius_m, rope_radius_m : ndarray, shape (n,)
+        R_w, R_r [m], positive.
+    wrap_angle_rad : ndarray, shape (n,)
+        φ [rad], positive.
+    end_tension_N : ndarray, shape (n,)
+        F_B [N], positive, where the rope leaves the wheel or, with a hanging rope, at its lower end.
+    speed_m_s : ndarray, shape (n,), optional
+        Speed of the rope's centreline against the wheel's axle [m/s].
+    linear_density_kg_m : ndarray, shape (n,), optional
+        Mass per length ρ [kg/m].
+    hanging_length_m : ndarray, shape (n,), optional
+        Length of rope that hangs from the slack side, its lower end pulled by F_B [m].
+    bending_stiffness_N_m2 : ndarray, shape (n,), optional
+        EI [N m2].
+    payload_kg : ndarray, shape (n,), optional
+        Mass to be lifted [kg].
+
+    Raises
+    ------
+    InputError
+        If the lengths disagree or a value is not finite or not in its range.
+
+    Examples
+    --------
+    >>> rope = HoistProblem(friction=WrapFriction.constant(0.2), wheel_radius_m=0.04, rope_radius_m=0.005,
+    ...     wrap_angle_rad=[6.28, 9.42], end_tension_N=80.0)
+    >>> rope.n, rope.end_tension_N.tolist()
+    (2, [80.0, 80.0])
+    """
+
+    friction: WrapFriction
+    wheel_radius_m: FloatArray
+    rope_radius_m: FloatArray
+    wrap_angle_rad: FloatArray
+    end_tension_N: FloatArray
+    speed_m_s: FloatArray | None = None
+    linear_density_kg_m: FloatArray | None = None
+    hanging_length_m: FloatArray | None = None
+    bending_stiffness_N_m2: FloatArray | None = None
+    payload_kg: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        given = {
+            field.name: np.atleast_1d(np.asarray(getattr(self, field.name), dtype=np.float64))
+            for field in fields(self)
+            if field.name != "friction" and getattr(self, field.name) is not None
+        }
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in given.values()))
+        except ValueError:
+            lengths = ", ".join(f"{name} has {array.size}" for name, array in given.items())
+            raise InputError(
+                f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
+            ) from None
+        for name, array in given.items():
+            low_enough = array > 0.0 if name in _POSITIVE else array >= 0.0
+            wrong = ~(low_enough & np.isfinite(array))
+            if name != "speed_m_s" and wrong.any():
+                rule = "positive" if name in _POSITIVE else "zero or more"
+                raise InputError(
+                    f"{name} is {array[wrong][0]:g}; it must be finite and {rule}",
+                    key=name,
+                    fix="correct this value",
+                )
+            if not np.isfinite(array).all():
+                raise InputError(f"{name} is not finite", key=name, fix="correct this value")
+            object.__setattr__(self, name, np.broadcast_to(array, shape))
+
+    @property
+    def n(self) -> int:
+        """Return how many cases there are."""
+        return self.wheel_radius_m.size
+
+    @property
+    def centreline_radius_m(self) -> FloatArray:
+        """Return R_w + R_r [m], shape (n,)."""
+        return self.wheel_radius_m + self.rope_radius_m
+
+
+_POSITIVE = {"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "payload_kg"}

@@ -1,0 +1,74 @@
+"""A scene's friction may be a number, a law or a fit; a fit brings its uncertainty and its tested range."""
+
+import numpy as np
+import pytest
+
+from ropefric.fitting.predict import predict
+from ropefric.fitting.store import load_fit
+from ropefric.friction.condition import one_condition
+from ropefric.scenes.solve import solve_scene
+
+
+@pytest.fixture(scope="module")
+def stored(scenes_folder):
+    return load_fit(scenes_folder.parents[1] / "fits" / "prth-coupled.json")
+
+
+def test_a_fit_gives_the_lift_force_and_the_interval_that_predict_gives(hoist_of, stored):
+    solution = solve_scene(hoist_of(effects=["wrap-dependence", "size", "end-tension"]))
+    told = predict(stored, one_condition(0.04, 0.0049, 3.0 * np.pi, 80.0))
+    lift = solution.quantities[0]
+    assert lift.value[0] == pytest.approx(told.lift_force_N[0], rel=1e-12)
+    assert lift.std[0] == pytest.approx(told.std_N[0], rel=1e-5)
+    assert lift.interval[0].tolist() == pytest.approx(told.interval_N[0].tolist(), rel=1e-7)
+
+
+def test_the_interval_of_a_running_rope_is_that_of_predict_too(hoist_of, stored):
+    solution = solve_scene(hoist_of(effects="all", wheel={"speed": "5 m/s"}))
+    told = predict(
+        stored, one_condition(0.04, 0.0049, 3.0 * np.pi, 80.0), linear_density_kg_m=0.062, speed_m_s=5.0
+    )
+    assert solution.quantities[0].std[0] == pytest.approx(told.std_N[0], rel=1e-5)
+
+
+def test_a_number_or_a_bare_law_has_no_uncertainty(hoist_of):
+    tree = solve_scene(hoist_of(friction={"mu": 0.2})).to_dict()
+    assert "std_N" not in tree
+    assert tree["extrapolated"] is False
+
+
+def test_a_wheel_outside_the_tests_is_flagged(hoist_of):
+    solution = solve_scene(hoist_of(wheel={"radius": "200 mm"}))
+    assert solution.to_dict()["extrapolated"] is True
+    assert any("wheel radius 200 mm" in warning for warning in solution.warnings)
+
+
+def test_a_law_scaled_to_a_coefficient_has_that_average_there(hoist_of):
+    friction = {
+        "law": "wrap-power",
+        "parameters": {"a": 0.2, "b": -0.5, "c": 0.1},
+        "scale_to": {"mu": 0.3, "wrap": "540 deg"},
+        "reference": {"end_tension": "80 N"},
+    }
+    solution = solve_scene(hoist_of(friction=friction, effects=["wrap-dependence", "end-tension"]))
+    assert solution.to_dict()["mu_average"] == pytest.approx(0.3, rel=1e-13)
+
+
+def test_the_reference_of_a_fit_lies_amid_its_tests(hoist_of, stored):
+    reference = hoist_of().source.friction.reference
+    for name in ("wheel_radius_m", "wrap_angle_rad", "end_tension_N"):
+        low, high = stored.validity[name]
+        assert getattr(reference, name)[0] == pytest.approx(np.sqrt(low * high))
+
+
+def test_a_doubtful_fit_says_so(hoist_of):
+    solution = solve_scene(hoist_of(friction={"fit": "../../fits/prth-constant.json"}))
+    source = solution.scene.source
+    assert bool(source.warnings) == (load_status("prth-constant") != "ok")
+    assert set(source.warnings) <= set(solution.warnings)
+
+
+def load_status(name):
+    from pathlib import Path
+
+    return load_fit(Path(__file__).parents[2] / "fits" / f"{name}.json").status.value

@@ -1,0 +1,124 @@
+"""Sweeps: the grid's answers are the scenes' own, one by one, whichever way they are reached."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from ropefric.errors import DataError, InputError, UnknownNameError
+from ropefric.scenes.axis import parse_axis, scalar_keys
+from ropefric.scenes.solve import solve_scene
+from ropefric.scenes.sweep import sweep_scene
+from ropefric.scenes.table import write_sweep
+
+
+def test_ranges_and_lists_in_any_unit(hoist_of):
+    scene = hoist_of()
+    wrap = parse_axis(scene, "wheel.wrap = 90deg : 450deg : 3")
+    assert np.degrees(wrap.values).tolist() == pytest.approx([90.0, 270.0, 450.0])
+    assert parse_axis(scene, "load.end_tension=10N:1000N:3:log").values.tolist() == pytest.approx(
+        [10, 100, 1000]
+    )
+    assert parse_axis(scene, "rope.diameter=8 mm,1 cm").values.tolist() == pytest.approx([0.008, 0.01])
+    assert parse_axis(hoist_of(friction={"mu": 0.2}), "friction.mu=0.1,0.3").values.tolist() == [0.1, 0.3]
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "words"),
+    [
+        ("wheel.wrap", InputError, "START:STOP:COUNT"),
+        ("wheel.wrap=90deg:180deg", InputError, "count from 2"),
+        ("wheel.wrap=90deg:180deg:1", InputError, "count from 2"),
+        ("wheel.wrap=90deg:180deg:5:cubic", InputError, "count from 2"),
+        ("wheel.warp=90deg:180deg:5", UnknownNameError, "did you mean 'wheel.wrap'"),
+        ("rope.bending_stiffness=1 N*m^2,2 N*m^2", UnknownNameError, "written into it first"),
+        ("wheel.wrap=90:180:5", DataError, "no unit"),
+        ("wheel.wrap=90mm,180mm", DataError, "angle"),
+        ("wheel.radius=-1mm:1mm:5", DataError, "not more than 0"),
+    ],
+)
+def test_axes_that_are_none_are_refused(hoist_of, text, error, words):
+    with pytest.raises(error, match=words):
+        parse_axis(hoist_of(), text)
+
+
+def test_what_can_be_swept_is_what_the_scene_gives(hoist_of):
+    keys = scalar_keys(hoist_of())
+    assert "wheel.speed" in keys
+    assert "friction.fit" not in keys
+    assert "accuracy" not in keys
+
+
+def test_a_grid_in_one_call_is_the_scenes_one_by_one(hoist_of):
+    scene = hoist_of(effects="all")
+    axes = (parse_axis(scene, "wheel.radius=20mm,60mm"), parse_axis(scene, "wheel.wrap=90deg:900deg:4"))
+    swept = sweep_scene(scene, axes)
+    assert swept.shape == (2, 4)
+    alone = [
+        solve_scene(hoist_of(effects="all", wheel={"radius": f"{radius} mm", "wrap": f"{wrap} deg"}))
+        for radius in (20, 60)
+        for wrap in (90, 360, 630, 900)
+    ]
+    wanted = [solution.quantities[0].value[0] for solution in alone]
+    assert swept.columns["lift_force_N"].tolist() == pytest.approx(wanted, rel=1e-12)
+
+
+def test_keys_that_do_not_go_in_one_call_give_the_same_grid(hoist_of):
+    scene = hoist_of(friction={"mu": 0.2}, effects="all")
+    swept = sweep_scene(scene, (parse_axis(scene, "friction.mu=0.1,0.3"),))
+    assert swept.columns["mu_average"].tolist() == pytest.approx([0.1, 0.3])
+
+
+def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
+    scene = hoist_of(effects="all")
+    axes = (parse_axis(scene, "wheel.speed=1m/s:61m/s:61"), parse_axis(scene, "wheel.wrap=1turn,2turn"))
+    swept = sweep_scene(scene, axes)
+    speed = np.repeat(axes[0].values, 2)
+    floating = (
+        80.0 - 0.062 * speed**2 < 1.0
+    )  # below F_0 = 1 N the law has no answer, below 0 N nothing presses
+    assert np.isnan(swept.columns["lift_force_N"]).tolist() == floating.tolist()
+    assert swept.failed == floating.sum()
+    assert "lifts off the wheel" in swept.first_failure
+    path = write_sweep(swept, tmp_path / "deep" / "sweep.csv")
+    rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average"]
+    assert len(rows) == 1 + 122
+    assert rows[1][:2] == ["1", "1"]
+    assert float(rows[1][2]) == pytest.approx(swept.columns["lift_force_N"][0], rel=1e-8)
+    assert rows[-1][2:] == ["", ""]
+
+
+def test_a_sweep_without_any_answer_is_refused(hoist_of):
+    scene = hoist_of(effects="all")
+    with pytest.raises(InputError, match="no point of the sweep has an answer"):
+        sweep_scene(scene, (parse_axis(scene, "wheel.speed=50m/s,60m/s"),))
+
+
+def test_a_key_is_swept_once(hoist_of):
+    scene = hoist_of()
+    axis = parse_axis(scene, "wheel.wrap=1turn,2turn")
+    with pytest.raises(InputError, match="each key once"):
+        sweep_scene(scene, (axis, axis))
+
+
+def test_progress_counts_all_points(hoist_of):
+    scene = hoist_of()
+    seen = []
+    sweep_scene(
+        scene,
+        (parse_axis(scene, "wheel.wrap=90deg:900deg:70000"),),
+        progress=lambda done, total, what: seen.append((done, total)),
+    )
+    assert seen == [(50_000, 70_000), (70_000, 70_000)]
+
+
+def test_each_point_of_a_small_sweep_keeps_the_promise(hoist_of):
+    scene = hoist_of()
+    wraps = "wheel.wrap=45deg:1440deg:12"
+    planned = sweep_scene(scene, (parse_axis(scene, wraps),))
+    full = sweep_scene(hoist_of(effects="all"), (parse_axis(scene, wraps),))
+    ratio = planned.columns["lift_force_N"] / full.columns["lift_force_N"]
+    assert np.abs(ratio - 1.0).max() <= min(0.01, planned.error_bound) * (1 + 1e-9)
+    assert math.isfinite(planned.error_bound)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ropefric.plotting.words import counted, plain_text
+
 __all__ = ["DataTable", "FigureWithData", "new_figure"]
 
 
@@ -43,16 +45,32 @@ class FigureWithData:
         Made without pyplot, so that no global state holds it.
     tables : tuple of DataTable
         At least the main one.
+    alt : str
+        What the figure shows, in a sentence or two with the key numbers and their units, for readers who do not see
+        it. Left empty, the axes and the number of rows take its place.
 
     Examples
     --------
     >>> table = DataTable(header=("n",), rows=((12,),))
-    >>> len(FigureWithData(figure=new_figure(), tables=(table,)).tables)
-    1
+    >>> made = FigureWithData(figure=new_figure(), tables=(table,), alt="Twelve trials.")
+    >>> len(made.tables), made.alt
+    (1, 'Twelve trials.')
     """
 
     figure: Figure
     tables: tuple[DataTable, ...]
+    alt: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.alt.strip():
+            object.__setattr__(self, "alt", self._named_axes())
+
+    def _named_axes(self) -> str:
+        pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in self.figure.axes]
+        named = [" over ".join(word for word in pair if word) for pair in pairs]
+        panels = plain_text("; ".join(words for words in named if words)) or "Figure"
+        rows = len(self.tables[0].rows) if self.tables else 0
+        return f"{panels} ({counted(rows, 'row')} of data)."
 
 
 def new_figure(

@@ -1,0 +1,1 @@
+"""A belt filter press: tensions, slip and the transient of its drive train."""

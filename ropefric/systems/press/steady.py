@@ -1,0 +1,240 @@
+"""The steady run of a press: tensions over any grid of preloads, speeds and loads in one product of matrices."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError, SolverError, UnknownNameError
+from ropefric.registry import did_you_mean
+from ropefric.systems.press.equations import incidence, load_torques_N_m, radii_m, span_density_kg_m
+from ropefric.systems.press.machine import Press
+from ropefric.systems.press.speed import speed_shift_kg_m
+from ropefric.systems.press.statics import Statics
+
+__all__ = ["SteadyState", "drive_power_W", "driver_torque_N_m", "steady_state"]
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SteadyState:
+    """Tensions of a press that runs steadily, at any number of operating points.
+
+    Attributes
+    ----------
+    press : Press
+        The machine.
+    speed_m_s : ndarray, shape (...)
+        Belt speed v [m/s] of each point.
+    load_factor : ndarray, shape (...)
+        Factor on all load torques.
+    effective_tension_N : ndarray, shape (..., n_spans)
+        T' = T − ρAv² [N], the sum over the belts of a span: what presses belts onto rollers, eq. (39).
+    slack : ndarray of bool, shape (...)
+        Whether a span has T' ≤ 0: its belt lifts off, and the point's tensions are no solution.
+    """
+
+    press: Press
+    speed_m_s: FloatArray
+    load_factor: FloatArray
+    effective_tension_N: FloatArray
+    slack: npt.NDArray[np.bool_]
+
+    @property
+    def tension_N(self) -> FloatArray:
+        """Return T [N], shape (..., n_spans): with the part ρAv² of every belt that keeps it on its path."""
+        return self.effective_tension_N + np.multiply.outer(self.speed_m_s**2, span_density_kg_m(self.press))
+
+    def effective(self, span: str) -> FloatArray:
+        """Return T' of one span by name [N], shape (...).
+
+        Raises
+        ------
+        UnknownNameError
+            For a span that is not there.
+        """
+        names = [each.name for each in self.press.spans]
+        if span not in names:
+            raise UnknownNameError(f"unknown span '{span}'", fix=did_you_mean(span, names))
+        return self.effective_tension_N[..., names.index(span)]
+
+
+def steady_state(
+    statics: Statics,
+    *,
+    preload_N: npt.ArrayLike | Mapping[str, npt.ArrayLike] | None = None,
+    speed_m_s: npt.ArrayLike | None = None,
+    load_factor: npt.ArrayLike = 1.0,
+    tensioner: Literal["locked", "elastic"] = "locked",
+    on_slack: Literal["refuse", "flag"] = "refuse",
+) -> SteadyState:
+    """Return the tensions of a steady run, eqs. (23)-(36) and (39).
+
+    Parameters
+    ----------
+    statics : Statics
+        The press, solved once.
+    preload_N : array_like or mapping of str to array_like, optional
+        Preload F [N] of all tensioners, or of each named one; by default the press's own.
+    speed_m_s : array_like, optional
+        Belt speed [m/s], zero or more; by default the press's own.
+    load_factor : array_like
+        Factor on all load torques [-]. Everything broadcasts.
+    tensioner : {"locked", "elastic"}
+        Whether the tensioners keep their place when the machine runs up, so that T stays and T' falls by ρAv² a
+        belt (eq. (39)), or give way to what the belt's elasticity asks for, see `speed_shift_kg_m`.
+    on_slack : {"refuse", "flag"}
+        What to do where a span has T' ≤ 0.
+
+    Returns
+    -------
+    SteadyState
+        Tensions of the broadcast shape and one axis more.
+
+    Raises
+    ------
+    InputError
+        For a value outside its range, or data missing for "elastic".
+    UnknownNameError
+        For a preload of a roller that is no tensioner, or a way of the tensioners that is not known.
+    SolverError
+        If a span goes slack and that is to be refused; the message names the span and the point.
+
+    Examples
+    --------
+    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
+    >>> from ropefric.systems.press.statics import solve_statics
+    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
+    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", gravity_torque_N_m=5.0,
+    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
+    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
+    >>> statics = solve_statics(Press(rollers=(drive, load), belts=(belt,), speed_m_s=2.0))
+    >>> steady_state(statics).effective_tension_N.round(6).tolist()
+    [471.0, 521.0]
+    >>> steady_state(statics, preload_N=[600.0, 800.0], speed_m_s=0.0).tension_N.round(6).tolist()
+    [[275.0, 325.0], [375.0, 425.0]]
+    """
+    press = statics.press
+    speed = _numbers("speed_m_s", press.speed_m_s if speed_m_s is None else speed_m_s)
+    load = _numbers("load_factor", load_factor)
+    preloads = _preloads(press, preload_N)
+    shape = np.broadcast_shapes(speed.shape, load.shape, *(force.shape for force in preloads))
+    parts = [statics.given_N, statics.by_load_N, speed_shift_kg_m(statics, tensioner), *statics.by_preload.T]
+    acting = [np.ones(()), load, speed**2, *preloads]
+    by_span, lowest_N = _superpose(parts, acting, shape)
+    slack = lowest_N <= 0.0
+    if on_slack == "refuse" and slack.any():
+        _refuse_slack(press, by_span)
+    return SteadyState(
+        press=press,
+        speed_m_s=np.broadcast_to(speed, shape),
+        load_factor=np.broadcast_to(load, shape),
+        effective_tension_N=np.moveaxis(by_span, 0, -1),
+        slack=slack,
+    )
+
+
+def driver_torque_N_m(state: SteadyState) -> dict[str, FloatArray]:
+    """Return the torque each driver's motor supplies [N m], shape (...): R (T_in − T_out) and its own load.
+
+    Examples
+    --------
+    See `drive_power_W`.
+    """
+    press = state.press
+    pulls_N = -np.moveaxis(state.effective_tension_N @ incidence(press).T, -1, 0)
+    radii, loads = radii_m(press), load_torques_N_m(press)
+    return {
+        roller.name: radii[i] * pulls_N[i] + state.load_factor * loads[i]
+        for i, roller in enumerate(press.rollers)
+        if roller.role == "driver"
+    }
+
+
+def drive_power_W(state: SteadyState) -> FloatArray:
+    """Return the power of all drivers together [W], shape (...): the loads Σ M/R times the speed.
+
+    It is computed from the loads: creep, bearings and bending are not part of the model.
+
+    Examples
+    --------
+    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
+    >>> from ropefric.systems.press.statics import solve_statics
+    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
+    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", gravity_torque_N_m=5.0,
+    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
+    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
+    >>> state = steady_state(solve_statics(Press(rollers=(drive, load), belts=(belt,), speed_m_s=2.0)))
+    >>> float(drive_power_W(state)), float(driver_torque_N_m(state)["drive"].round(9))
+    (100.0, 5.0)
+    """
+    press = state.press
+    loads_N = float((load_torques_N_m(press) / radii_m(press)).sum())
+    return np.asarray(loads_N * state.load_factor * state.speed_m_s)
+
+
+def _superpose(
+    parts: list[FloatArray], acting: list[FloatArray], shape: tuple[int, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Return Σ part · acting with the spans in front, and the lowest of them at each point.
+
+    Constant parts are summed beforehand and work space is used again, as sweeps of millions of points ask for.
+    """
+    varying = [(part, force) for part, force in zip(parts, acting, strict=True) if force.ndim]
+    fixed = np.sum(
+        [part * force for part, force in zip(parts, acting, strict=True) if not force.ndim], axis=0
+    )
+    by_span, lowest_N, term = np.empty((len(fixed), *shape)), np.full(shape, np.inf), np.empty(shape)
+    for i, constant in enumerate(fixed):
+        tension = by_span[i : i + 1].reshape(shape)  # a view even where there is one point
+        tension[...] = constant
+        for part, force in varying:
+            if part[i]:
+                np.multiply(force, part[i], out=term)
+                tension += term
+        np.minimum(lowest_N, tension, out=lowest_N)
+    return by_span, lowest_N
+
+
+def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
+    array = np.asarray(values, dtype=np.float64)
+    bad = ~(np.isfinite(array) & (array >= 0.0))
+    if bad.any():
+        raise InputError(f"{name} is {array[bad].ravel()[0]:g}; it must be finite and zero or more", key=name)
+    return array
+
+
+def _preloads(
+    press: Press, preload_N: npt.ArrayLike | Mapping[str, npt.ArrayLike] | None
+) -> list[FloatArray]:
+    own = {roller.name: roller.tensioner.force_N for roller in press.rollers if roller.tensioner is not None}
+    chosen: Mapping[str, npt.ArrayLike] = own
+    if isinstance(preload_N, Mapping):
+        unknown = preload_N.keys() - own.keys()
+        if unknown:
+            raise UnknownNameError(
+                f"preload_N names {', '.join(sorted(unknown))}, which carries no tensioner",
+                key="preload_N",
+                fix=f"tensioners: {', '.join(own) or 'none'}",
+            )
+        chosen = own | dict(preload_N)
+    elif preload_N is not None:
+        chosen = dict.fromkeys(own, preload_N)
+    return [_numbers(f"preload_N of tensioner {name}", force) for name, force in chosen.items()]
+
+
+def _refuse_slack(press: Press, by_span: FloatArray) -> None:
+    flat = by_span.reshape(len(press.spans), -1)
+    span, point = np.unravel_index(int(np.argmin(flat)), flat.shape)
+    place = f" at point {point} of {flat.shape[1]}" if flat.shape[1] > 1 else ""
+    worst = press.spans[int(span)]
+    raise SolverError(
+        f"span {worst.name} (roller {worst.start} to {worst.end}) goes slack{place}: T' = {flat[span, point]:.6g} N, "
+        "and a belt cannot push",
+        code="RF523",
+        key=f"span {worst.name}",
+        fix="raise the preload of the tensioners or lower the loads; on_slack='flag' marks such points instead",
+    )

@@ -1,0 +1,212 @@
+"""The measurement equation of a lift force that a fitted law predicts for a wheel known only so well."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.fitting.gum.budget import effective_dof
+from ropefric.fitting.gum.model import MeasurementModel
+from ropefric.fitting.gum.quantity import Block, Quantity, normal
+from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
+from ropefric.fitting.result import FitResult
+from ropefric.friction.condition import Conditions, FloatArray, one_condition
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.physics import refusals_of
+
+__all__ = ["WheelUncertainty", "lift_model", "paired_log_lift"]
+
+_STEP = 1e-5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WheelUncertainty:
+    """Standard uncertainties of the wheel a lift force is asked for.
+
+    Attributes
+    ----------
+    wheel_radius_m, rope_radius_m, wrap_angle_rad, end_tension_N : float
+        Of R_w [m], R_r [m], φ [rad] and F_B [N]; 0 for what is exact.
+
+    Examples
+    --------
+    >>> WheelUncertainty(wrap_angle_rad=0.035).wheel_radius_m
+    0.0
+    """
+
+    wheel_radius_m: float = 0.0
+    rope_radius_m: float = 0.0
+    wrap_angle_rad: float = 0.0
+    end_tension_N: float = 0.0
+
+
+def paired_log_lift(law: FrictionLaw, theta: FloatArray, conditions: Conditions) -> FloatArray:
+    """Return ln(F_A / 1 N) of m parameter sets, each at its own condition, shape (m,); NaN where there is no answer.
+
+    `FrictionLaw.log_lift` gives every set at every condition, of which this is the diagonal.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    theta : ndarray, shape (m, p)
+        Parameters.
+    conditions : Conditions
+        m conditions.
+
+    Examples
+    --------
+    >>> from ropefric.friction.laws import LAWS
+    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[5, 10], end_tension_N=1)
+    >>> paired_log_lift(LAWS["constant"], np.array([[0.1], [0.2]]), pulls).tolist()
+    [0.5, 2.0]
+    """
+    columns = tuple(theta.T)
+    good = np.ones(len(conditions), dtype=bool)
+    for refusal in refusals_of(law.physics, columns, conditions):
+        good &= ~refusal.mask
+    found = np.full(len(conditions), np.nan)
+    if good.any():
+        part = conditions.select(good)
+        # Every number is looked at by the caller, so overflow need not be warned about.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            log_lift = part.log_end_tension + law.physics.rise(tuple(theta[good].T), part)
+        found[good] = np.where(np.isfinite(log_lift), log_lift, np.nan)
+    return found
+
+
+def lift_model(
+    fit: FitResult, wheel: Conditions, uncertainty: WheelUncertainty, *, one_pull: bool = False
+) -> MeasurementModel:
+    """Return the measurement equation of the lift force of one wheel, F_A = exp ln F_A(θ; R_w, R_r, φ, F_B) [N].
+
+    Parameters
+    ----------
+    fit : FitResult
+        The fit; its parameters enter as one block with their covariance, for they are strongly correlated.
+    wheel : Conditions
+        One condition.
+    uncertainty : WheelUncertainty
+        Of the wheel.
+    one_pull : bool
+        Whether F_A is that of one pull with one new rope, whose scatter comes on top, and not that of the mean law.
+
+    Raises
+    ------
+    InputError
+        If there is not exactly one condition, the law has no answer for it, the covariance is not finite, or
+        `one_pull` is asked of a fit that knows no scatter.
+
+    Examples
+    --------
+    >>> from ropefric.fitting.fit import fit_law
+    >>> from ropefric.fitting.table import TrialTable
+    >>> table = TrialTable(
+    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
+    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
+    ... )
+    >>> model = lift_model(
+    ...     fit_law(table, "constant"), one_condition(0.04, 0.005, 4.5, 20.0), WheelUncertainty(wrap_angle_rad=0.03)
+    ... )
+    >>> round(model.estimate, 1), [item.name for item in model.quantities]
+    (49.2, ['wheel radius', 'rope radius', 'wrap angle', 'end tension'])
+    """
+    if len(wheel) != 1:
+        raise InputError(
+            f"{len(wheel)} wheels; a budget is of one", key="conditions", fix="ask one at a time"
+        )
+    law, theta = fit.friction_law, np.asarray(fit.theta)
+    F_A = math.exp(float(law.log_lift(theta, wheel)[0]))
+    quantities = [*_settings(wheel, uncertainty), *(_rope(fit) if one_pull else ())]
+    free = np.array([item.vary and not item.at_bound for item in fit.parameters], dtype=bool)
+    names = np.array(law.parameter_names)[free]
+    block = Block(
+        name=f"parameters of {law.name}",
+        symbols=tuple(names.tolist()),
+        estimates=theta[free],
+        covariance=np.asarray(fit.covariance)[np.ix_(free, free)],
+        dof=degrees_of_freedom(fit),
+    )
+    k = len(quantities)
+
+    def evaluate(inputs: FloatArray) -> FloatArray:
+        answered = (inputs[:, :4] > 0.0).all(axis=1)
+        found = np.full(len(inputs), np.nan)
+        if answered.any():
+            rows = inputs[answered]
+            sets = np.broadcast_to(theta, (len(rows), theta.size)).copy()
+            sets[:, free] = rows[:, k:]
+            # As in every prediction: a draw beyond a bound of the law counts as on it.
+            sets = np.clip(sets, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
+            with np.errstate(over="ignore"):
+                found[answered] = np.exp(
+                    paired_log_lift(law, sets, _conditions(rows)) + rows[:, 4:k].sum(axis=1)
+                )
+        return found
+
+    by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
+    slopes = [by_radius, _by_rope(law, theta, wheel), by_wrap, by_log_tension / wheel.end_tension_N[0]]
+    slopes += [1.0] * (k - 4)
+    return MeasurementModel(
+        name="lift force of one pull" if one_pull else "lift force",
+        symbol="F_A",
+        unit="N",
+        quantities=tuple(quantities),
+        block=block if free.any() else None,
+        evaluate=evaluate,
+        sensitivities=F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]]),
+    )
+
+
+def _settings(wheel: Conditions, uncertainty: WheelUncertainty) -> list[Quantity]:
+    rows = (
+        ("wheel radius", "R_w", "m", "wheel_radius_m"),
+        ("rope radius", "R_r", "m", "rope_radius_m"),
+        ("wrap angle", "φ", "rad", "wrap_angle_rad"),
+        ("end tension", "F_B", "N", "end_tension_N"),
+    )
+    return [
+        normal(name, symbol, unit, getattr(uncertainty, key), estimate=float(getattr(wheel, key)[0]))
+        for name, symbol, unit, key in rows
+    ]
+
+
+def _rope(fit: FitResult) -> tuple[Quantity, ...]:
+    std, found = new_rope_std(fit), fit.statistics
+    if not math.isfinite(std):
+        raise InputError(
+            f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull",
+            key="one_pull",
+            fix="repeat conditions, or ask for the mean law",
+        )
+    parts = np.nan_to_num([found.scatter_within, found.scatter_between])
+    counts = [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]
+    return (
+        Quantity(
+            name="scatter of one new rope",
+            symbol="δ_rope",
+            unit="-",
+            estimate=0.0,
+            stated=std,
+            type="A",
+            dof=effective_dof(parts.tolist(), counts),
+        ),
+    )
+
+
+def _conditions(rows: FloatArray) -> Conditions:
+    return Conditions(
+        wheel_radius_m=rows[:, 0],
+        rope_radius_m=rows[:, 1],
+        wrap_angle_rad=rows[:, 2],
+        end_tension_N=rows[:, 3],
+    )
+
+
+def _by_rope(law: FrictionLaw, theta: FloatArray, wheel: Conditions) -> float:
+    """Return ∂ ln F_A/∂R_r [1/m] by central differences: no law has it in closed form."""
+    R_w, R_r = float(wheel.wheel_radius_m[0]), float(wheel.rope_radius_m[0])
+    phi, F_B = float(wheel.wrap_angle_rad[0]), float(wheel.end_tension_N[0])
+    ends = [law.log_lift(theta, one_condition(R_w, R_r * (1.0 + s), phi, F_B))[0] for s in (_STEP, -_STEP)]
+    return float(ends[0] - ends[1]) / (2.0 * _STEP * R_r)

@@ -1,0 +1,243 @@
+"""What goes into a budget: single quantities, and a block of quantities known together with their covariance."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import FloatArray
+
+__all__ = ["Block", "Distribution", "Evaluation", "Quantity", "limit_of_error", "normal", "repeats"]
+
+Evaluation = Literal["A", "B"]
+Distribution = Literal["normal", "rectangular"]
+
+_RECTANGULAR = math.sqrt(3.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """An input quantity, independent of all others.
+
+    Attributes
+    ----------
+    name : str
+        What it is, in words.
+    symbol : str
+        Its symbol in the measurement equation.
+    unit : str
+        Unit of estimate and uncertainty; "-" for a ratio.
+    estimate : float
+        Best estimate; 0 for a correction that is not made.
+    stated : float
+        The uncertainty as its source states it: a standard deviation, half the width of an interval, a resolution.
+    divisor : float
+        What turns `stated` into a standard uncertainty: 1, √3, √12, √n.
+    distribution : {"normal", "rectangular"}
+        What is known about it; a normal one with few degrees of freedom is drawn as Student's t (JCGM 101, 6.4.9).
+    type : {"A", "B"}
+        A: from repeated readings; B: from anything else.
+    dof : float
+        Degrees of freedom of the standard uncertainty; infinite where it is taken as exact.
+    repeats : int
+        Readings it is the mean of, where more of them would help; 0 where they would not.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, an uncertainty negative, or the degrees of freedom not positive.
+
+    Examples
+    --------
+    >>> round(Quantity(
+    ...     name="resolution", symbol="δ_q", unit="N", estimate=0.0, stated=0.978, divisor=12**0.5,
+    ...     distribution="rectangular", type="B",
+    ... ).std, 3)
+    0.282
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    estimate: float
+    stated: float
+    divisor: float = 1.0
+    distribution: Distribution = "normal"
+    type: Evaluation = "B"
+    dof: float = math.inf
+    repeats: int = 0
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.estimate):
+            raise InputError(f"{self.name}: the estimate {self.estimate} is not finite", key=self.name)
+        if not (math.isfinite(self.stated) and self.stated >= 0.0 and self.divisor > 0.0):
+            raise InputError(
+                f"{self.name}: {self.stated:g}/{self.divisor:g} is no standard uncertainty",
+                key=self.name,
+                fix="give a finite number from 0",
+            )
+        if not self.dof > 0.0:
+            raise InputError(
+                f"{self.name}: {self.dof:g} degrees of freedom say nothing about its uncertainty",
+                key=self.name,
+            )
+
+    @property
+    def std(self) -> float:
+        """Return the standard uncertainty, in the unit of the estimate."""
+        return self.stated / self.divisor
+
+    def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
+        """Return n draws from its distribution, shape (n,)."""
+        if self.std == 0.0:
+            return np.full(n, self.estimate)
+        if self.distribution == "rectangular":
+            half = _RECTANGULAR * self.std
+            return np.asarray(rng.uniform(self.estimate - half, self.estimate + half, n))
+        shape = rng.standard_normal(n) if math.isinf(self.dof) else rng.standard_t(self.dof, n)
+        return np.asarray(self.estimate + self.std * shape)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Block:
+    """Quantities known together, with their covariance: the parameters of a fitted law.
+
+    Attributes
+    ----------
+    name : str
+        What they are, in words.
+    symbols : tuple of str
+        Symbols of the q quantities.
+    estimates : ndarray, shape (q,)
+        Best estimates.
+    covariance : ndarray, shape (q, q)
+        Their covariance.
+    dof : float
+        Degrees of freedom of the covariance as a whole.
+    type : {"A", "B"}
+        How they were found.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree, or a number is not finite.
+
+    Examples
+    --------
+    >>> law = Block(name="law", symbols=("mu",), estimates=np.array([0.2]), covariance=np.array([[1e-4]]), dof=9.0)
+    >>> law.directions().tolist()
+    [[0.01]]
+    """
+
+    name: str
+    symbols: tuple[str, ...]
+    estimates: FloatArray
+    covariance: FloatArray
+    dof: float = math.inf
+    type: Evaluation = "A"
+
+    def __post_init__(self) -> None:
+        q = len(self.symbols)
+        if self.estimates.shape != (q,) or self.covariance.shape != (q, q):
+            raise InputError(
+                f"{self.name}: {q} symbols, but covariance {self.covariance.shape}", key=self.name
+            )
+        if not (np.isfinite(self.estimates).all() and np.isfinite(self.covariance).all()):
+            raise InputError(
+                f"{self.name}: the covariance is not finite, so the data do not show all of {self.symbols}",
+                key=self.name,
+                fix="measure the conditions that would show it, or fit a simpler law",
+            )
+
+    def directions(self) -> FloatArray:
+        """Return the independent directions of the covariance, each one standard uncertainty long, shape (q, q).
+
+        Column i is a change of all quantities together, E eᵢ eᵢᵀ = covariance. The eigenvectors are those of the
+        correlation matrix, so that they do not depend on units; largest first.
+        """
+        size = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        scale = np.where(size > 0.0, size, 1.0)
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
+        columns = vectors * np.sqrt(np.maximum(values, 0.0)) * scale[:, None]
+        # A direction and its opposite are the same; the sign that eigh returns depends on the library.
+        strongest = np.abs(vectors).argmax(axis=0)
+        signs = np.where(np.take_along_axis(vectors, strongest[None, :], axis=0)[0] < 0.0, -1.0, 1.0)
+        return np.asarray((columns * signs)[:, ::-1])
+
+    def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
+        """Return n draws from the multivariate normal, or t for finite degrees of freedom, shape (n, q)."""
+        spread = rng.standard_normal((n, len(self.symbols))) @ self.directions().T
+        if math.isfinite(self.dof):
+            spread *= np.sqrt(self.dof / rng.chisquare(self.dof, n))[:, np.newaxis]
+        return np.asarray(self.estimates + spread)
+
+
+def limit_of_error(
+    name: str, symbol: str, unit: str, half_width: float, *, estimate: float = 0.0
+) -> Quantity:
+    """Return a quantity that lies anywhere within ± a limit of error: rectangular, divisor √3, type B.
+
+    Examples
+    --------
+    >>> round(limit_of_error("linearity", "δ_lin", "N", 0.2).std, 4)
+    0.1155
+    """
+    return Quantity(
+        name=name,
+        symbol=symbol,
+        unit=unit,
+        estimate=estimate,
+        stated=half_width,
+        divisor=_RECTANGULAR,
+        distribution="rectangular",
+    )
+
+
+def normal(
+    name: str, symbol: str, unit: str, std: float, *, estimate: float = 0.0, dof: float = math.inf
+) -> Quantity:
+    """Return a quantity with a known standard uncertainty: normal, type B.
+
+    Examples
+    --------
+    >>> normal("wrap", "φ", "rad", 0.03, estimate=6.3).std
+    0.03
+    """
+    return Quantity(name=name, symbol=symbol, unit=unit, estimate=estimate, stated=std, dof=dof)
+
+
+def repeats(
+    name: str, symbol: str, unit: str, *, mean: float, std: float, n: int, dof: float | None = None
+) -> Quantity:
+    """Return the mean of n readings with their sample standard deviation s: s/√n, type A, n − 1 degrees of freedom.
+
+    With `dof`, s is a pooled one with that many degrees of freedom (GUM 4.2.4).
+
+    Raises
+    ------
+    InputError
+        If there is no reading, or one alone and s not pooled.
+
+    Examples
+    --------
+    >>> mean = repeats("repeatability", "F̄", "N", mean=320.7, std=5.5, n=12)
+    >>> round(mean.std, 3), mean.dof
+    (1.588, 11.0)
+    """
+    if n < 1 or (n < 2 and dof is None):
+        raise InputError(
+            f"{name}: {n} readings have no scatter", key=name, fix="repeat, or give a pooled scatter"
+        )
+    return Quantity(
+        name=name,
+        symbol=symbol,
+        unit=unit,
+        estimate=mean,
+        stated=std,
+        divisor=math.sqrt(n),
+        type="A",
+        dof=float(n - 1) if dof is None else float(dof),
+        repeats=n,
+    )

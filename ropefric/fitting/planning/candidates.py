@@ -1,0 +1,92 @@
+"""The conditions a plan may choose from: those the law has an answer for and the cell takes, not tested before."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.fitting.planning.limits import FACTORS, RigLimits
+from ropefric.fitting.planning.precision import PlannedLaw
+from ropefric.friction.condition import Conditions
+from ropefric.friction.physics import refusals_of
+
+__all__ = ["allowed_conditions", "tested_before"]
+
+BoolArray = npt.NDArray[np.bool_]
+
+# Conditions that agree to this many digits are one, as in a trial table.
+_SAME_DIGITS = 12
+
+
+def allowed_conditions(
+    planned: PlannedLaw, limits: RigLimits, grid: Conditions
+) -> tuple[BoolArray, list[str]]:
+    """Return which combinations can be tested, shape (N,), and what is left out, in words.
+
+    Parameters
+    ----------
+    planned : PlannedLaw
+        For the forces to expect.
+    limits : RigLimits
+        For the largest force.
+    grid : Conditions
+        Its combinations.
+
+    Examples
+    --------
+    >>> from ropefric.fitting.planning.precision import MeanScatter, planned_guess
+    >>> from ropefric.friction.laws import LAWS
+    >>> rig = RigLimits(
+    ...     wheel_radius_m=(0.03,), wrap_angle_rad=(3.0, 6.0, 9.0), end_tension_N=(20.0,), rope_radius_m=0.005,
+    ...     largest_force_N=80.0,
+    ... )
+    >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
+    >>> allowed_conditions(law, rig, rig.conditions())[0].tolist()
+    [True, True, False]
+    """
+    law, theta = planned.law, planned.theta
+    refused = np.zeros(len(grid), dtype=bool)
+    for refusal in refusals_of(law.physics, tuple(theta), grid):
+        refused |= refusal.mask
+    allowed, notes = ~refused, []
+    if refused.any():
+        notes.append(
+            f"{int(refused.sum())} of {len(grid)} settings are left out: {law.name} has no answer there"
+        )
+    if allowed.any():
+        log_lift = np.full(len(grid), -np.inf)
+        log_lift[allowed] = law.log_lift(theta, grid.select(allowed))
+        over = log_lift > math.log(limits.largest_force_N)
+        if over.any():
+            notes.append(
+                f"{int(over.sum())} of {len(grid)} settings are left out: F_A would exceed the "
+                f"{limits.largest_force_N:.4g} N of the cell"
+            )
+        allowed &= ~over
+    return allowed, notes
+
+
+def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
+    """Return which combinations were tested before, shape (N,): a condition set up again is no new one.
+
+    Examples
+    --------
+    >>> from ropefric.fitting.planning.precision import MeanScatter, planned_guess
+    >>> from ropefric.friction.laws import LAWS
+    >>> rig = RigLimits(
+    ...     wheel_radius_m=(0.03,), wrap_angle_rad=(3.0, 6.0, 9.0), end_tension_N=(20.0,), rope_radius_m=0.005,
+    ...     largest_force_N=80.0,
+    ... )
+    >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
+    >>> tested_before(law, rig.conditions()).tolist()
+    [False, False, False]
+    """
+    if planned.tested is None:
+        return np.zeros(len(grid), dtype=bool)
+    old = set(_keys(planned.tested))
+    return np.array([key in old for key in _keys(grid)], dtype=bool)
+
+
+def _keys(conditions: Conditions) -> list[tuple[float, ...]]:
+    columns = [getattr(conditions, name).tolist() for name in (*FACTORS, "rope_radius_m")]
+    return [tuple(float(f"{x:.{_SAME_DIGITS}g}") for x in row) for row in zip(*columns, strict=True)]

@@ -1,0 +1,142 @@
+"""What a rig can do: wheels, wraps, end tensions and the largest force its cell takes."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from itertools import product
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import Conditions, FloatArray
+
+__all__ = ["FACTORS", "RigLimits", "geometric_levels", "linear_levels"]
+
+FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
+"""What a plan may vary; the rope is the same throughout."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigLimits:
+    """Every setting a rig offers; each combination is a condition that might be tested.
+
+    Attributes
+    ----------
+    wheel_radius_m, wrap_angle_rad, end_tension_N : tuple of float
+        Settings of R_w [m], φ [rad] and F_B [N], each rising.
+    rope_radius_m : float
+        R_r [m].
+    largest_force_N : float
+        Largest F_A the force cell takes [N]; infinite where that is no limit.
+
+    Raises
+    ------
+    InputError
+        If a factor has no setting, or one that is not positive, or two alike.
+
+    Examples
+    --------
+    >>> rig = RigLimits(
+    ...     wheel_radius_m=(0.02, 0.04), wrap_angle_rad=(3.0, 6.0, 9.0), end_tension_N=(20.0, 80.0),
+    ...     rope_radius_m=0.005, largest_force_N=800.0,
+    ... )
+    >>> len(rig.conditions()), rig.shape
+    (12, (2, 3, 2))
+    """
+
+    wheel_radius_m: tuple[float, ...]
+    wrap_angle_rad: tuple[float, ...]
+    end_tension_N: tuple[float, ...]
+    rope_radius_m: float
+    largest_force_N: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in FACTORS:
+            levels = sorted(float(level) for level in getattr(self, name))
+            if not levels or not (levels[0] > 0.0 and math.isfinite(levels[-1])):
+                raise InputError(
+                    f"{name}: {levels} are no settings", key=name, fix="give one or more above zero"
+                )
+            if len(set(levels)) < len(levels):
+                raise InputError(f"{name}: a setting is given twice", key=name, fix="give each once")
+            object.__setattr__(self, name, tuple(levels))
+        for item in fields(self):
+            if item.name not in FACTORS and not getattr(self, item.name) > 0.0:
+                raise InputError(f"{item.name} = {getattr(self, item.name):g} is not positive", key=item.name)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Return the number of settings of each factor."""
+        return tuple(len(getattr(self, name)) for name in FACTORS)
+
+    def conditions(self) -> Conditions:
+        """Return all combinations, wheel by wheel, wrap by wrap, end tension by end tension."""
+        rows = np.array(list(product(*(getattr(self, name) for name in FACTORS))))
+        return Conditions(
+            wheel_radius_m=rows[:, 0],
+            rope_radius_m=np.full(len(rows), self.rope_radius_m),
+            wrap_angle_rad=rows[:, 1],
+            end_tension_N=rows[:, 2],
+        )
+
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Return the smallest and largest setting of each factor, and the rope, as the validity of a fit has them."""
+        spans = {name: (min(getattr(self, name)), max(getattr(self, name))) for name in FACTORS}
+        return spans | {"rope_radius_m": (self.rope_radius_m, self.rope_radius_m)}
+
+
+def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
+    """Return about n settings from low to high that are whole multiples of a step, ends included.
+
+    Parameters
+    ----------
+    low, high : float
+        The range.
+    n : int
+        Number wanted, 2 or more; fewer where the range holds fewer steps.
+    step : float
+        What can be set: 45 degrees of wrap.
+
+    Raises
+    ------
+    InputError
+        If the range is empty.
+
+    Examples
+    --------
+    >>> linear_levels(90.0, 1080.0, 5, step=45.0)
+    (90.0, 360.0, 585.0, 810.0, 1080.0)
+    """
+    _check_range(low, high, n)
+    return _unique([low, *(round(x / step) * step for x in np.linspace(low, high, n)[1:-1]), high], low, high)
+
+
+def geometric_levels(low: float, high: float, n: int, *, digits: int = 2) -> tuple[float, ...]:
+    """Return about n settings from low to high in even ratios, rounded to digits, ends included.
+
+    Raises
+    ------
+    InputError
+        If the range is empty, or does not begin above zero.
+
+    Examples
+    --------
+    >>> geometric_levels(5.0, 200.0, 5)
+    (5.0, 13.0, 32.0, 80.0, 200.0)
+    """
+    _check_range(low, high, n)
+    if not low > 0.0:
+        raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
+    inner: FloatArray = np.geomspace(low, high, n)[1:-1]
+    return _unique([low, *(float(f"{x:.{digits}g}") for x in inner.tolist()), high], low, high)
+
+
+def _check_range(low: float, high: float, n: int) -> None:
+    if not (low < high and n >= 2):
+        raise InputError(
+            f"{n} settings from {low:g} to {high:g}", key="range", fix="give low before high, two or more"
+        )
+
+
+def _unique(values: Sequence[float], low: float, high: float) -> tuple[float, ...]:
+    return tuple(sorted({float(value) for value in values if low <= value <= high}))

@@ -1,0 +1,152 @@
+"""`ropefric budget`: of campaigns, of trial tables, of predicted lift forces."""
+
+import math
+import shlex
+from pathlib import Path
+
+import pytest
+
+from ropefric.cli.commands.catalogue import find_commands
+
+ROOT = Path(__file__).parents[2]
+TRIALS = ROOT / "fits" / "prth-trials.csv"
+COUPLED = ROOT / "fits" / "prth-coupled.json"
+WHEEL = ("--wheel-radius", "35 mm", "--wrap", "400 deg", "--end-tension", "60 N")
+LINE_KEYS = {
+    *("name", "symbol", "unit", "estimate", "standard_uncertainty", "type", "distribution", "divisor"),
+    *("sensitivity", "contribution", "share", "dof"),
+}
+KEYS = {
+    *(
+        "schema",
+        "quantity",
+        "unit",
+        "estimate",
+        "lines",
+        "combined",
+        "effective_dof",
+        "coverage_factor",
+        "level",
+    ),
+    *("expanded", "interval", "monte_carlo", "improvements", "notes", "status", "trustworthy"),
+}
+
+
+@pytest.fixture(autouse=True)
+def at_home(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+def test_the_example_in_the_help_works(call):
+    done = call(*shlex.split(find_commands()["budget"].example)[1:], "--quiet")
+    assert (done.code, done.err) == (0, "")
+    for words in ("wrap angle", "end tension", "parameters of coupled", "u_c =", "Check by", "smaller"):
+        assert words in done.out
+
+
+def test_a_budget_of_a_lift_force_adds_up(call):
+    words = ("--u-wrap", "2 deg", "--u-end-tension", "0.5 N", "--u-wheel-radius", "0.1 mm", "--one-pull")
+    found = call("budget", "--fit", COUPLED, *WHEEL, *words, "--json").json()
+    assert found.keys() >= KEYS
+    assert all(line.keys() >= LINE_KEYS for line in found["lines"])
+    assert math.hypot(*(line["contribution"] for line in found["lines"])) == pytest.approx(found["combined"])
+    assert sum(line["share"] for line in found["lines"]) == pytest.approx(1.0)
+    assert found["expanded"] == pytest.approx(found["coverage_factor"] * found["combined"])
+    wrap = next(line for line in found["lines"] if line["symbol"] == "φ")
+    assert wrap["standard_uncertainty"] == pytest.approx(math.radians(2))
+    law = next(line for line in found["lines"] if line["correlated"])
+    assert len(law["correlated"]) == 5
+    assert law["dof"] == 31
+
+
+def test_of_an_exact_wheel_it_is_what_predict_says(call):
+    budget = call("budget", "--fit", COUPLED, *WHEEL, "--json").json()
+    predicted = call("predict", "--fit", COUPLED, *WHEEL, "--json").json()
+    assert budget["combined"] == pytest.approx(predicted["std_N"])
+    assert "taken as exact: wheel radius, rope radius, wrap angle, end tension" in budget["notes"]
+
+
+def test_every_condition_of_a_table_has_its_budget(call):
+    done = call("budget", TRIALS, "--quantity", "mu", "--draws", "10000", "--json")
+    budgets = done.json()["budgets"]
+    assert done.code == 0
+    assert [each["condition"] for each in budgets] == list(range(1, 37))
+    for each in budgets:
+        mu = math.log(each["lift_force_N"] / each["end_tension_N"]) / each["wrap_angle_rad"]
+        assert each["estimate"] == pytest.approx(mu)
+    assert "36 " in call("budget", TRIALS, "--draws", "10000").out
+
+
+def test_wrap_gravity_and_gain_are_counted_as_told(call):
+    def combined(*words):
+        argv = (
+            "budget",
+            TRIALS,
+            "--condition",
+            "1",
+            "--quantity",
+            "mu",
+            "--draws",
+            "10000",
+            *words,
+            "--json",
+        )
+        return call(*argv).json()["budgets"][0]["combined"]
+
+    plain = combined("--gravity", "0 %")
+    assert plain < combined() < combined("--u-wrap", "2 deg")
+    both = ("--end-tension-measured", "--u-end-tension", "0.3 N")
+    assert combined(*both, "--gain", "1 %") == pytest.approx(combined(*both))
+    assert combined("--gravity", "0 %", "--gain", "1 %") > plain
+
+
+def test_a_campaign_is_taken_apart(call, bench):
+    done = call("budget", bench, "--condition", "1", "--draws", "10000", "--quiet", "--json")
+    assert done.code == 0
+    (found,) = done.json()["budgets"]
+    names = {line["name"] for line in found["lines"]}
+    assert names >= {
+        "repeatability",
+        "resolution",
+        "transmitter",
+        "linearity",
+        "hysteresis",
+        "bias of the smoothing",
+    }
+    assert any("tare" in note for note in found["notes"])
+    assert "√12" in call("budget", bench, "--condition", "1", "--draws", "10000", "--quiet").out
+
+
+def test_a_fit_that_is_not_to_be_trusted_is_4(call):
+    done = call("budget", "--fit", ROOT / "fits" / "prth-constant.json", *WHEEL, "--json")
+    assert done.code == 4
+    assert done.json()["status"] == "fit-not-trusted"
+
+
+def test_a_single_pull_is_4(call, tmp_path):
+    header = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N,peak_std_N"
+    path = tmp_path / "t.csv"
+    path.write_text(f"{header}\n40,10,180,20,40,0.4\n40,10,360,20,80,0.4\n", encoding="utf-8")
+    done = call("budget", path, "--draws", "10000", "--json")
+    assert done.code == 4
+    assert {each["status"] for each in done.json()["budgets"]} == {"no-repeats"}
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "told"),
+    [
+        ((), 2, "give a campaign or trial table, or --fit"),
+        ((TRIALS, "--fit", COUPLED), 2, "not both"),
+        ((TRIALS, "--quantity", "nu"), 2, "neither force nor mu"),
+        ((TRIALS, "--condition", "99"), 3, "numbered 1 to 36"),
+        ((TRIALS, "--condition", "1", "--u-wrap", "2"), 2, 'for example "2 deg"'),
+        ((TRIALS, "--condition", "1", "--level", "2"), 3, "the level is 2"),
+        ((TRIALS, "--condition", "1", "--draws", "5"), 3, "draw 10000 or more"),
+        (("--fit", COUPLED), 2, "--wheel-radius"),
+        (("nowhere.csv",), 3, "nowhere.csv"),
+    ],
+)
+def test_what_it_cannot_follow_is_told(call, words, code, told):
+    done = call("budget", *words)
+    assert (done.code, done.out) == (code, "")
+    assert told in done.err

@@ -1,0 +1,129 @@
+"""`ropefric plan-tests`: from a fit or a guess to conditions for the lab."""
+
+import csv
+import shlex
+from pathlib import Path
+
+import pytest
+
+from ropefric.cli.commands.catalogue import find_commands
+from ropefric.cli.commands.plan_tests import read_levels
+
+ROOT = Path(__file__).parents[2]
+COUPLED = ROOT / "fits" / "prth-coupled.json"
+RIG = ("--wheels", "15 mm, 30 mm, 60 mm", "--wraps", "90 deg .. 1080 deg", "--end-tensions", "5 N .. 200 N")
+CELL = ("--max-force", "800 N")
+WHEEL = ("--wheel-radius", "35 mm", "--wrap", "400 deg", "--end-tension", "60 N")
+GUESS = ("--law", "wrap-power", "--guess", "a=0.2", "--guess", "b=-0.5", "--guess", "c=0.1")
+GUESSED = (*GUESS, "--rope-diameter", "9.8 mm", "--scatter-within", "1.7 %")
+KEYS = {
+    *("schema", "law", "criterion", "conditions", "wanted", "before", "after", "one_factor", "gain", "notes"),
+    *("scatter", "parameters", "expected_std", "level", "seed"),
+}
+
+
+@pytest.fixture(autouse=True)
+def at_home(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+def test_the_example_in_the_help_works(call):
+    done = call(*shlex.split(find_commands()["plan-tests"].example)[1:], "--quiet")
+    assert (done.code, done.err) == (0, "")
+    for words in (
+        "12 conditions to test, 144 pulls",
+        "with this plan",
+        "one factor at a time",
+        "whatever is planned",
+    ):
+        assert words in done.out
+
+
+def test_a_plan_from_a_guess_is_written_for_the_lab(call, tmp_path):
+    file = tmp_path / "plan.csv"
+    done = call("plan-tests", *GUESSED, *RIG, *CELL, *WHEEL, "--conditions", "8", "--out", file, "--json")
+    found = done.json()
+    assert done.code == 0
+    assert found.keys() >= KEYS
+    assert found["before"] == [{"std_log": None, "std_N": None, "interval_N": [None, None], "dof": 0}]
+    assert found["gain"] > 1.5
+    low, high = found["after"][0]["interval_N"]
+    assert low < found["wanted"][0]["lift_force_N"] < high
+    assert max(row["cell_use"] for row in found["conditions"]) <= 1.0
+    with file.open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["end_tension_N"]) for row in rows] == [
+        row["end_tension_N"] for row in found["conditions"]
+    ]
+    assert f"wrote {file}" in done.err
+
+
+def test_a_plan_from_a_fit_adds_to_it(call):
+    words = (
+        "plan-tests",
+        "--fit",
+        COUPLED,
+        *RIG,
+        *CELL,
+        *WHEEL,
+        "--conditions",
+        "6",
+        "--starts",
+        "2",
+        "--json",
+    )
+    found = call(*words).json()
+    assert found["before"][0]["dof"] == 31
+    assert found["after"][0]["std_N"] < found["before"][0]["std_N"]
+    assert found["scatter"]["within"] == pytest.approx(0.0159, abs=1e-4)
+    assert found["scatter"]["instrument_N"] == pytest.approx(0.75, abs=0.05)
+    assert call(*words).json() == found
+    assert call(*words, "--criterion", "d").json()["criterion"] == "d"
+
+
+def test_a_fit_that_is_not_to_be_trusted_plans_with_4(call):
+    fit = ROOT / "fits" / "prth-constant.json"
+    done = call("plan-tests", "--fit", fit, *RIG, *CELL, *WHEEL, "--starts", "1")
+    assert done.code == 4
+    assert "not to be trusted" in done.err
+    assert "conditions to test" in done.out
+
+
+def test_a_range_becomes_settings_one_can_set():
+    degrees = [
+        round(57.29577951308232 * x, 9) for x in read_levels("90 deg .. 1080 deg", "rad", "--wraps", 12)
+    ]
+    assert (degrees[0], degrees[-1], len(degrees)) == (90, 1080, 12)
+    assert all(x % 45 == 0 for x in degrees)
+    assert read_levels("5 N..200 N", "N", "--end-tensions", 3) == (5.0, 32.0, 200.0)
+    assert read_levels("20 mm; 1 in", "m", "--wheels", 3) == (0.02, 0.0254)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "told"),
+    [
+        ((*RIG, *CELL, *WHEEL), 2, "give a fit, or a law with --guess"),
+        ((*GUESSED, *CELL, *WHEEL), 2, "--wheels"),
+        ((*GUESS, *RIG, *CELL, *WHEEL), 2, 'Write it like "1.7 %"'),
+        ((*GUESS, "--scatter-within", "1.7 %", *RIG, *CELL, *WHEEL), 2, "does not know its rope"),
+        ((*GUESSED[2:], "--law", "wrap-pwoer", *RIG, *CELL, *WHEEL), 3, "did you mean 'wrap-power'?"),
+        ((*GUESSED, *RIG, *CELL, *WHEEL, "--conditions", "2"), 3, "cannot determine the 3 parameters"),
+        ((*GUESSED, *RIG, "--max-force", "1 N", *WHEEL), 3, "leave 0 conditions"),
+        ((*GUESSED, *RIG[:2], "--wraps", "90 .. 1080", *RIG[4:], *CELL, *WHEEL), 2, 'for example "90 deg"'),
+        ((*GUESSED, *RIG, *CELL, *WHEEL, "--criterion", "e"), 3, "by 'v' or 'd'"),
+        ((*GUESSED, "--hold", "q", *RIG, *CELL, *WHEEL), 3, "no parameter 'q'"),
+    ],
+)
+def test_what_it_cannot_follow_is_told(call, words, code, told):
+    done = call("plan-tests", *words)
+    assert (done.code, done.out) == (code, "")
+    assert told in done.err
+
+
+def test_a_plan_that_must_be_singular_says_what_would_help(call):
+    law = ("--law", "size-exponential", "--guess", "mu_inf=0.3", "--guess", "a=-0.2", "--guess", "b=-0.2")
+    words = (*law, *GUESSED[8:], "--wheels", "30 mm", *RIG[2:], *CELL, *WHEEL)
+    done = call("plan-tests", *words)
+    assert done.code == 3
+    assert "singular" in done.err
+    assert "give more wheels" in done.err

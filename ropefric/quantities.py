@@ -72,6 +72,8 @@ _USUAL: dict[tuple[str, str], float] = {
     **{(unit, "W"): factor for unit, factor in (("W", 1.0), ("kW", 1e3))},
     **{(unit, unit): 1.0 for unit in ("V", "Hz", "m/s", "N*m", "N*m^2", "kg*m^2", "kg/m^3", "N*s/m")},
     ("mV", "V"): 1e-3,
+    ("rad/s", "rad/s"): 1.0,
+    ("rpm", "rad/s"): math.tau / 60.0,
     ("kHz", "Hz"): 1e3,
     ("mm^2", "m^2"): 1e-6,
     ("percent", ""): 0.01,
@@ -184,8 +186,8 @@ def _factor_by_pint(unit: str, si_unit: str, name: str) -> float:
             code="RF130",
             fix=f"use a unit such as '{_example_unit(si_unit)}'",
         ) from None
-    # Exact decimal factors survive only if the rounding of pint's own chain is taken off.
-    return float(f"{magnitude:.15g}") if si_unit != "rad" else magnitude
+    # Exact decimal factors survive only if the rounding of pint's own chain is taken off; angles have none.
+    return magnitude if "rad" in si_unit else float(f"{magnitude:.15g}")
 
 
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:

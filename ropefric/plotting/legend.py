@@ -1,11 +1,12 @@
 """Legends that hide no data and say everything once."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-__all__ = ["legend_below"]
+__all__ = ["legend_below", "legend_of_figure"]
 
 
 def legend_below(axes: "Axes", *, columns: int = 2) -> None:
@@ -32,3 +33,30 @@ def legend_below(axes: "Axes", *, columns: int = 2) -> None:
             bbox_to_anchor=(0.5, -0.15),
             ncols=columns,
         )
+
+
+def legend_of_figure(figure: "Figure", *, columns: int = 5) -> None:
+    """Put one legend under all axes of a figure, one entry for each label.
+
+    A figure with constrained layout makes room for it; one with margins of its own needs to have it.
+
+    Examples
+    --------
+    >>> from ropefric.plotting.figure import new_figure
+    >>> figure = new_figure()
+    >>> for axes in figure.subplots(1, 2):
+    ...     _ = axes.plot([1], [1], label="kept")
+    >>> legend_of_figure(figure)
+    >>> [text.get_text() for text in figure.legends[0].get_texts()]
+    ['kept']
+    """
+    entries: dict[str, Any] = {}
+    for axes in figure.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if entries:
+        fixed = figure.get_layout_engine() is None
+        place: Literal["lower center", "outside lower center"] = (
+            "lower center" if fixed else "outside lower center"
+        )
+        figure.legend(list(entries.values()), list(entries), loc=place, ncols=columns)

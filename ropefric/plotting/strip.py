@@ -1,6 +1,7 @@
 """The repeatability strip: the measured force trial after trial, what was set aside and why."""
 
 from collections.abc import Sequence
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,14 +20,19 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_strip"]
 
+_LONGEST_REASON = 24
+_CROWDED = 6
+"""Trials above which a reason is written upright, so that it does not run into its neighbours."""
+
 
 def draw_strip(
     axes: "Axes", summary: "ConditionSummary", trials: "Sequence[TrialResult]", colors: Sequence[Any]
 ) -> None:
     r"""Draw the measured force of each trial in order, the mean and the ±2s band of all of them.
 
-    Rejected trials are hollow, trials the user excluded are diamonds, flagged recordings stand as crosses on
-    the axis with their status.
+    Rejected trials are hollow, trials the user excluded are hollow diamonds, both with the reason; flagged
+    recordings stand as crosses on the axis with their status. A banner says where too few were measured to reject
+    any.
 
     Parameters
     ----------
@@ -52,17 +58,18 @@ def draw_strip(
     axes.set(xlabel="Trial, in order of recording", ylabel=figure_label(measured))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlim(0.4, max(len(trials), 1) + 0.6)
-    axes.margins(y=0.12)
+    axes.margins(y=0.15)
     _draw_mean(axes, summary)
     for order, (trial, color) in enumerate(zip(trials, colors, strict=True), start=1):
         if trial.breakaway.status == Status.OK:
-            _draw_value(axes, order, trial, color)
+            _draw_value(axes, order, trial, color, crowded=len(trials) > _CROWDED)
         else:
             _draw_flag(axes, order, trial)
     if not any(trial.breakaway.status == Status.OK for trial in trials):
         axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=GREY)
     elif warning := RULES[summary.rule].warning(summary.n):
-        axes.set_title(warning.split(" (")[0], fontsize=9, color=GREY, loc="left")
+        banner = {"facecolor": "#FFF3D6", "edgecolor": ORANGE, "boxstyle": "round,pad=0.2", "linewidth": 0.8}
+        axes.set_title(warning.split(" (")[0], fontsize=9, loc="left", bbox=banner)
     legend_below(axes)
 
 
@@ -83,7 +90,7 @@ def _draw_mean(axes: "Axes", summary: "ConditionSummary") -> None:
         )
 
 
-def _draw_value(axes: "Axes", order: int, trial: "TrialResult", color: Any) -> None:
+def _draw_value(axes: "Axes", order: int, trial: "TrialResult", color: Any, *, crowded: bool) -> None:
     std_N = trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
     axes.errorbar(
         order,
@@ -100,6 +107,22 @@ def _draw_value(axes: "Axes", order: int, trial: "TrialResult", color: Any) -> N
         zorder=5,
         label="excluded" if trial.excluded else "kept" if trial.kept else "rejected",
     )
+    reason = trial.excluded or (
+        RULES[trial.rejected_by].label if trial.rejected_by in RULES else trial.rejected_by
+    )
+    if reason and not trial.kept:
+        axes.annotate(
+            shorten(reason, _LONGEST_REASON, placeholder=" …"),
+            (order, trial.measured_N),
+            xytext=(9.0, 0.0) if crowded else (0.0, 10.0),
+            textcoords="offset points",
+            ha="center",
+            va="center" if crowded else "bottom",
+            fontsize=8,
+            color=GREY,
+            rotation=90 if crowded else 0,
+            zorder=6,
+        )
 
 
 def _draw_flag(axes: "Axes", order: int, trial: "TrialResult") -> None:

@@ -2,15 +2,32 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import matplotlib.style
 
-__all__ = ["BLUE", "GREY", "ORANGE", "TRACE_COLORS", "house_style"]
+__all__ = [
+    "BLUE",
+    "GREY",
+    "INK",
+    "LINE_STYLES",
+    "MARKERS",
+    "ORANGE",
+    "TRACE_COLORS",
+    "house_style",
+    "line_look",
+]
 
 # Okabe and Ito's palette, chosen so that the three also differ in lightness.
 BLUE = "#0072B2"
 ORANGE = "#D55E00"
 GREY = "#6E6E6E"
+INK = "#1A1A1A"
+_GREEN = "#009E73"
+_PURPLE = "#AA4499"
+LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (8, 3)))
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
+"""What tells lines and points apart where colour does not: on grey paper and for colour-blind eyes."""
 TRACE_COLORS = "viridis"
 """Colour map for things in an order; its lightness rises steadily, so grey prints keep the order."""
 
@@ -37,6 +54,18 @@ _STYLE = {
     "pdf.fonttype": 42,
     "path.simplify": True,
 }
+
+
+def line_look(place: int) -> dict[str, Any]:
+    """Return colour and line style of the nth line of a figure; no two of the first seven share a style.
+
+    Examples
+    --------
+    >>> line_look(1)["linestyle"]
+    '--'
+    """
+    colors = (BLUE, ORANGE, INK, _GREEN, _PURPLE)
+    return {"color": colors[place % len(colors)], "linestyle": LINE_STYLES[place % len(LINE_STYLES)]}
 
 
 @contextmanager

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import Outline, TrialResult
 
-__all__ = ["draw_traces", "recordings_of"]
+__all__ = ["draw_outline_of", "draw_traces", "frame_means", "recordings_of"]
 
 
 def draw_traces(axes: "Axes", trials: "Sequence[TrialResult]", colors: Sequence[Any]) -> None:
@@ -46,7 +46,7 @@ def draw_traces(axes: "Axes", trials: "Sequence[TrialResult]", colors: Sequence[
         if trial.outline is not None:
             outlines.append(trial.outline)
             usable = trial.breakaway.status == Status.OK
-            _draw_outline(axes, trial.outline, color_of[trial.trial] if usable else GREY)
+            draw_outline_of(axes, trial.outline, color_of[trial.trial] if usable else GREY)
     if not outlines:
         axes.text(0.5, 0.5, "no recording could be read", transform=axes.transAxes, ha="center", color=GREY)
         return
@@ -54,7 +54,7 @@ def draw_traces(axes: "Axes", trials: "Sequence[TrialResult]", colors: Sequence[
         if trial.breakaway.status == Status.OK:
             _draw_picked(axes, trial, color_of[trial.trial])
     _draw_kinetic_band(axes, trials)
-    _frame(axes, outlines)
+    frame_means(axes, outlines)
     legend_below(axes)
 
 
@@ -70,7 +70,19 @@ def recordings_of(trials: "Sequence[TrialResult]") -> "list[TrialResult]":
     return list(reversed(first.values()))
 
 
-def _draw_outline(axes: "Axes", outline: "Outline", color: Any) -> None:
+def draw_outline_of(axes: "Axes", outline: "Outline", color: Any) -> None:
+    """Draw the min-max envelope and the means of one recording.
+
+    Examples
+    --------
+    >>> from ropefric.plotting.figure import new_figure
+    >>> from ropefric.traces.trace import ForceTrace
+    >>> from ropefric.trials.outline import draw_outline
+    >>> axes = new_figure().subplots()
+    >>> draw_outline_of(axes, draw_outline(ForceTrace(time_s=[0.0, 1.0], force_N=[0.0, 5.0])), "black")
+    >>> axes.lines[0].get_ydata().tolist()
+    [0.0, 5.0]
+    """
     axes.fill_between(
         outline.time_s,
         outline.low_N,
@@ -115,8 +127,19 @@ def _draw_kinetic_band(axes: "Axes", trials: "Sequence[TrialResult]") -> None:
     )
 
 
-def _frame(axes: "Axes", outlines: "Sequence[Outline]") -> None:
-    """Frame the means: a spike of one sample must not squeeze everything else flat."""
+def frame_means(axes: "Axes", outlines: "Sequence[Outline]") -> None:
+    """Frame the means: a spike of one sample must not squeeze everything else flat, nor go unsaid.
+
+    Examples
+    --------
+    >>> from ropefric.plotting.figure import new_figure
+    >>> from ropefric.traces.trace import ForceTrace
+    >>> from ropefric.trials.outline import draw_outline
+    >>> axes = new_figure().subplots()
+    >>> frame_means(axes, [draw_outline(ForceTrace(time_s=[0.0, 1.0], force_N=[0.0, 5.0]))])
+    >>> [round(float(limit), 1) for limit in axes.get_ylim()]
+    [-0.4, 5.8]
+    """
     means_N = np.concatenate([outline.smoothed_N for outline in outlines])
     low_N, high_N = float(means_N.min()), float(means_N.max())
     margin_N = 0.08 * (high_N - low_N) or 1.0

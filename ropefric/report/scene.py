@@ -1,12 +1,13 @@
 """A scene's answer and its plan, told to people."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ropefric.glossary import GLOSSARY
+from ropefric.report.machines import machine_sections
 from ropefric.report.section import Section, Table
 
 if TYPE_CHECKING:
@@ -19,23 +20,19 @@ if TYPE_CHECKING:
 __all__ = ["explanation_sections", "plan_lines", "quantities_table", "solution_sections", "sweep_sections"]
 
 
-MACHINES: "dict[str, Callable[[Solution], list[Section]]]" = {}
-"""What each system has to show beside its few main numbers."""
-
-
 def solution_sections(solution: "Solution") -> list[Section]:
     """Return what a scene's answer is, how sure, and what was simulated for it."""
     scene = solution.scene
     lines = [] if scene.source is None else [f"friction: {scene.source.origin}"]
+    # What belongs to one of many rollers or sides stands in that machine's own tables.
+    whole = [quantity for quantity in solution.quantities if "." not in quantity.name]
     answer = Section(
         title=f"{scene.kind.name}: {scene.document.path}",
         lines=tuple(lines),
-        table=quantities_table(solution.quantities, solution.level),
+        table=quantities_table(whole, solution.level) if whole else None,
         notes=solution.warnings,
     )
-    more = MACHINES.get(scene.kind.name)
-    extra = more(solution) if more is not None else []
-    return [answer, *extra, Section(title="Simulated", lines=plan_lines(solution))]
+    return [answer, *machine_sections(solution), Section(title="Simulated", lines=plan_lines(solution))]
 
 
 def quantities_table(quantities: Sequence["Uncertain"], level: float) -> Table:
@@ -57,9 +54,9 @@ def quantities_table(quantities: Sequence["Uncertain"], level: float) -> Table:
 
 def _label(name: str) -> str:
     path, _, last = name.rpartition(".")
-    term = GLOSSARY.get(last)
-    if term is None:
+    if last not in GLOSSARY:
         return name
+    term = GLOSSARY[last]
     words = term.meaning.partition(";")[0] + (f" [{term.unit}]" if term.unit not in {"", "-"} else "")
     return f"{path}: {words}" if path else words
 

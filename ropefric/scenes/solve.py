@@ -4,10 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ropefric.errors import RopefricError
-from ropefric.fitting.extrapolation import outside_range, outside_words
+from ropefric.fitting.extrapolation import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
 from ropefric.scenes.plan import Plan, make_plan
 from ropefric.scenes.scene import Scene, placed
@@ -163,14 +161,22 @@ def _again(scene: Scene, plan: Plan, friction: Any) -> Any:
 
 
 def _extrapolation(scene: Scene) -> tuple[str, ...]:
+    """Return one sentence for each regressor that leaves the tested range anywhere."""
     source = scene.source
     if source is None or source.tested is None:
         return ()
-    contacts = Conditions(
-        **{name: np.atleast_1d(v) for name, v in scene.kind.contacts(scene.problem, source).items()}
-    )
-    outside = np.flatnonzero(outside_range(source.tested, contacts).any(axis=1))
-    words: dict[str, None] = {}
-    for index in outside:
-        words |= dict.fromkeys(outside_words(source.tested, contacts, int(index)))
+    contacts = Conditions(**scene.kind.contacts(scene.problem, source))
+    outside = outside_range(source.tested, contacts)
+    words = []
+    for column, (name, (what, unit, factor)) in enumerate(REGRESSORS.items()):
+        if outside[:, column].any():
+            found = factor * getattr(contacts, name)[outside[:, column]]
+            low, high = (factor * end for end in source.tested[name])
+            words.append(
+                f"{what} {_span(found.min(), found.max())} {unit} is outside the tested {_span(low, high)} {unit}"
+            )
     return tuple(words)
+
+
+def _span(low: float, high: float) -> str:
+    return f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g}–{high:.4g}"

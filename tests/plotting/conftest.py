@@ -5,6 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.table import TrialTable
+from ropefric.plotting.save import save_figure
+from ropefric.plotting.svg import svg_text
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.trials.conditions import summarise_conditions
 from ropefric.trials.result import Extraction, Outline, TrialResult
@@ -71,6 +76,94 @@ def extraction_of():
         return Extraction(name="made up", trials=marked, conditions=conditions, problems=problems)
 
     return extraction_of
+
+
+def _texts_of(figure):
+    """Every text that can be seen, with its box."""
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    found = [*figure.texts]
+    for legend in figure.legends:
+        found += legend.get_texts()
+    for axes in figure.axes:
+        found += [axes.title, axes._left_title, axes.xaxis.label, axes.yaxis.label]
+        found += list(axes.texts)
+        for child in axes.child_axes:
+            found += [child.xaxis.label, child.yaxis.label]
+    return [(text.get_text(), text.get_window_extent(renderer)) for text in found if text.get_text()]
+
+
+@pytest.fixture
+def assert_readable():
+    """No text lies outside the page or over another."""
+
+    def assert_readable(made):
+        width, height = made.figure.canvas.get_width_height()
+        texts = _texts_of(made.figure)
+        for i, (words, box) in enumerate(texts):
+            assert box.x0 >= -1, words
+            assert box.y0 >= -1, words
+            assert box.x1 <= width + 1, words
+            assert box.y1 <= height + 1, words
+            for others, other in texts[:i]:
+                assert not box.shrunk(0.9, 0.9).overlaps(other.shrunk(0.9, 0.9)), (words, others)
+
+    return assert_readable
+
+
+@pytest.fixture
+def assert_repeats(tmp_path):
+    """A function that draws gives the same SVG and the same tables each time, and says something."""
+
+    def assert_repeats(draw):
+        first, second = draw(), draw()
+        assert svg_text(first, stem="f") == svg_text(second, stem="f")
+        assert first.alt == second.alt
+        written = [
+            save_figure(made, tmp_path / place, "f", formats=())
+            for place, made in zip("ab", (first, second), strict=True)
+        ]
+        assert [path.read_bytes() for path in written[0]] == [path.read_bytes() for path in written[1]]
+        assert first.alt.endswith(".")
+        assert "nan" not in first.alt
+        return first
+
+    return assert_repeats
+
+
+def _pulls(mu=0.2, *, curve=0.0, seed=0):
+    """Three wraps, three tensions and three wheels in a star, four pulls each, with 1 % scatter."""
+    rng = np.random.default_rng(seed)
+    star = [(0.04, 6.0, 20.0), (0.04, 3.0, 20.0), (0.04, 9.0, 20.0), (0.04, 6.0, 5.0), (0.04, 6.0, 80.0)]
+    star += [(0.02, 6.0, 20.0), (0.06, 6.0, 20.0)]
+    wheel, wrap, end = np.repeat(np.array(star).T, 4, axis=1)
+    force = end * np.exp(mu * wrap * (1.0 - curve * wrap)) * np.exp(0.01 * rng.standard_normal(wheel.size))
+    return TrialTable(
+        trial=tuple(f"p{i}" for i in range(wheel.size)),
+        wheel_radius_m=wheel,
+        rope_radius_m=0.005,
+        wrap_angle_rad=wrap,
+        end_tension_N=end,
+        peak_N=force,
+        peak_std_N=0.002 * force,
+    )
+
+
+@pytest.fixture(scope="session")
+def pulls():
+    return _pulls(curve=0.02)
+
+
+@pytest.fixture(scope="session")
+def fitted(pulls):
+    """The same pulls under two laws."""
+    return {law: fit_law(pulls, law) for law in ("constant", "wrap-power")}
+
+
+@pytest.fixture
+def stored():
+    """A fit as it comes back from its file: without the trials themselves."""
+    return lambda fit: FitResult.from_dict(fit.to_dict())
 
 
 @pytest.fixture

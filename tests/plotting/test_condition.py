@@ -12,6 +12,7 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.plotting.campaign import write_condition_figures
 from ropefric.plotting.condition import draw_condition
 from ropefric.plotting.labels import name_condition, typeset
+from ropefric.plotting.repeatability import draw_repeatability
 from ropefric.plotting.save import save_figure
 from ropefric.traces.breakaway import Status
 
@@ -82,8 +83,28 @@ def test_rejected_is_hollow_excluded_a_diamond_flagged_a_cross_with_its_status(d
     assert faces[9].get_marker() == "D"
     assert faces[1].get_markerfacecolor() != "white"
     assert [line.get_xdata()[0] for line in lines_of(right, "flagged")] == [10, 11]
-    assert words(right) == ["no-breakaway", "unreadable"]
+    assert words(right) == ["the ±2s rule", "knot in the rope", "no-breakaway", "unreadable"]
     assert {"kept", "rejected", "excluded", "flagged"} <= set(legend(right))
+
+
+def test_the_words_for_it_carry_the_numbers(drawn, draw, make_trial):
+    values_N = [*(320.0 + i for i in range(7)), 360.0]
+    alt = drawn.alt
+    assert alt.startswith("R_w = 40 mm, R_r = 4.9 mm, φ = 540°, F_B = 80 N: break-away force")
+    assert f"{np.mean(values_N):.4g} N on average over 8 usable trials" in alt
+    assert f"sample standard deviation {np.std(values_N, ddof=1):.3g} N" in alt
+    assert "7 of 11 trials kept, wild set aside by the rule two-sigma" in alt
+    assert "no usable force in 1 trial" in draw([make_trial("a", 1.0, Status.NO_PEAK)]).alt
+    assert "end tension" in draw([make_trial("h", 30.0, slack=True)]).alt
+
+
+def test_the_strip_alone_is_the_same_strip(extraction_of, trials):
+    extraction = extraction_of(trials)
+    (summary,) = extraction.conditions
+    both, alone = draw_condition(summary, extraction.trials), draw_repeatability(summary, extraction.trials)
+    (axes,) = alone.figure.axes
+    assert words(axes) == words(both.figure.axes[1])
+    assert (alone.tables, alone.alt) == (both.tables[:1], both.alt)
 
 
 def test_a_legend_says_everything_once(drawn):

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.fitting.design import design_chart
+from ropefric.errors import InputError
+from ropefric.fitting.design import design, design_chart
 from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
@@ -42,6 +43,8 @@ def test_lines_are_the_predictions_and_pale_outside_the_tested_range():
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
     assert len(labels) == 3
     assert "required: 900 N" in labels
+    assert whole.get_linestyle() == "-"
+    assert axes.lines[2].get_linestyle() == "--"
 
 
 def test_the_same_chart_gives_the_same_bytes_and_its_data(tmp_path):
@@ -58,7 +61,52 @@ def test_design_draws_it_if_asked(tmp_path, capsys):
     words = ["--lift", "900 N", "--solve-for", "wrap", "--wheel-radius", "35 mm", "--end-tension", "60 N"]
     assert main(["design", "--fit", str(FIT), *words, "--chart", str(tmp_path / "chart"), "--json"]) == 0
     assert '"files": [' in capsys.readouterr().out
-    assert {path.name for path in (tmp_path / "chart").iterdir()} == {"design_chart.png", "design_chart.csv"}
+    assert {path.name for path in (tmp_path / "chart").iterdir()} == {
+        "design_chart.png",
+        "design_chart.csv",
+        "design_chart_smallest_wrap.csv",
+    }
+
+
+def test_the_safety_line_and_the_smallest_wraps_that_reach_it():
+    made = chart()
+    figure = draw_design_chart(made, required_N=400.0, safety=1.5)
+    (axes,) = figure.figure.axes
+    levels = {float(line.get_ydata()[0]): line.get_linestyle() for line in axes.lines[-2:]}
+    assert levels == {600.0: "-.", 400.0: "-"}
+    rows = figure.tables[1].rows
+    fit = load_fit(FIT)
+    for (wheel_m, required_N, safety, wrap_rad), bound_N in zip(rows, made.lower_bound_N, strict=True):
+        assert (required_N, safety) == (400.0, 1.5)
+        if not (bound_N >= 600.0).any():
+            assert np.isnan(wrap_rad)
+            continue
+        found = design(
+            fit,
+            lift_N=600.0,
+            rope_radius_m=0.0049,
+            wheel_radius_m=wheel_m,
+            end_tension_N=60.0,
+            probability=0.95,
+        )
+        # The chart is straight in ln F between its thirteen columns, 2 rad apart.
+        assert wrap_rad == pytest.approx(float(found.value[0]), abs=0.02)
+    assert np.isfinite(rows[1][3])
+    assert f"50 mm needs {np.degrees(rows[1][3]):.4g} deg" in figure.alt
+    assert "times 1.5" in figure.alt
+
+
+def test_wheels_differ_in_marker_too_and_turns_stand_above():
+    (axes,) = draw_design_chart(chart()).figure.axes
+    assert axes.lines[1].get_marker() != axes.lines[5].get_marker()
+    (above,) = axes.child_axes
+    assert above.get_xlabel() == "Wrap [turns]"
+
+
+@pytest.mark.parametrize("wrong", [{"required_N": 0.0}, {"required_N": 10.0, "safety": float("nan")}])
+def test_a_load_that_is_none_is_refused(wrong):
+    with pytest.raises(InputError, match="positive"):
+        draw_design_chart(chart(), **wrong)
 
 
 @pytest.mark.parametrize("required_N", [None, 10.0])

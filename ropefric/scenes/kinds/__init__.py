@@ -2,9 +2,9 @@
 
 from ropefric.registry import Registry
 from ropefric.scenes.kind import Kind
-from ropefric.scenes.kinds import hoist
+from ropefric.scenes.kinds import bandsaw, hoist, press
 
 __all__ = ["KINDS"]
 
-KINDS: Registry[Kind] = Registry("system", (hoist.KIND,))
+KINDS: Registry[Kind] = Registry("system", (hoist.KIND, press.KIND, bandsaw.KIND))
 """In the order of the handbook."""

@@ -1,0 +1,154 @@
+"""Fitting a law: numerical against analytic Jacobian, and where to stop."""
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ropefric.accuracy.assess import Counted, largest_error
+from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.fitting import nonlinear
+from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.problem import FitProblem
+from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.laws import ALL_LAWS
+
+__all__ = ["BEST", "STUDY", "fitting_problem"]
+
+TRUTH = (0.2, -0.5, 0.1)
+START = (0.4, -0.3, 0.05)
+SCATTER = 0.005
+
+# 50-digit minimisers of the sum of squares; the tests compute them again with mpmath.
+BEST = {
+    "wide": (0.19890703877130334963, -0.50393466504900134826, 0.10081310864339375134),
+    "narrow": (0.19745654499159079538, -0.51024470245544670245, 0.10200028649694149824),
+}
+_WRAPS_RAD = {"wide": (0.5, 25.0), "narrow": (6.0, 20.0)}
+_N_POINTS = 12
+_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-15)
+_QUICK_TOLERANCES = {1e-3, 1e-6, 1e-12}
+
+
+@cache
+def fitting_problem(case: str) -> FitProblem:
+    """Return twelve pulls of wrap-power, counted from φ = 0, with a scatter of half a per cent.
+
+    Examples
+    --------
+    >>> fitting_problem("wide").n_varying
+    3
+    """
+    law = ALL_LAWS["wrap-power-from-zero"]
+    low, high = _WRAPS_RAD[case]
+    pulls = Conditions(
+        wheel_radius_m=np.full(_N_POINTS, 0.04),
+        rope_radius_m=np.full(_N_POINTS, 0.005),
+        wrap_angle_rad=np.linspace(low, high, _N_POINTS),
+        end_tension_N=np.full(_N_POINTS, 20.0),
+    )
+    scatter = SCATTER * np.sin(1.0 + 2.0 * np.arange(_N_POINTS))
+    return FitProblem(
+        law=law,
+        conditions=pulls,
+        log_lift=law.log_lift(TRUTH, pulls) + scatter,
+        std=np.full(_N_POINTS, SCATTER),
+        group=np.arange(_N_POINTS),
+        start=np.array(START),
+        lower=law.lower,
+        upper=law.upper,
+        vary=np.ones(3, dtype=np.bool_),
+    )
+
+
+def _settings(case: str) -> tuple[Setting, ...]:
+    problem, exact = fitting_problem(case), BEST[case]
+
+    def by_scipy(
+        jacobian: Any, tolerance: float, residuals: Callable[[FloatArray], FloatArray]
+    ) -> FloatArray:
+        found = least_squares(
+            residuals, problem.start, jac=jacobian, bounds=(problem.lower, problem.upper), x_scale="jac",
+            ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=500,
+        )  # fmt: skip
+        return np.asarray(found.x)
+
+    def scipy_setting(method: str, jacobian: Any, tolerance: float) -> Setting:
+        def assess() -> Outcome:
+            residuals = Counted(problem.residuals)
+            slopes = Counted(jacobian) if callable(jacobian) else None
+            found = by_scipy(slopes or jacobian, tolerance, residuals)
+            calls = residuals.calls + (slopes.calls if slopes else 0)
+            return Outcome(error=largest_error(found, exact), evaluations=float(calls))
+
+        return Setting(
+            method=method,
+            setting=f"tolerance {tolerance:g}",
+            call=partial(by_scipy, jacobian, tolerance, problem.residuals),
+            assess=assess,
+            quick=tolerance in _QUICK_TOLERANCES,
+        )
+
+    def batched_setting(tolerance: float) -> Setting:
+        def assess() -> Outcome:
+            found = batched_fit(problem, tolerance=tolerance)
+            return Outcome(
+                error=largest_error(found.theta[0], exact), evaluations=float(found.n_iterations + 1)
+            )
+
+        return Setting(
+            method="ropefric, batched",
+            setting=f"tolerance {tolerance:g}",
+            call=lambda: batched_fit(problem, tolerance=tolerance),
+            assess=assess,
+            quick=tolerance in _QUICK_TOLERANCES,
+        )
+
+    def by_house(residuals: Callable[[FloatArray], FloatArray], slopes: Any) -> FloatArray:
+        return nonlinear.least_squares(
+            residuals, slopes, problem.start, lower=problem.lower, upper=problem.upper
+        ).theta
+
+    def assess_house() -> Outcome:
+        residuals, slopes = Counted(problem.residuals), Counted(problem.jacobian)
+        error = largest_error(by_house(residuals, slopes), exact)
+        return Outcome(error=error, evaluations=float(residuals.calls + slopes.calls))
+
+    ways = (
+        ("2-point Jacobian", "2-point"),
+        ("3-point Jacobian", "3-point"),
+        ("analytic Jacobian", problem.jacobian),
+    )
+    return (
+        *(scipy_setting(name, jacobian, tolerance) for name, jacobian in ways for tolerance in _TOLERANCES),
+        *(batched_setting(tolerance) for tolerance in _TOLERANCES),
+        Setting(
+            method="ropefric, one by one",
+            setting="",
+            call=lambda: by_house(problem.residuals, problem.jacobian),
+            assess=assess_house,
+        ),
+    )
+
+
+STUDY = Study(
+    name="fit",
+    title="Fitting wrap-power to twelve pulls: Jacobian and tolerance",
+    question="What does an analytic Jacobian save, and how tight must the tolerance be for the digits wanted?",
+    reference="minimiser of the same sum of squares in 50-digit arithmetic (mpmath)",
+    counted="evaluations of the law or of its slopes at all pulls",
+    cases=(
+        Case(
+            name="wide",
+            title="wraps from 0.5 to 25 rad, which see all three parameters",
+            settings=lambda: _settings("wide"),
+        ),
+        Case(
+            name="narrow",
+            title="wraps from 6 to 20 rad, along which the parameters are hard to tell apart",
+            settings=lambda: _settings("narrow"),
+        ),
+    ),
+)

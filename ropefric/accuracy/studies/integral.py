@@ -1,0 +1,257 @@
+"""The lift-force integral of eq. (17): the paper's segments, quadrature rules and the closed form.
+
+All methods are written for arrays of conditions, so that one condition and ten thousand are compared like with like.
+"""
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Protocol
+
+import numpy as np
+from scipy.integrate import quad
+
+from ropefric.accuracy.assess import against
+from ropefric.accuracy.studies.integral_findings import integral_findings
+from ropefric.accuracy.study import Case, Setting, Study
+from ropefric.friction.condition import FloatArray
+from ropefric.friction.integral import power_integral
+from ropefric.friction.power_span import power_span
+
+__all__ = ["STUDY", "adaptive", "gauss_legendre", "segment_sum", "simpson", "trapezoid"]
+
+Function = Callable[[FloatArray], FloatArray]
+
+
+class Rule(Protocol):
+    """A rule of n points or pieces."""
+
+    def __call__(self, mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
+        """Return the integral of each condition."""
+        ...
+
+
+A, C = 0.2, 0.1
+NEARLY = -1.0 + 1e-12
+COPIES = 1250
+
+# 50-digit values of ∫ (0.2 φ^b + 0.1) dφ over [p, p + δ]; the tests compute them again with mpmath.
+REGULAR = 1.7511303075004028079
+MANY = (0.43284271247461903379, 2.3313708498984761685, 0.34400556038372082663, 2.1590042494495280094,
+        0.27537671171864110273, 1.9548150592471484499, 0.22561434244422533054, 1.7292676305996860942)  # fmt: skip
+FROM_ZERO = 2.1663767773404715115
+NEAR_MINUS_ONE = 2.7697142691114408804
+SHORT_WRAP = 1.6324555162222883729e-7
+
+_PIECES = tuple(2**k for k in range(1, 15))
+_QUICK_PIECES = {4, 32, 256, 2048}
+_ORDERS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64)
+_QUICK_ORDERS = {2, 4, 8, 16, 32}
+_MOST_PIECES = 64
+"""Of many conditions, and of a wrap so short that two pieces are exact."""
+
+
+def segment_sum(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
+    """Return Σ μ_m φ_m over n equal sub-angles, each with the local coefficient of its middle, eqs. (5)-(10).
+
+    Second order where μ is smooth; order b + 1 where the wrap starts at φ = 0, since the first sub-angle alone then
+    misses a part of φ^{b+1}, its own share of the integral.
+
+    Parameters
+    ----------
+    mu : callable
+        Local coefficient at angles [rad].
+    start, wrap : ndarray, shape (k,)
+        p and δ [rad].
+    n : int
+        Number of sub-angles.
+
+    Examples
+    --------
+    >>> segment_sum(lambda phi: phi, np.array([0.0]), np.array([2.0]), 4).tolist()
+    [2.0]
+    """
+    middles = (np.arange(n) + 0.5)[:, np.newaxis] / n
+    return np.asarray(wrap * mu(start + wrap * middles).mean(axis=0))
+
+
+def trapezoid(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
+    """Return the trapezoidal sum over n intervals; arguments as in `segment_sum`.
+
+    Second order where μ is smooth. Near φ = 0 its end point counts with h/2 · p^b, so it looks first order until the
+    interval h is as short as p, and there is no answer at p = 0.
+
+    Examples
+    --------
+    >>> trapezoid(lambda phi: phi, np.array([0.0]), np.array([2.0]), 4).tolist()
+    [2.0]
+    """
+    values = mu(start + wrap * (np.arange(n + 1)[:, np.newaxis] / n))
+    return np.asarray(wrap / n * (values[1:-1].sum(axis=0) + 0.5 * (values[0] + values[-1])))
+
+
+def simpson(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
+    """Return Simpson's sum over n intervals, n even; fourth order where μ is smooth, arguments as in `segment_sum`.
+
+    Examples
+    --------
+    >>> simpson(lambda phi: phi**3, np.array([0.0]), np.array([2.0]), 2).round(12).tolist()
+    [4.0]
+    """
+    values = mu(start + wrap * (np.arange(n + 1)[:, np.newaxis] / n))
+    inner = 4.0 * values[1:-1:2].sum(axis=0) + 2.0 * values[2:-1:2].sum(axis=0)
+    return np.asarray(wrap / (3 * n) * (inner + values[0] + values[-1]))
+
+
+def gauss_legendre(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
+    """Return Gauss-Legendre's sum of n points; its error falls geometrically with n where μ is smooth.
+
+    The nodes are computed once and kept. Arguments as in `segment_sum`.
+
+    Examples
+    --------
+    >>> gauss_legendre(lambda phi: phi**3, np.array([0.0]), np.array([2.0]), 2).round(12).tolist()
+    [4.0]
+    """
+    nodes, weights = _legendre(n)
+    return np.asarray(wrap * (weights @ mu(start + wrap * nodes)))
+
+
+@cache
+def _legendre(n: int) -> tuple[FloatArray, FloatArray]:
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    return (0.5 * (nodes + 1.0))[:, np.newaxis], 0.5 * weights
+
+
+def adaptive(
+    mu: Callable[[float], float], start: FloatArray, wrap: FloatArray, tolerance: float
+) -> FloatArray:
+    """Return scipy's adaptive Gauss-Kronrod quadrature, condition by condition, to a relative tolerance.
+
+    Examples
+    --------
+    >>> adaptive(lambda phi: phi**3, np.array([0.0]), np.array([2.0]), 1e-8).round(12).tolist()
+    [4.0]
+    """
+    ends = zip(start.tolist(), (start + wrap).tolist(), strict=True)
+    # With full_output a missed tolerance is a message and not a warning; the error shows it anyway.
+    return np.array(
+        [quad(mu, low, high, epsabs=0.0, epsrel=tolerance, limit=200, full_output=1)[0] for low, high in ends]
+    )
+
+
+def _difference(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
+    """Return the antiderivative's difference as a textbook has it, which cancels near b = −1 and for short wraps."""
+    s = b + 1.0
+    return A * ((p + delta) ** s - p**s) / s + C * delta
+
+
+def _unchecked(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
+    with np.errstate(divide="ignore"):
+        return A * power_span(np.log(p), delta, b).integral() + C * delta
+
+
+def _settings(
+    start: tuple[float, ...],
+    wrap: tuple[float, ...],
+    b: float,
+    reference: tuple[float, ...],
+    *,
+    copies: int = 1,
+    most_pieces: int = _PIECES[-1],
+) -> tuple[Setting, ...]:
+    p, delta, exact = (np.tile(np.array(values), copies) for values in (start, wrap, reference))
+
+    def mu(phi: FloatArray) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            return A * np.asarray(phi) ** b + C
+
+    def float_mu(phi: float) -> float:
+        return float(A * phi**b + C)
+
+    judged = partial(against, exact, mu)
+    rules: tuple[tuple[str, Rule], ...] = (
+        ("segment sum", segment_sum),
+        ("trapezoid", trapezoid),
+        ("simpson", simpson),
+    )
+    pieces = (
+        judged(
+            partial(rule, start=p, wrap=delta, n=n),
+            method=name,
+            setting=f"{n} pieces",
+            quick=n in _QUICK_PIECES,
+        )
+        for name, rule in rules
+        for n in _PIECES
+        if n <= most_pieces
+    )
+    gauss = (
+        judged(
+            partial(gauss_legendre, start=p, wrap=delta, n=n),
+            method="gauss-legendre",
+            setting=f"{n} points",
+            quick=n in _QUICK_ORDERS,
+        )
+        for n in _ORDERS
+    )
+    quadratures = (
+        against(
+            exact,
+            float_mu,
+            partial(adaptive, start=p, wrap=delta, tolerance=tolerance),
+            method="adaptive quad",
+            setting=f"tolerance {tolerance:g}",
+            quick=copies == 1,
+        )
+        for tolerance in ((1e-4, 1e-8, 1e-12) if copies == 1 else (1e-8,))
+    )
+    closed = (
+        judged(lambda _mu: _difference(p, delta, b), method="closed form, textbook", setting=""),
+        judged(lambda _mu: _unchecked(p, delta, b), method="closed form, stable", setting=""),
+        judged(lambda _mu: power_integral(delta, A, b, C, start_rad=p), method="closed form", setting=""),
+    )
+    return (*pieces, *gauss, *quadratures, *closed)
+
+
+STUDY = Study(
+    name="integral",
+    title="Lift-force integral of the power law μ = 0.2 φ^b + 0.1 over the wrap",
+    question="Is the closed form worth its formulas, or would the paper's segments or a quadrature rule do?",
+    reference="closed form in 50-digit arithmetic (mpmath)",
+    counted="evaluations of μ(φ)",
+    cases=(
+        Case(
+            name="regular",
+            title="one condition, b = −0.5, wrap of 9.4 rad from φ0 = 1.7 rad (F_B = 2 N)",
+            settings=lambda: _settings((1.7,), (9.4,), -0.5, (REGULAR,)),
+        ),
+        Case(
+            name="many",
+            title="10 000 conditions at once, b = −0.5, wraps of 1.5 and 12 rad from φ0 = 0.5 to 15 rad",
+            settings=lambda: _settings(
+                (0.5, 0.5, 1.7, 1.7, 5.0, 5.0, 15.0, 15.0),
+                (1.5, 12.0) * 4,
+                -0.5,
+                MANY,
+                copies=COPIES,
+                most_pieces=_MOST_PIECES,
+            ),
+        ),
+        Case(
+            name="from-zero",
+            title="one condition, b = −0.5, wrap of 9.4 rad from φ0 = 0 (F_B = F_0): μ is infinite at the start",
+            settings=lambda: _settings((0.0,), (9.4,), -0.5, (FROM_ZERO,)),
+        ),
+        Case(
+            name="near-minus-one",
+            title="one condition, b = −1 + 1e-12, wrap of 9.4 rad from φ0 = 0.001 rad",
+            settings=lambda: _settings((1e-3,), (9.4,), NEARLY, (NEAR_MINUS_ONE,)),
+        ),
+        Case(
+            name="short-wrap",
+            title="one condition, b = −0.5, wrap of 1e-6 rad from φ0 = 10 rad: a step of a longer sum",
+            settings=lambda: _settings((10.0,), (1e-6,), -0.5, (SHORT_WRAP,), most_pieces=_MOST_PIECES),
+        ),
+    ),
+    findings=integral_findings,
+)

@@ -1,0 +1,143 @@
+"""The break-away peak: a long window takes the peak off with the noise, a short one leaves the noise on the peak."""
+
+from collections.abc import Callable
+from functools import cache, partial
+
+import numpy as np
+
+from ropefric.accuracy.assess import over_seeds
+from ropefric.accuracy.measured import Measured, in_case
+from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.rig.bench import simulate_recording
+from ropefric.rig.settings import Bench
+from ropefric.traces.calibration import Calibration
+from ropefric.traces.protocols.breakaway import pick_breakaway
+from ropefric.traces.settings import PickSettings
+from ropefric.traces.smoothing import average_over_samples
+from ropefric.traces.trace import ForceTrace
+
+__all__ = ["STUDY", "highest_average", "recordings"]
+
+LIFT_N, END_N = 320.0, 80.0
+N_RECORDINGS = 40
+IDLE_S = 0.25
+
+_SAMPLES = (3, 5, 7, 11, 15, 21, 31, 61, 121, 301)
+_QUICK_SAMPLES = {5, 15, 31, 121}
+
+
+@cache
+def recordings(noise_counts: tuple[float, float]) -> tuple[ForceTrace, ...]:
+    """Return calibrated recordings of the virtual rig, all of which break away at exactly 320 N.
+
+    Parameters
+    ----------
+    noise_counts : tuple of float
+        Range of the standard deviation of the noise [counts]; one count is 0.98 N.
+
+    Examples
+    --------
+    >>> recordings((0.3, 1.0))[0].sampling_rate_Hz.__round__()
+    3000
+    """
+    bench = Bench(noise_counts=noise_counts)
+    return tuple(_recording(bench, seed) for seed in range(N_RECORDINGS))
+
+
+def _recording(bench: Bench, seed: int) -> ForceTrace:
+    made = simulate_recording(
+        bench, lift_force_N=LIFT_N, end_tension_N=END_N, rng=np.random.default_rng(seed)
+    )
+    counts = made.counts.astype(np.int64)
+    calibration = Calibration(cell=bench.cell_named(made.truth.cell), adc=bench.adc)
+    force_N, saturation = calibration.with_tare(counts, made.time_s <= IDLE_S).apply(counts)
+    return ForceTrace(time_s=made.time_s, force_N=force_N, saturation=saturation, name=f"seed {seed}")
+
+
+def highest_average(trace: ForceTrace, n_window: int) -> float:
+    """Return the maximum of the moving average over the whole recording [N], the way of the paper.
+
+    Examples
+    --------
+    >>> trace = ForceTrace(time_s=np.arange(5.0), force_N=np.array([0.0, 1.0, 5.0, 1.0, 0.0]))
+    >>> round(highest_average(trace, 3), 6)
+    2.333333
+    """
+    return float(average_over_samples(trace.force_N, n_window).max())
+
+
+def _setting(
+    traces: tuple[ForceTrace, ...],
+    pick: Callable[[ForceTrace], float],
+    method: str,
+    setting: str = "",
+    *,
+    quick: bool = True,
+) -> Setting:
+    def assess() -> Outcome:
+        errors = [pick(trace) / LIFT_N - 1.0 for trace in traces]
+        return over_seeds(errors, float(np.mean([trace.force_N.size for trace in traces])))
+
+    return Setting(method=method, setting=setting, call=lambda: pick(traces[0]), assess=assess, quick=quick)
+
+
+def _settings(noise_counts: tuple[float, float]) -> tuple[Setting, ...]:
+    traces = recordings(noise_counts)
+    averages = (
+        _setting(
+            traces,
+            partial(highest_average, n_window=n),
+            "moving average",
+            f"{n} samples",
+            quick=n in _QUICK_SAMPLES,
+        )
+        for n in _SAMPLES
+    )
+    return (
+        _setting(traces, lambda trace: float(trace.force_N.max()), "raw maximum"),
+        *averages,
+        _setting(traces, lambda trace: pick_breakaway(trace, PickSettings())[0].peak_N, "chosen window"),
+        _setting(traces, lambda trace: pick_breakaway(trace, PickSettings())[0].two_line_N, "two lines"),
+    )
+
+
+def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    lines = []
+    for case in dict.fromkeys(point.case for point in points):
+        here = in_case(points, case)
+        averages = [point for point in here if point.method == "moving average"]
+        best, longest = min(averages, key=lambda point: point.error), averages[-1]
+        others = [point for point in here if point.method in {"raw maximum", "chosen window", "two lines"}]
+        lines.append(
+            f"{case}: of the fixed windows {best.setting} are best, {_percent(best)}; {longest.setting} read "
+            f"{100 * longest.bias:+.2g} % on average. "
+            + "; ".join(f"{point.method} {_percent(point)}" for point in others)
+            + "."
+        )
+    return tuple(lines)
+
+
+def _percent(point: Measured) -> str:
+    return f"{100 * point.error:.2g} % (bias {100 * point.bias:+.2g} %, scatter {100 * point.noise:.2g} %)"
+
+
+STUDY = Study(
+    name="peak",
+    title="Break-away peak of a recording: window and estimator",
+    question="How long may the smoothing window be, and what does it cost to let the tool choose it?",
+    reference=f"known truth of {N_RECORDINGS} recordings of the virtual rig; error: root mean square",
+    counted="samples of a recording",
+    cases=(
+        Case(
+            name="bench",
+            title="3 kHz, 10 bit, noise of 0.3 to 1 counts, as on the bench",
+            settings=lambda: _settings((0.3, 1.0)),
+        ),
+        Case(
+            name="noisy",
+            title="the same with a noise of 6 counts (5.9 N)",
+            settings=lambda: _settings((6.0, 6.0)),
+        ),
+    ),
+    findings=_findings,
+)

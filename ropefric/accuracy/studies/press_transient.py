@@ -1,0 +1,215 @@
+"""The start-up of a belt press: integrators by step and tolerance, on a pliant and on a stiff belt."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+
+from ropefric.accuracy.assess import largest_error
+from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case
+from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.accuracy.words import time_text
+from ropefric.friction.condition import FloatArray
+from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.press.transient.inputs import press_inputs
+from ropefric.systems.press.transient.integrators import INTEGRATORS
+from ropefric.systems.press.transient.integrators.integrator import Settings
+from ropefric.systems.press.transient.model import elastic_press
+from ropefric.systems.press.transient.problem import LinearStartUp
+from ropefric.systems.press.transient.spectrum import rk4_limit_s
+
+__all__ = ["BELTS", "STUDY", "TENSIONS_N", "TIMES_S", "start_up", "tensions_N"]
+
+TIMES_S = (0.1, 0.2, 0.4)
+SPEED_M_S, RUN_UP_S = 0.916, 0.3
+BELTS = {"pliant": (2e6, 1e-3), "stiff": (1e7, 1e-2)}
+"""Axial stiffness EA [N] and damping time η [s] of each case."""
+
+# 50-digit tensions [N] of the four spans at these times; the tests compute them again with mpmath.
+TENSIONS_N = {
+    "pliant": (
+        (760.57866183269964196, 1138.5276947421640285, 1514.1088324854375466, 2500.3140643605943745),
+        (533.49168652213471957, 1070.6272507797642053, 1605.5778433573462879, 2762.6271096403935389),
+        (797.29733990230051717, 1162.0416922480501366, 1504.6686987935599831, 1806.7048645823546011),
+    ),
+    "stiff": (
+        (799.21228030685921994, 1160.0312878673571473, 1532.1208279010668071, 2558.5922879342989554),
+        (555.28841499355259537, 1084.4857005515349988, 1625.0572194880797627, 2843.1331245021648695),
+        (833.68036234477897341, 1183.0136402716689191, 1532.347084389801537, 1928.3479023048632124),
+    ),
+}
+_RK4_STEPS_MS = {"pliant": (8.0, 4.0, 2.0, 1.0, 0.5, 0.25), "stiff": (0.5, 0.25, 0.125)}
+_QUICK = {"pliant": {4.0, 2.0, 1e-4, 1e-7}, "stiff": {0.5, 1e-4, 1e-7}}
+"""Steps [ms] and tolerances."""
+_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Counting(LinearStartUp):
+    """A start-up that counts the evaluations of its rate."""
+
+    evaluations: list[int] = field(default_factory=lambda: [0])
+
+    def rate(self, y: FloatArray, u: FloatArray) -> FloatArray:
+        self.evaluations[0] += 1
+        return super().rate(y, u)
+
+
+def _machine(stiffness_N: float, damping_s: float) -> Press:
+    """Return one belt over a driver, a loaded roller, a tensioner and a press roller: 8 states instead of 26."""
+    tensioner = Tensioner(
+        spring_N_m=2e4,
+        travel_m=0.03,
+        force_N=2000.0,
+        mass_kg=121.0,
+        damping_N_s_m=500.0,
+        downstream_angle_rad=0.347,
+    )
+    rollers = (
+        Roller(name="driver", radius_m=0.175, wrap_angle_rad=3.1, role="driver"),
+        Roller(
+            name="support", radius_m=0.075, wrap_angle_rad=0.49, inertia_kg_m2=0.37, gravity_torque_N_m=26.2
+        ),
+        Roller(
+            name="tensioner",
+            radius_m=0.075,
+            wrap_angle_rad=2.85,
+            role="tensioner",
+            inertia_kg_m2=0.37,
+            gravity_torque_N_m=26.2,
+            tensioner=tensioner,
+        ),
+        Roller(name="press", radius_m=0.25, wrap_angle_rad=0.99, inertia_kg_m2=13.9, squeeze_torque_N_m=99.0),
+    )
+    belt = Belt(
+        name="belt",
+        loop=tuple(roller.name for roller in rollers),
+        linear_density_kg_m=15.0,
+        thickness_m=0.005,
+        width_m=2.0,
+        axial_stiffness_N=stiffness_N,
+        damping_s=damping_s,
+        span_lengths_m=(1.2, 0.8, 0.9, 1.6),
+    )
+    return Press(rollers=rollers, belts=(belt,), speed_m_s=SPEED_M_S)
+
+
+@cache
+def start_up(case: str) -> LinearStartUp:
+    """Return the start-up of a case: a smooth run-up in 0.3 s, the loads in proportion to the speed.
+
+    Examples
+    --------
+    >>> start_up("pliant").n_state
+    8
+    """
+    model = elastic_press(_machine(*BELTS[case]))
+    speed = DRIVE_LAWS["s-curve"].speed(speed_m_s=SPEED_M_S, duration_s=RUN_UP_S)
+    return LinearStartUp(model=model, inputs=press_inputs(model, speed, "with-speed"))
+
+
+def tensions_N(problem: LinearStartUp, integrator: str, settings: Settings) -> FloatArray:
+    """Return the tensions of all spans at `TIMES_S`, shape (3, 4) [N].
+
+    Parameters
+    ----------
+    problem : LinearStartUp
+        The start-up.
+    integrator : str
+        A name in `INTEGRATORS`.
+    settings : Settings
+        Its step or tolerance.
+
+    Examples
+    --------
+    >>> tensions_N(start_up("pliant"), "exact", Settings()).shape
+    (3, 4)
+    """
+    times_s = np.array(TIMES_S)
+    states = INTEGRATORS[integrator].solve(problem, times_s, settings)[:, : problem.n_state]
+    rows = np.hstack([states, problem.inputs.at(times_s)])
+    return np.asarray(rows @ problem.motion.tension_N.T)
+
+
+def _settings(case: str) -> tuple[Setting, ...]:
+    problem, exact = start_up(case), np.array(TENSIONS_N[case])
+
+    def setting(integrator: str, text: str, chosen: Settings, *, quick: bool) -> Setting:
+        def assess() -> Outcome:
+            counting = _Counting(model=problem.model, inputs=problem.inputs)
+            error = largest_error(tensions_N(counting, integrator, chosen), exact)
+            return Outcome(error=error, evaluations=float(counting.evaluations[0]))
+
+        return Setting(
+            method=integrator,
+            setting=text,
+            call=_caller(problem, integrator, chosen),
+            assess=assess,
+            quick=quick,
+        )
+
+    made = [
+        setting("rk4", f"step {ms:g} ms", Settings(step_s=1e-3 * ms), quick=ms in _QUICK[case])
+        for ms in _RK4_STEPS_MS[case]
+    ]
+    made += [
+        setting(
+            name,
+            f"tolerance {tolerance:g}",
+            Settings(tolerance=tolerance),
+            # Explicit steps on a stiff belt take the same time at every tolerance: once is enough.
+            quick=tolerance in _QUICK[case] and (tolerance < 1e-6 or (name, case) != ("dop853", "stiff")),
+        )
+        for name in ("dop853", "radau", "lsoda")
+        for tolerance in _TOLERANCES
+        if name != "radau" or tolerance >= 1e-8  # of fifth order: beyond this it takes seconds
+    ]
+    return (*made, setting("exact", "", Settings(), quick=True))
+
+
+def _caller(problem: LinearStartUp, integrator: str, settings: Settings) -> Callable[[], object]:
+    return lambda: tensions_N(problem, integrator, settings)
+
+
+def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    cases = [case for case in BELTS if in_case(points, case)]
+    limits = [f"{1e3 * rk4_limit_s(start_up(case).eigenvalues):.3g} ms ({case})" for case in cases]
+    return (
+        *(_fastest(case, in_case(points, case)) for case in cases),
+        *((f"RK4 is stable up to a step of {', '.join(limits)}.",) if limits else ()),
+    )
+
+
+def _fastest(case: str, points: tuple[Measured, ...]) -> str:
+    winners = [best for accuracy in ACCURACIES if (best := cheapest(points, accuracy)) is not None]
+    names = list(dict.fromkeys(point.method for point in winners))
+    if names == ["exact"]:
+        rival = min((point for point in points if point.method != "exact"), key=lambda point: point.seconds)
+        return (
+            f"{case}: the matrix exponential is the fastest at every accuracy, {time_text(winners[0].seconds)}; the "
+            f"fastest other is {rival.name} in {time_text(rival.seconds)}, off by {rival.error:.0e}."
+        )
+    return f"{case}: fastest, from rough to accurate: {', '.join(names)}."
+
+
+def _case(name: str) -> Case:
+    stiffness_N, damping_s = BELTS[name]
+    return Case(
+        name=name,
+        title=f"one belt over four rollers, run up in {RUN_UP_S:g} s; EA = {1e-6 * stiffness_N:g} MN, "
+        f"η = {1e3 * damping_s:g} ms",
+        settings=lambda: _settings(name),
+    )
+
+
+STUDY = Study(
+    name="press-transient",
+    title="Start-up of a belt press: tensions of all spans at three times",
+    question="What does the paper's Runge-Kutta method cost against the exact solution, also on a stiff belt?",
+    reference="matrix exponential of equations written down separately, in 50-digit arithmetic (mpmath)",
+    counted="evaluations of the rate of change",
+    cases=tuple(_case(name) for name in BELTS),
+    findings=_findings,
+)

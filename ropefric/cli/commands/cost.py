@@ -1,0 +1,61 @@
+"""`ropefric cost`: error and time of every numerical choice, measured here and now."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.fitting_options import show_sections
+from ropefric.cli.output import Output
+from ropefric.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+__all__ = ["COMMAND"]
+
+Names = Annotated[
+    list[str] | None, typer.Argument(metavar="[STUDY …]", help="Studies to measure, all by default.")
+]
+OutFolder = Annotated[Path, typer.Option("--out", "-o", help="Where figures, tables and page are written.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Some settings only, and little time for each.")]
+
+
+def cost(
+    out: Output, studies: Names = None, *, folder: OutFolder = Path("cost"), quick: Quick = False
+) -> Answer:
+    """Measure what accuracy costs in time on this machine: integral, root, peak, intervals, fit, press, blade.
+
+    For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
+    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
+    """
+    from ropefric.accuracy.machine import this_machine  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.accuracy.measure import measure_studies  # noqa: PLC0415
+    from ropefric.accuracy.studies import STUDIES  # noqa: PLC0415
+    from ropefric.report.cost_page import cost_sections, write_cost  # noqa: PLC0415
+
+    chosen = [STUDIES[name] for name in dict.fromkeys(studies or STUDIES)]
+    folder.mkdir(
+        parents=True, exist_ok=True
+    )  # before the work, so that a folder that cannot be made costs nothing
+    machine = this_machine()
+    out.note(f"measuring on {machine.line}")
+    with Progress(out, "cost") as progress:
+        results = measure_studies(chosen, quick=quick, progress=progress.update)
+    written = write_cost(results, machine, folder)
+    data = {
+        "machine": machine.to_dict(),
+        "quick": quick,
+        "studies": [result.to_dict() for result in results],
+        "written": list(written),
+    }
+
+    def show(console: "Console") -> None:
+        show_sections(cost_sections(results, machine), console)
+        console.print(f"\nwritten to {folder}: cost.html, cost.md, …", markup=False, soft_wrap=True)
+
+    return Answer(data=data, show=show)
+
+
+COMMAND = Command(name="cost", run=cost, example="ropefric cost integral --out cost --quick", order=85)

@@ -1,0 +1,99 @@
+"""Words for figures: axis labels in the units people read, numbers with units, plain text of what is typeset."""
+
+import math
+import re
+from typing import TYPE_CHECKING
+
+from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.glossary import axis_label
+from ropefric.plotting.labels import typeset
+from ropefric.plotting.style import GREY
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["TYPESET", "counted", "plain_text", "regressor_label", "say_instead", "shown", "shown_regressor"]
+
+TYPESET = re.compile(r"\$(.+?)_\{\\mathrm\{(.+?)\}\}\$")
+"""A symbol with its index, as `ropefric.plotting.labels.typeset` sets it."""
+
+
+def shown(value: float, unit: str = "", digits: int = 4) -> str:
+    """Return a number with its unit, or "unknown" where there is none.
+
+    Examples
+    --------
+    >>> shown(227.3215, "N"), shown(float("nan"), "N"), shown(0.95)
+    ('227.3 N', 'unknown', '0.95')
+    """
+    if math.isnan(value):
+        return "unknown"
+    number = f"{value:.{digits}g}"
+    return f"{number} {unit}" if unit else number
+
+
+def counted(n: int, noun: str) -> str:
+    """Return a number of things in words.
+
+    Examples
+    --------
+    >>> counted(1, "trial"), counted(12, "trial")
+    ('1 trial', '12 trials')
+    """
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+
+
+def regressor_label(name: str) -> str:
+    r"""Return the axis label of a regressor in the unit people set it in.
+
+    Parameters
+    ----------
+    name : str
+        A key of `ropefric.fitting.extrapolation.REGRESSORS`.
+
+    Examples
+    --------
+    >>> regressor_label("wrap_angle_rad")
+    'Wrap angle φ [deg]'
+    >>> regressor_label("wheel_radius_m")
+    'Wheel radius $R_{\\mathrm{w}}$ [mm]'
+    """
+    return typeset(f"{axis_label(name).rsplit(' [', 1)[0]} [{REGRESSORS[name][1]}]")
+
+
+def shown_regressor(name: str, value: float) -> str:
+    """Return a regressor's symbol and value in the unit people set it in.
+
+    Examples
+    --------
+    >>> shown_regressor("wheel_radius_m", 0.04)
+    'R_w = 40 mm'
+    """
+    _title, unit, factor = REGRESSORS[name]
+    symbol = axis_label(name).rsplit(" [", 1)[0].rsplit(" ", 1)[1]
+    return f"{symbol} = {factor * value:.4g} {unit}"
+
+
+def plain_text(text: str) -> str:
+    r"""Return typeset text as it was before, for readers who cannot see it.
+
+    Examples
+    --------
+    >>> plain_text(typeset("Lift force F_A [N]"))
+    'Lift force F_A [N]'
+    """
+    return TYPESET.sub(r"\1_\2", text)
+
+
+def say_instead(axes: "Axes", text: str) -> None:
+    """Write on empty axes why nothing is drawn.
+
+    Examples
+    --------
+    >>> from ropefric.plotting.figure import new_figure
+    >>> axes = new_figure().subplots()
+    >>> say_instead(axes, "no trial")
+    >>> axes.texts[0].get_text()
+    'no trial'
+    """
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=GREY)

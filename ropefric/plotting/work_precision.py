@@ -1,0 +1,159 @@
+"""What accuracy costs in time: one panel a case, a line a method, and the settings that no other beats."""
+
+import math
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+from ropefric.accuracy.measure import StudyResult
+from ropefric.accuracy.measured import ROUNDING, Measured, in_case
+from ropefric.accuracy.words import time_text
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
+from ropefric.plotting.legend import legend_of_figure
+from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, house_style, line_look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["HEADER", "draw_work_precision"]
+
+HEADER = ("case", "method", "setting", "error", "seconds", "spread_s", "evaluations", "lower_s", "upper_s", "repeats",
+          "loops", "bias", "noise", "on_front")  # fmt: skip
+"""Columns of the table behind a figure."""
+
+_FRONT = "fastest for its error"
+_FRONT_COLOR = "#B9B9B9"
+
+
+def draw_work_precision(result: StudyResult) -> FigureWithData:
+    """Return time over error, both logarithmic, for every case of a study; more accurate is further right.
+
+    A thick grey line joins the settings that no other beats in both error and time. Bars are the quartiles of the
+    time. A setting without an answer is in the table only.
+
+    Parameters
+    ----------
+    result : StudyResult
+        From `ropefric.accuracy.measure.measure_study`.
+
+    Examples
+    --------
+    >>> from ropefric.accuracy.study import Case, Study
+    >>> case = Case(name="c", title="a case", settings=tuple)
+    >>> study = Study(name="s", title="A study", question="", reference="", counted="", cases=(case,))
+    >>> points = [Measured(case="c", method="m", setting=f"{n}", error=10.0**-n, seconds=n / 1e6, lower_s=n / 1e6,
+    ...     upper_s=n / 1e6, repeats=3, loops=9, evaluations=n) for n in (1, 2)]
+    >>> drawn = draw_work_precision(StudyResult(study=study, points=tuple(points), quick=True))
+    >>> drawn.tables[0].rows[0][:5], drawn.figure.axes[0].get_title("left")
+    (('c', 'm', '1', 0.1, 1e-06), 'c: a case')
+    """
+    cases = result.study.cases
+    methods = list(dict.fromkeys(point.method for point in result.points))
+    looks = {method: _look(place) for place, method in enumerate(methods)}
+    n_columns = 1 if len(cases) == 1 else 2
+    n_rows = math.ceil(len(cases) / n_columns)
+    columns = 3 if n_columns == 2 else 2
+    with house_style():
+        figure = _sized_figure(n_rows, n_columns, legend_lines=math.ceil((len(methods) + 1) / columns))
+        panels = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
+        for axes, case in zip(panels, cases, strict=False):
+            _draw_case(axes, in_case(result.points, case.name), result.front(case.name), looks)
+            axes.set_title(_folded(f"{case.name}: {case.title}"), loc="left", fontsize=9.5)
+        for axes in panels[len(cases) :]:
+            axes.remove()
+        figure.suptitle(result.study.title, y=0.995, va="top")
+        legend_of_figure(figure, columns=columns)
+    return FigureWithData(figure=figure, tables=(_table(result),), alt=_alt(result))
+
+
+def _sized_figure(n_rows: int, n_columns: int, *, legend_lines: int) -> "Figure":
+    """Return a figure whose margins are known: panels of one size, two lines of title over each, the legend below."""
+    wide, high, between_columns, between_rows = 4.7, 2.8, 0.95, 1.1
+    left, right, top, bottom = 0.85, 0.15, 0.75, 0.75 + 0.21 * legend_lines
+    width = left + right + n_columns * wide + (n_columns - 1) * between_columns
+    height = top + bottom + n_rows * high + (n_rows - 1) * between_rows
+    return new_figure(
+        width,
+        height,
+        margins={
+            "left": left / width,
+            "right": 1.0 - right / width,
+            "top": 1.0 - top / height,
+            "bottom": bottom / height,
+            "wspace": between_columns / wide,
+            "hspace": between_rows / high,
+        },
+    )
+
+
+def _look(place: int) -> dict[str, Any]:
+    look = line_look(place) | {"marker": MARKERS[place % len(MARKERS)]}
+    if place >= len(LINE_STYLES):  # a second round would repeat line and colour together
+        look["linestyle"] = LINE_STYLES[(place + 1) % len(LINE_STYLES)]
+    return look
+
+
+def _draw_case(
+    axes: "Axes", points: tuple[Measured, ...], front: tuple[Measured, ...], looks: dict[str, dict[str, Any]]
+) -> None:
+    shown = [point for point in points if math.isfinite(point.error)]
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    if len(front) > 1:
+        axes.plot([p.shown_error for p in front], [p.seconds for p in front], color=_FRONT_COLOR, linewidth=7,
+                  alpha=0.6, solid_capstyle="round", solid_joinstyle="round", zorder=1, label=_FRONT)  # fmt: skip
+    elif front:
+        axes.plot([front[0].shown_error], [front[0].seconds], "o", color=_FRONT_COLOR, markersize=14, alpha=0.6,
+                  zorder=1, label=_FRONT)  # fmt: skip
+    for method, look in looks.items():
+        mine = [point for point in shown if point.method == method]
+        if not mine:
+            continue
+        times = [point.seconds for point in mine]
+        bars = [[p.seconds - p.lower_s for p in mine], [p.upper_s - p.seconds for p in mine]]
+        axes.errorbar([point.shown_error for point in mine], times, yerr=bars, **look, linewidth=1.3, markersize=5,
+                      elinewidth=0.8, capsize=1.5, markerfacecolor="white", zorder=2, label=method)  # fmt: skip
+    axes.invert_xaxis()
+    _few_decades(axes, shown)
+    axes.set(xlabel="Relative error [-], more accurate to the right", ylabel="Time of one call [s]")
+
+
+def _few_decades(axes: "Axes", points: list[Measured]) -> None:
+    """Mark no more decades than can be read, and where rounding ends all accuracy."""
+    if not points:
+        return
+    errors = [point.shown_error for point in points]
+    low, high = math.floor(math.log10(min(errors))), math.ceil(math.log10(max(errors)))
+    step = max(1, math.ceil((high - low) / 8))
+    axes.set_xticks([10.0**n for n in range(high, low - 1, -step)])
+    axes.set_xticks([], minor=True)
+    if min(errors) < 10 * ROUNDING:
+        axes.axvline(ROUNDING, color="#8A8A8A", linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
+        axes.annotate("rounding", (ROUNDING, 1.0), xycoords=("data", "axes fraction"), xytext=(-3, -2), ha="right",
+                      va="top", textcoords="offset points", fontsize=8, color=GREY, rotation=90)  # fmt: skip
+
+
+def _folded(title: str, width: int = 62) -> str:
+    return "\n".join(textwrap.wrap(title, width))
+
+
+def _table(result: StudyResult) -> DataTable:
+    fronts = {case.name: set(result.front(case.name)) for case in result.study.cases}
+    rows = tuple(
+        (p.case, p.method, p.setting, p.error, p.seconds, p.spread_s, p.evaluations, p.lower_s, p.upper_s, p.repeats,
+         p.loops, p.bias, p.noise, p in fronts[p.case])
+        for p in result.points
+    )  # fmt: skip
+    return DataTable(header=HEADER, rows=rows)
+
+
+def _alt(result: StudyResult) -> str:
+    parts = []
+    for case in result.study.cases:
+        reached = [(accuracy, point) for accuracy, point in result.cheapest(case.name) if point is not None]
+        if reached:
+            accuracy, point = reached[-1]
+            parts.append(
+                f"{case.name}: {accuracy:.0e} is cheapest by {point.name} in {time_text(point.seconds)}"
+            )
+    return f"{result.study.title}: time over error. " + "; ".join(parts) + "."

@@ -1,0 +1,153 @@
+"""What accuracy costs, on one page: a figure, the cheapest method for each accuracy, and what was found."""
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+
+from ropefric.accuracy.machine import Machine
+from ropefric.accuracy.measure import StudyResult
+from ropefric.accuracy.measured import Measured
+from ropefric.accuracy.words import time_text
+from ropefric.plotting.save import save_figure
+from ropefric.plotting.work_precision import draw_work_precision
+from ropefric.report.page import as_page
+from ropefric.report.section import Section, Table
+
+__all__ = ["cost_markdown", "cost_sections", "write_cost"]
+
+TITLE = "What accuracy costs in time"
+
+_WORTH_A_NOTE = 0.05
+
+
+def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Section, ...]:
+    """Return the machine and one section a study: the cheapest setting for each accuracy, and the findings.
+
+    Parameters
+    ----------
+    results : sequence of StudyResult
+        What was measured.
+    machine : Machine
+        What ran.
+
+    Examples
+    --------
+    >>> machine = Machine(cpu="Z80", cores=1, system="CP/M", python="3.13", numpy="2.0", scipy="1.14")
+    >>> cost_sections([], machine)[0].lines[0]
+    'measured on Z80, 1 core, CP/M; Python 3.13, numpy 2.0, scipy 1.14'
+    """
+    how = (
+        "errors are relative; times are medians of one call, with the range between the quartiles in brackets"
+    )
+    if any(result.quick for result in results):
+        how += "; a quick look: some settings only, and little time for each"
+    head = Section(title="", lines=(f"measured on {machine.line}", how))
+    return (head, *(_study_section(result) for result in results))
+
+
+def _study_section(result: StudyResult) -> Section:
+    study = result.study
+    lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}")
+    cases = tuple(f"{case.name}: {case.title}" for case in study.cases)
+    notes = list(result.findings)
+    if result.unsteady > _WORTH_A_NOTE:
+        notes.append(
+            f"{100 * result.unsteady:.0f} % of the times spread by more than half: the machine was busy with other "
+            "work, and close ranks may be chance. Measure again when it is idle."
+        )
+    return Section(
+        title=_heading(result), lines=(*lines, *cases), table=_cheapest_table(result), notes=tuple(notes)
+    )
+
+
+def _heading(result: StudyResult) -> str:
+    return f"{result.study.name}: {result.study.title}"
+
+
+def _cheapest_table(result: StudyResult) -> Table:
+    """Return the cheapest setting of each case for each accuracy, equal rows in one."""
+    cases = [case.name for case in result.study.cases]
+    columns = [result.cheapest(case) for case in cases]
+    groups: dict[tuple[str, ...], list[float]] = {}
+    for row in zip(*columns, strict=True):
+        if any(point is not None for _, point in row):
+            groups.setdefault(tuple(_cell(point) for _, point in row), []).append(row[0][0])
+    rows = tuple((_span(accuracies), *cells) for cells, accuracies in groups.items())
+    return Table(headings=("accuracy", *(f"{case} " for case in cases)), rows=rows)
+
+
+def _span(accuracies: list[float]) -> str:
+    first, last = (f"{accuracy:.0e}".replace("e-0", "e-") for accuracy in (accuracies[0], accuracies[-1]))
+    return first if len(accuracies) == 1 else f"{first} to {last}"
+
+
+def _cell(point: Measured | None) -> str:
+    if point is None:
+        return "–"
+    return f"{point.name}: {time_text(point.seconds)} (± {time_text(0.5 * point.spread_s)})"
+
+
+def cost_markdown(results: Sequence[StudyResult], machine: Machine) -> str:
+    r"""Return the page as Markdown; the figures stand beside it as NAME.png.
+
+    Examples
+    --------
+    >>> machine = Machine(cpu="Z80", cores=1, system="CP/M", python="3.13", numpy="2.0", scipy="1.14")
+    >>> cost_markdown([], machine).splitlines()[0]
+    '# What accuracy costs in time'
+    """
+    head, *studies = cost_sections(results, machine)
+    parts = [f"# {TITLE}\n\n" + "\n\n".join(head.lines) + "\n"]
+    for result, section in zip(results, studies, strict=True):
+        name = result.study.name
+        blocks = [
+            f"## {section.title}",
+            *section.lines[:3],
+            _items(section.lines[3:]),
+            f"![{name}]({name}.png)",
+        ]
+        if section.table is not None and section.table.rows:
+            blocks.append(_markdown_table(section.table))
+        if section.notes:
+            blocks.append(_items(section.notes))
+        parts.append("\n\n".join(blocks) + f"\n\nAll numbers: [{name}.csv]({name}.csv)\n")
+    return "\n".join(parts)
+
+
+def _items(lines: Sequence[str]) -> str:
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _markdown_table(table: Table) -> str:
+    head = "| " + " | ".join(heading.rstrip() for heading in table.headings) + " |"
+    rule = "|" + "---|" * len(table.headings)
+    return "\n".join([head, rule, *("| " + " | ".join(row) + " |" for row in table.rows)])
+
+
+def write_cost(results: Sequence[StudyResult], machine: Machine, folder: Path) -> tuple[Path, ...]:
+    """Write a figure and a CSV for each study, and cost.md and cost.html; return their paths.
+
+    Parameters
+    ----------
+    results : sequence of StudyResult
+        What was measured.
+    machine : Machine
+        What ran.
+    folder : Path
+        Made where it is missing.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    page = as_page(TITLE, cost_sections(results, machine))
+    paths: list[Path] = []
+    for result in results:
+        drawn = draw_work_precision(result)
+        paths += save_figure(drawn, folder, result.study.name)
+        heading = f"<h2>{escape(_heading(result))}</h2>\n"
+        image = (
+            f'<img src="{escape(result.study.name)}.png" alt="{escape(drawn.alt)}" style="max-width:100%">\n'
+        )
+        page = page.replace(heading, heading + image, 1)
+    for name, text in (("cost.md", cost_markdown(results, machine)), ("cost.html", page)):
+        paths.append(folder / name)
+        paths[-1].write_text(text, encoding="utf-8", newline="\n")
+    return tuple(paths)

@@ -1,0 +1,135 @@
+"""Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.friction.condition import FloatArray
+from ropefric.scenes.friction_source import FrictionSource
+from ropefric.scenes.kind import Kind, Quantity, SweepField
+from ropefric.scenes.kinds.saw_report import saw_tree
+from ropefric.scenes.kinds.saw_schema import SawScene
+from ropefric.systems.bandsaw.answer import SawAnswer
+from ropefric.systems.bandsaw.ends import ENDS
+from ropefric.systems.bandsaw.measured import Measurement
+from ropefric.systems.bandsaw.problem import SawProblem
+from ropefric.systems.bandsaw.saw import Side
+from ropefric.systems.bandsaw.system import SYSTEM
+from ropefric.systems.friction import WrapFriction
+
+__all__ = ["KIND"]
+
+_UNKNOWN_THICKNESS_M = 1e-3
+
+
+def _own_wheel(table: SawScene) -> tuple[float, float]:
+    radius_m = 1.0 if table.wheel is None else table.wheel.radius_m()
+    return radius_m, 0.5 * (table.blade.thickness or _UNKNOWN_THICKNESS_M)
+
+
+def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
+    optional_parts = {
+        "wheel_radius_m": None if table.wheel is None else table.wheel.radius_m(),
+        "wheel_speed_rad_s": None if table.wheel is None else table.wheel.speed,
+        "tension_difference_N": table.pull_N(),
+        "mounting_factor": table.tension.mounting_factor,
+        "bending_stiffness_N_m2": table.blade.stiffness(),
+    }
+    arrays: dict[str, Any] = {
+        name: np.array([value]) for name, value in optional_parts.items() if value is not None
+    }
+    return SawProblem(
+        free_span_m=np.array([table.blade.free_span]),
+        linear_density_kg_m=np.array([table.blade.mass()]),
+        preload_N=np.array([table.tension.preload]),
+        n_modes=table.blade.modes,
+        ends=ENDS[table.blade.ends],
+        section=table.blade.section(),
+        friction=friction,
+        wheel_wrap_rad=np.pi if table.wheel is None else table.wheel.wrap,
+        excitations=table.excitations(),
+        measurements=tuple(
+            Measurement(
+                side=Side(one.side), frequency_Hz=one.frequency, mode=one.mode, std_Hz=one.uncertainty
+            )
+            for one in table.measured
+        ),
+        **arrays,
+    )
+
+
+def _with_friction(problem: SawProblem, friction: WrapFriction) -> SawProblem:
+    return replace(problem, friction=friction)
+
+
+def _with_fields(problem: SawProblem, fields: Mapping[str, FloatArray]) -> SawProblem:
+    return replace(problem, **fields)  # type: ignore[arg-type]  # sweep_fields names arrays only
+
+
+def _quantities(answer: SawAnswer, problem: SawProblem) -> tuple[Quantity, ...]:
+    del problem
+    found = [
+        Quantity(name=f"{side.value}.first_frequency_Hz", value=one.frequencies_Hz[:, 0], positive=True)
+        for side, one in answer.sides.items()
+    ]
+    if answer.wheel_utilisation is not None:
+        found.append(Quantity(name="wheel.utilisation", value=answer.wheel_utilisation))
+    return tuple(found)
+
+
+def _contacts(problem: SawProblem, source: FrictionSource) -> Mapping[str, FloatArray]:
+    del source
+    half_m = 0.5 * _UNKNOWN_THICKNESS_M
+    if problem.section is not None:
+        half_m = 0.5 * problem.section.thickness_m
+    radius_m = np.ones(problem.m) if problem.wheel_radius_m is None else problem.wheel_radius_m
+    return {
+        "wheel_radius_m": radius_m,
+        "rope_radius_m": np.full(problem.m, half_m),
+        "wrap_angle_rad": np.full(problem.m, problem.wheel_wrap_rad),
+        "end_tension_N": problem.preload_N,
+    }
+
+
+def _in_one_call(model: object) -> bool:
+    del model
+    return True
+
+
+def _answerable(problem: SawProblem) -> npt.NDArray[np.bool_]:
+    zero = np.zeros(problem.m)
+    pull_N = zero if problem.tension_difference_N is None else 0.5 * problem.tension_difference_N
+    speed = problem.speed_m_s
+    inertia_N = zero if speed is None else problem.linear_density_kg_m * speed**2
+    kappa = zero if problem.mounting_factor is None else problem.mounting_factor
+    stiff_N = zero
+    if problem.bending_stiffness_N_m2 is not None:
+        stiff_N = problem.ends.buckling * problem.bending_stiffness_N_m2 / problem.free_span_m**2
+    slack_N = problem.preload_N - pull_N + kappa * inertia_N
+    return np.asarray((slack_N > 0.0) & (slack_N - inertia_N + stiff_N > 0.0))
+
+
+KIND = Kind(
+    name="bandsaw",
+    schema=SawScene,
+    system=SYSTEM,
+    own_wheel=_own_wheel,
+    problem=_problem,
+    with_friction=_with_friction,
+    quantities=_quantities,
+    tree=saw_tree,
+    contacts=_contacts,
+    sweep_fields={
+        "blade.free_span": SweepField(field="free_span_m"),
+        "tension.preload": SweepField(field="preload_N"),
+        "tension.mounting_factor": SweepField(field="mounting_factor"),
+        "drive.tension_difference": SweepField(field="tension_difference_N"),
+        "blade.bending_stiffness": SweepField(field="bending_stiffness_N_m2"),
+    },
+    with_fields=_with_fields,
+    in_one_call=_in_one_call,
+    answerable=_answerable,
+)

@@ -1,0 +1,82 @@
+"""Scenes of a belt press: tensions, slip, and the start-up."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.friction.condition import FloatArray
+from ropefric.scenes.friction_source import FrictionSource
+from ropefric.scenes.kind import Kind, SweepField
+from ropefric.scenes.kinds.press_machine import press_problem
+from ropefric.scenes.kinds.press_report import press_quantities, press_tree
+from ropefric.scenes.kinds.press_schema import PressScene
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.problem import PressProblem
+from ropefric.systems.press.system import SYSTEM
+
+__all__ = ["KIND"]
+
+
+def _own_wheel(table: PressScene) -> tuple[float, float]:
+    """Return the middle roller's radius and half the first belt's thickness."""
+    radii = sorted(roller.radius for roller in table.rollers.values())
+    belts = list(table.belts.values())
+    return (radii[len(radii) // 2] if radii else 1.0), (0.5 * belts[0].thickness if belts else 0.005)
+
+
+def _with_friction(problem: PressProblem, friction: WrapFriction) -> PressProblem:
+    return replace(problem, friction=friction)
+
+
+def _with_fields(problem: PressProblem, fields: Mapping[str, FloatArray]) -> PressProblem:
+    return replace(problem, **fields)  # type: ignore[arg-type]  # sweep_fields names arrays only
+
+
+def _contacts(problem: PressProblem, source: FrictionSource) -> Mapping[str, FloatArray]:
+    """Return every roller once, with the tension of its belt at rest."""
+    del source
+    rollers = problem.press.rollers
+    halves = [
+        0.5 * max(belt.thickness_m for belt in problem.press.belts if roller.name in belt.loop)
+        for roller in rollers
+    ]
+    preloads = [part.tensioner.force_N for part in problem.press.tensioners if part.tensioner is not None]
+    level_N = 0.5 * (max(preloads) if preloads else 1.0)
+    return {
+        "wheel_radius_m": np.array([roller.radius_m for roller in rollers]),
+        "rope_radius_m": np.array(halves),
+        "wrap_angle_rad": np.array([roller.wrap_angle_rad for roller in rollers]),
+        "end_tension_N": np.full(len(rollers), level_N),
+    }
+
+
+def _in_one_call(model: object) -> bool:
+    del model
+    return True
+
+
+def _answerable(problem: PressProblem) -> npt.NDArray[np.bool_]:
+    return np.ones(problem.n, dtype=np.bool_)
+
+
+KIND = Kind(
+    name="press",
+    schema=PressScene,
+    system=SYSTEM,
+    own_wheel=_own_wheel,
+    problem=press_problem,
+    with_friction=_with_friction,
+    quantities=press_quantities,
+    tree=press_tree,
+    contacts=_contacts,
+    sweep_fields={
+        "press.speed": SweepField(field="speed_m_s"),
+        "press.preload": SweepField(field="preload_N"),
+        "press.load_factor": SweepField(field="load_factor"),
+    },
+    with_fields=_with_fields,
+    in_one_call=_in_one_call,
+    answerable=_answerable,
+)

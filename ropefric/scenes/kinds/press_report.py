@@ -1,0 +1,86 @@
+"""The answer to a press scene as a JSON tree: tensions, slip, what slips first and when, the start-up."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ropefric.scenes.kind import Quantity
+from ropefric.systems.press.answer import PressAnswer, as_operated
+from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
+from ropefric.systems.press.problem import PressProblem
+from ropefric.systems.press.slip import MEASURES
+from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.steady import drive_power_W
+
+__all__ = ["press_quantities", "press_tree"]
+
+
+def press_quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quantity, ...]:
+    """Return the numbers of a press that people read, one a case."""
+    del problem
+    use = answer.slip.utilisation
+    return (
+        Quantity(name="largest_utilisation", value=use.max(axis=-1)),
+        Quantity(name="power_W", value=drive_power_W(answer.state)),
+        *(
+            Quantity(name=f"slip.{name}.utilisation", value=use[..., place])
+            for place, name in enumerate(answer.slip.rollers)
+        ),
+        *(
+            Quantity(
+                name=f"effective_tension_N.{span.name}", value=answer.state.effective_tension_N[..., place]
+            )
+            for place, span in enumerate(answer.model.press.spans)
+        ),
+    )
+
+
+def press_tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
+    """Return the JSON shape of a press's answer."""
+    del problem
+    spans = [span.name for span in answer.model.press.spans]
+    slip = answer.slip
+    tree: dict[str, Any] = {
+        "tension_N": dict(zip(spans, answer.at_rest_N[0].tolist(), strict=True)),
+        "effective_tension_N": dict(zip(spans, answer.state.effective_tension_N[0].tolist(), strict=True)),
+        "slip": {
+            roller: {measure: _finite(float(slip.of(roller, measure)[0])) for measure in MEASURES}
+            for roller in slip.rollers
+        },
+        "closure": answer.statics.closure,
+        "rank": answer.statics.rank,
+        "undetermined": list(answer.statics.undetermined),
+        "speed_m_s": float(answer.state.speed_m_s[0]),
+    }
+    tree |= _first(answer)
+    if answer.start_up is not None:
+        tree["start_up"] = answer.start_up.summary()
+    return tree
+
+
+def _first(answer: PressAnswer) -> dict[str, Any]:
+    """Return which roller is nearest to slip, and what would make the first one slip."""
+    model = answer.model
+    statics = solve_statics(as_operated(model), closure=model.closure)
+    tensioner = "elastic" if model.parts.springs and model.parts.stretch else "locked"
+    use = answer.slip.utilisation[0]
+    critical: dict[str, Any] = {}
+    for change in CHANGES:
+        values = critical_values(statics, model.friction, change, tensioner=tensioner, told=model.told)  # type: ignore[arg-type]
+        first = first_to_slip(values, change)  # type: ignore[arg-type]
+        critical[change] = {
+            "roller": None if first is None else first.roller,
+            "value": None if first is None else first.value,
+            "unit": CHANGES[change].rpartition("[")[2].rstrip("]"),
+            "by_roller": values,
+        }
+    return {
+        "first_to_slip": answer.slip.rollers[int(np.argmax(use))] if use.any() else None,
+        "slips": [name for name, share in zip(answer.slip.rollers, use, strict=True) if share > 1.0],
+        "critical": critical,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,1 @@
+"""A band-saw blade between its wheels: the moving string, the moving beam, torsion, resonance, measurement."""

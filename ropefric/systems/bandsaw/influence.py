@@ -1,0 +1,136 @@
+"""How much each effect of a saw can change a frequency at most, before anything is simulated.
+
+For a string ln f = ln(F − ρA v²) − ½ ln F and what does not depend on the effects, so the largest change over the
+corners (each tension with or without the torque's and the wheels' part, each speed with or without the travel) bounds
+every effect but the stiffness. A stiff blade is less sensitive to tension and speed than a string, as part of its
+restoring force depends on neither.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from itertools import product
+
+import numpy as np
+
+from ropefric.friction.condition import FloatArray
+from ropefric.systems.bandsaw.ends import CLAMPED
+from ropefric.systems.bandsaw.problem import SawProblem
+
+__all__ = ["bending_bound", "bounded", "difference_bound", "travel_bound", "wheels_bound"]
+
+Bound = Callable[[SawProblem], FloatArray]
+
+_ROUNDING = 1e-11
+_SMALL_LAYER = 0.3
+"""Of the half span: with longer boundary layers the expansion below says nothing."""
+_SAFETY = 1.25
+
+
+def bounded(bound: Bound) -> Callable[[SawProblem], float]:
+    """Return an `influence`: the largest bound of all cases, `inf` where a blade is slack or too fast."""
+
+    def influence(problem: SawProblem) -> float:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            worst = float(np.max(bound(problem)))
+        if math.isnan(worst):
+            return math.inf
+        return worst * (1.0 + _ROUNDING) + (_ROUNDING if worst > 0.0 else 0.0)
+
+    return influence
+
+
+def _zeros(problem: SawProblem) -> FloatArray:
+    return np.zeros(problem.m)
+
+
+def _inertia_N(problem: SawProblem) -> FloatArray:
+    """Return ρA v² [N]; zero where the scene does not give a speed."""
+    speed = problem.speed_m_s
+    return _zeros(problem) if speed is None else problem.linear_density_kg_m * speed**2
+
+
+def _wheels_N(problem: SawProblem) -> FloatArray:
+    """Return κ ρA v² [N]."""
+    return (
+        _zeros(problem) if problem.mounting_factor is None else problem.mounting_factor * _inertia_N(problem)
+    )
+
+
+def _pull_N(problem: SawProblem) -> FloatArray:
+    """Return ΔF/2 [N]."""
+    return _zeros(problem) if problem.tension_difference_N is None else 0.5 * problem.tension_difference_N
+
+
+def _log_frequency(tension_N: FloatArray, inertia_N: FloatArray) -> FloatArray:
+    """Return ln(F − ρA v²) − ½ ln F; NaN for a slack or too fast blade."""
+    return np.log(tension_N - inertia_N) - 0.5 * np.log(tension_N)
+
+
+def _travels(problem: SawProblem) -> tuple[FloatArray, FloatArray]:
+    return _zeros(problem), _inertia_N(problem)
+
+
+def _tensions(problem: SawProblem) -> Iterator[FloatArray]:
+    for pull, wheels in product((-1.0, 0.0, 1.0), (0.0, 1.0)):
+        yield problem.preload_N + pull * _pull_N(problem) + wheels * _wheels_N(problem)
+
+
+def difference_bound(problem: SawProblem) -> FloatArray:
+    """Return the largest change of ln f by ±ΔF/2."""
+    changes = [_zeros(problem)]
+    for wheels, inertia_N, sign in product((0.0, 1.0), _travels(problem), (-1.0, 1.0)):
+        base_N = problem.preload_N + wheels * _wheels_N(problem)
+        changes.append(
+            np.abs(
+                _log_frequency(base_N + sign * _pull_N(problem), inertia_N)
+                - _log_frequency(base_N, inertia_N)
+            )
+        )
+    return np.asarray(np.max(changes, axis=0))
+
+
+def wheels_bound(problem: SawProblem) -> FloatArray:
+    """Return the largest change of ln f by κ ρA v²."""
+    changes = [_zeros(problem)]
+    for pull, inertia_N in product((-1.0, 0.0, 1.0), _travels(problem)):
+        base_N = problem.preload_N + pull * _pull_N(problem)
+        changes.append(
+            np.abs(_log_frequency(base_N + _wheels_N(problem), inertia_N) - _log_frequency(base_N, inertia_N))
+        )
+    return np.asarray(np.max(changes, axis=0))
+
+
+def travel_bound(problem: SawProblem) -> FloatArray:
+    """Return the largest change of ln f by the travel, −ln(1 − v²/c²)."""
+    inertia_N = _inertia_N(problem)
+    return np.asarray(
+        np.max(
+            [_log_frequency(F, _zeros(problem)) - _log_frequency(F, inertia_N) for F in _tensions(problem)],
+            axis=0,
+        )
+    )
+
+
+def bending_bound(problem: SawProblem) -> FloatArray:
+    """Return an upper bound of the change of ln f by the stiffness, for the highest mode wanted.
+
+    At rest f/f_string = 1 + 2e + (4 + n²π²/2) e² + … for clamped ends and √(1 + n²π²e²) for pinned ones,
+    e = √(EI/F l²). A mode that travels has waves shorter by up to 1 + V and is held by 1 − V² of the tension, so e is
+    taken that much larger, V = v/c; the next terms of the series are covered by a margin.
+    """
+    if problem.bending_stiffness_N_m2 is None:
+        return _zeros(problem)
+    n = float(problem.n_modes)
+    worst = _zeros(problem)
+    for tension_N in _tensions(problem):
+        e = np.sqrt(problem.bending_stiffness_N_m2 / (tension_N * problem.free_span_m**2))
+        for inertia_N in _travels(problem):
+            V = np.sqrt(inertia_N / tension_N)
+            layer = e * (1.0 + V) / np.sqrt((1.0 - V) * (1.0 + V))
+            if problem.ends.name == CLAMPED.name:
+                change = _SAFETY * np.log1p(2.0 * layer + (4.0 + 0.5 * (n * math.pi) ** 2) * layer**2)
+                change = np.where(layer * max(1.0, n) < _SMALL_LAYER, change, np.inf)
+            else:
+                change = 0.5 * np.log1p((n * math.pi * layer) ** 2)
+            worst = np.maximum(worst, np.where(np.isnan(change), np.inf, change))
+    return worst

@@ -1,0 +1,127 @@
+"""What is known of a band saw, for one case or many at once."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import FloatArray
+from ropefric.systems.bandsaw.ends import CLAMPED, Ends
+from ropefric.systems.bandsaw.excitation import Excitation
+from ropefric.systems.bandsaw.measured import Measurement
+from ropefric.systems.bandsaw.section import Section
+from ropefric.systems.friction import WrapFriction
+
+__all__ = ["SawProblem"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SawProblem:
+    """A blade on two wheels, m cases side by side; scalars are spread.
+
+    Attributes
+    ----------
+    free_span_m : ndarray, shape (m,)
+        Length l of each free span [m], positive.
+    linear_density_kg_m : ndarray, shape (m,)
+        Mass per length ρA [kg/m], positive.
+    preload_N : ndarray, shape (m,)
+        Tension F_0 of each side at rest [N], positive.
+    n_modes : int
+        How many frequencies of each side are wanted.
+    wheel_radius_m, wheel_speed_rad_s : ndarray, shape (m,), optional
+        R [m] and ω [rad/s] of the wheels.
+    tension_difference_N : ndarray, shape (m,), optional
+        ΔF of the sides at work [N].
+    mounting_factor : ndarray, shape (m,), optional
+        κ from 0 (fixed wheel axles) to 1 (constant-force mounting).
+    bending_stiffness_N_m2 : ndarray, shape (m,), optional
+        EI [N m2].
+    ends : Ends
+        How the ends of a stiff blade are held.
+    section : Section, optional
+        The blade's cross-section; only torsion and the wheel's friction need it.
+    friction : WrapFriction, optional
+        Between blade and wheel.
+    wheel_wrap_rad : float
+        Wrap of the blade on the wheel [rad].
+    excitations : tuple of Excitation
+        What may shake the blade.
+    measurements : tuple of Measurement
+        What was measured on the saw.
+
+    Raises
+    ------
+    InputError
+        If the lengths disagree or a number is not finite.
+
+    Examples
+    --------
+    >>> saw = SawProblem(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=[3000.0, 3412.0], n_modes=3)
+    >>> saw.m, saw.speed_m_s
+    (2, None)
+    """
+
+    free_span_m: FloatArray
+    linear_density_kg_m: FloatArray
+    preload_N: FloatArray
+    n_modes: int
+    wheel_radius_m: FloatArray | None = None
+    wheel_speed_rad_s: FloatArray | None = None
+    tension_difference_N: FloatArray | None = None
+    mounting_factor: FloatArray | None = None
+    bending_stiffness_N_m2: FloatArray | None = None
+    ends: Ends = CLAMPED
+    section: Section | None = None
+    friction: WrapFriction | None = None
+    wheel_wrap_rad: float = np.pi
+    excitations: tuple[Excitation, ...] = ()
+    measurements: tuple[Measurement, ...] = ()
+
+    def __post_init__(self) -> None:
+        given = {
+            field.name: np.atleast_1d(np.asarray(getattr(self, field.name), dtype=np.float64))
+            for field in fields(self)
+            if field.name in _ARRAYS and getattr(self, field.name) is not None
+        }
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in given.values()))
+        except ValueError:
+            lengths = ", ".join(f"{name} has {array.size}" for name, array in given.items())
+            raise InputError(
+                f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
+            ) from None
+        for name, array in given.items():
+            low_enough = array > 0.0 if name in _POSITIVE else array >= 0.0
+            wrong = ~(low_enough & np.isfinite(array))
+            if wrong.any():
+                rule = "positive" if name in _POSITIVE else "zero or more"
+                raise InputError(
+                    f"{name} is {array[wrong][0]:g}; it must be finite and {rule}",
+                    key=name,
+                    fix="correct this value",
+                )
+            object.__setattr__(self, name, np.broadcast_to(array, shape))
+        if self.n_modes < 1:
+            raise InputError(f"{self.n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+
+    @property
+    def m(self) -> int:
+        """Return how many cases there are."""
+        return self.preload_N.size
+
+    @property
+    def speed_m_s(self) -> FloatArray | None:
+        """Return the blade's speed v = ω R [m/s], shape (m,), where the wheels are known."""
+        if self.wheel_radius_m is None or self.wheel_speed_rad_s is None:
+            return None
+        return self.wheel_speed_rad_s * self.wheel_radius_m
+
+
+_POSITIVE = {"free_span_m", "linear_density_kg_m", "preload_N", "wheel_radius_m"}
+_ARRAYS = _POSITIVE | {
+    "wheel_speed_rad_s",
+    "tension_difference_N",
+    "mounting_factor",
+    "bending_stiffness_N_m2",
+}

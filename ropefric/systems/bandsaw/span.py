@@ -1,0 +1,233 @@
+"""A free span of blade, put together from parts, each of which may be left out."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import FloatArray
+from ropefric.systems.bandsaw.compensated import Pair, add, as_pair, divide, multiply, total
+from ropefric.systems.bandsaw.ends import Ends
+
+__all__ = ["Span", "refuse_overspeed"]
+
+_POSITIVE = {"free_span_m", "linear_density_kg_m"}
+_ZERO_OR_MORE = {"bending_stiffness_N_m2", "mounting_factor"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Span:
+    """A span of blade between two wheels, m cases side by side; scalars are spread.
+
+    The tension is F = F_0 ± ΔF/2 + κ ρA v_w². Every part but the first is zero unless it is given, so that a model
+    has in it what was put there: the torque's part, the wheels' part, the motion through the span and the
+    stiffness are separate. In a saw v_w and v are the same speed.
+
+    Attributes
+    ----------
+    free_span_m : ndarray, shape (m,)
+        Length l between the points of contact [m], positive.
+    linear_density_kg_m : ndarray, shape (m,)
+        Mass per length ρA [kg/m], positive.
+    preload_N : ndarray, shape (m,)
+        F_0 [N] at rest.
+    pull_N : ndarray, shape (m,)
+        ±ΔF/2 [N]: positive on the tight side, negative on the slack side.
+    mounting_factor : ndarray, shape (m,)
+        κ [-], from 0 (fixed wheel axles) to 1 (constant-force mounting).
+    wheel_speed_m_s : ndarray, shape (m,)
+        v_w [m/s], the speed whose inertia tension κ ρA v_w² acts.
+    travel_speed_m_s : ndarray, shape (m,)
+        v [m/s], the speed of the blade through the span; the sign does not matter for frequencies.
+    bending_stiffness_N_m2 : ndarray, shape (m,)
+        EI [N m2], zero for a string.
+
+    Raises
+    ------
+    InputError
+        If the lengths disagree, a value is not finite or not in its range, κ is above 1, or a tension is not
+        positive: a slack blade has no frequency.
+
+    Examples
+    --------
+    >>> span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412, pull_N=[105.5, -105.5])
+    >>> span.m, span.tension_N.tolist()
+    (2, [3517.5, 3306.5])
+    """
+
+    free_span_m: FloatArray
+    linear_density_kg_m: FloatArray
+    preload_N: FloatArray
+    pull_N: FloatArray = 0.0  # type: ignore[assignment]  # spread in __post_init__
+    mounting_factor: FloatArray = 0.0  # type: ignore[assignment]
+    wheel_speed_m_s: FloatArray = 0.0  # type: ignore[assignment]
+    travel_speed_m_s: FloatArray = 0.0  # type: ignore[assignment]
+    bending_stiffness_N_m2: FloatArray = 0.0  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        arrays = {
+            field.name: np.atleast_1d(np.array(getattr(self, field.name), dtype=np.float64))
+            for field in fields(self)
+        }
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        except ValueError:
+            lengths = ", ".join(
+                f"{name} has {array.size}" for name, array in arrays.items() if array.size > 1
+            )
+            raise InputError(
+                f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
+            ) from None
+        if len(shape) != 1:
+            raise InputError(f"the parts have {len(shape)} axes; a span has one, its cases")
+        for name, array in arrays.items():
+            _check(name, array)
+            spread = np.broadcast_to(array, shape)
+            spread.flags.writeable = False
+            object.__setattr__(self, name, spread)
+        slack = self.tension_N <= 0.0
+        if slack.any():
+            first = int(np.argmax(slack))
+            raise InputError(
+                f"the tension is {self.tension_N[first]:.6g} N (preload {self.preload_N[first]:.6g} N, pull "
+                f"{self.pull_N[first]:+.6g} N){self.place(first)}; it must be positive: a slack blade is no string",
+                key="preload_N",
+                fix=f"raise the preload above {self.preload_N[first] - self.tension_N[first]:.6g} N",
+            )
+
+    @property
+    def m(self) -> int:
+        """Return how many cases there are."""
+        return self.preload_N.size
+
+    @property
+    def tension_N(self) -> FloatArray:
+        """Return F = F_0 ± ΔF/2 + κ ρA v_w² [N], shape (m,)."""
+        inertia_N = self.mounting_factor * self.linear_density_kg_m * self.wheel_speed_m_s**2
+        return np.asarray(self.preload_N + self.pull_N + inertia_N)
+
+    @property
+    def wave_speed_m_s(self) -> FloatArray:
+        """Return c = √(F/ρA) [m/s], shape (m,), of waves as a traveller with the blade sees them."""
+        return np.sqrt(self.tension_N / self.linear_density_kg_m)
+
+    @property
+    def net_tension_N(self) -> FloatArray:
+        """Return F − ρA v² = ρA (c − v)(c + v) [N], shape (m,), to full relative precision."""
+        return total(self._net())
+
+    def margin_N(self, ends: Ends) -> FloatArray:
+        """Return the net tension above the buckling load, F − ρA v² + β EI/l² [N], to full relative precision.
+
+        Examples
+        --------
+        >>> from ropefric.systems.bandsaw.ends import PINNED
+        >>> span = Span(free_span_m=1.0, linear_density_kg_m=1.0, preload_N=1.0, bending_stiffness_N_m2=1.0)
+        >>> span.margin_N(PINNED).round(6).tolist()
+        [10.869604]
+        """
+        if not self.bending_stiffness_N_m2.any():
+            return self.net_tension_N
+        beta = (np.full(self.m, ends.buckling), np.full(self.m, ends.buckling_low))
+        squared = multiply(as_pair(self.free_span_m), as_pair(self.free_span_m))
+        load = divide(multiply(beta, as_pair(self.bending_stiffness_N_m2)), squared)
+        return total(add(self._net(), load))
+
+    def critical_speed_m_s(self, ends: Ends) -> FloatArray:
+        """Return the speed at which the first frequency vanishes, shape (m,); infinite for κ = 1.
+
+        v_c² (1 − κ) ρA = F_0 ± ΔF/2 + β EI/l². The mounting counts whether or not the wheels turn, because they
+        would at that speed.
+
+        Examples
+        --------
+        >>> from ropefric.systems.bandsaw.ends import PINNED
+        >>> string = Span(free_span_m=1.0, linear_density_kg_m=0.25, preload_N=100.0, mounting_factor=[0, 0.75, 1])
+        >>> string.critical_speed_m_s(PINNED).tolist()
+        [20.0, 40.0, inf]
+        """
+        load_N = ends.buckling * self.bending_stiffness_N_m2 / self.free_span_m**2
+        held = self.linear_density_kg_m * (1.0 - self.mounting_factor)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            speed = np.sqrt((self.preload_N + self.pull_N + load_N) / held)
+        return np.where(held > 0.0, speed, np.inf)
+
+    def select(self, index: npt.ArrayLike) -> "Span":
+        """Return the cases at an index array or boolean mask, in that order.
+
+        Examples
+        --------
+        >>> span = Span(free_span_m=1.6, linear_density_kg_m=0.6, preload_N=[3000.0, 4000.0])
+        >>> span.select([1]).preload_N.tolist()
+        [4000.0]
+        """
+        chosen = np.asarray(index)
+        return Span(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+
+    def place(self, index: int) -> str:
+        """Return ` at case i` for messages, nothing where there is only one."""
+        return f" at case {index}" if self.m > 1 else ""
+
+    def _net(self) -> Pair:
+        # κ ρA v² and ρA v² nearly cancel for κ near 1, as F and ρA v² do near the critical speed.
+        wheels = multiply(as_pair(self.wheel_speed_m_s), as_pair(self.wheel_speed_m_s))
+        travel = multiply(as_pair(self.travel_speed_m_s), as_pair(-self.travel_speed_m_s))
+        through = add(multiply(as_pair(self.mounting_factor), wheels), travel)
+        static = add(as_pair(self.preload_N), as_pair(self.pull_N))
+        return add(static, multiply(as_pair(self.linear_density_kg_m), through))
+
+
+def refuse_overspeed(span: Span, ends: Ends) -> FloatArray:
+    """Return `Span.margin_N` where all of it is positive; refuse otherwise, naming the critical speed.
+
+    Raises
+    ------
+    InputError
+        If a blade travels at its critical speed or above.
+
+    Examples
+    --------
+    >>> from ropefric.systems.bandsaw.ends import PINNED
+    >>> span = Span(free_span_m=1.0, linear_density_kg_m=0.25, preload_N=100.0, travel_speed_m_s=16.0)
+    >>> refuse_overspeed(span, PINNED).tolist()
+    [36.0]
+    """
+    margin = span.margin_N(ends)
+    beyond = margin <= 0.0
+    if beyond.any():
+        first = int(np.argmax(beyond))
+        raise InputError(
+            f"the blade travels at {span.travel_speed_m_s[first]:.9g} m/s and its critical speed is "
+            f"{_tension_limit_m_s(span, ends)[first]:.9g} m/s{span.place(first)}: there its first frequency is zero "
+            "and the theory ends",
+            code="RF530",
+            key="travel_speed_m_s",
+            fix="run slower, or raise the preload",
+        )
+    return margin
+
+
+def _tension_limit_m_s(span: Span, ends: Ends) -> FloatArray:
+    """Return the critical speed at the tension there is: the one that was passed if v_w is not v."""
+    same = span.wheel_speed_m_s == np.abs(span.travel_speed_m_s)
+    load_N = ends.buckling * span.bending_stiffness_N_m2 / span.free_span_m**2
+    held = np.sqrt((span.tension_N + load_N) / span.linear_density_kg_m)
+    return np.where(same, span.critical_speed_m_s(ends), held)
+
+
+def _check(name: str, array: FloatArray) -> None:
+    fine = np.isfinite(array)
+    rule = "finite"
+    if name in _POSITIVE:
+        fine, rule = fine & (array > 0.0), "finite and positive"
+    elif name in _ZERO_OR_MORE:
+        fine, rule = fine & (array >= 0.0), "finite and zero or more"
+    if name == "mounting_factor":
+        fine, rule = fine & (array <= 1.0), "from 0 (fixed wheel axles) to 1 (constant-force mounting)"
+    if not fine.all():
+        first = int(np.argmin(fine))
+        place = f" at case {first}" if array.size > 1 else ""
+        raise InputError(
+            f"{name} is {array[first]:g}{place}; it must be {rule}", key=name, fix="correct this value"
+        )

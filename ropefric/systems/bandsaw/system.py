@@ -1,0 +1,44 @@
+"""The band saw as a system for scenes."""
+
+import numpy as np
+
+from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, solve_saw
+from ropefric.systems.bandsaw.effects import EFFECTS, bare
+from ropefric.systems.bandsaw.problem import SawProblem
+from ropefric.systems.effect import Method, System
+
+__all__ = ["SYSTEM"]
+
+_CLOSED_FORM = Method(name="closed form", error=1e-13, why="a string's travelling waves have one")
+_FINEST = 1e-12
+_COARSEST = 1e-3
+"""A beam to a thousandth costs no less than one to a hundredth: both need their boundary layers."""
+
+
+def _method(model: SawModel, budget: float) -> Method:
+    if not any(span.bending_stiffness_N_m2.any() for span in model.spans.values()):
+        return _CLOSED_FORM
+    accuracy = min(max(budget, _FINEST), _COARSEST)
+    return Method(
+        name="spectral elements",
+        settings={"accuracy": accuracy},
+        error=accuracy,
+        why="the order is raised until a coarser solution agrees to this accuracy",
+    )
+
+
+def _solve(model: SawModel, method: Method) -> SawAnswer:
+    return solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST))
+
+
+def _distance(answer: SawAnswer, reference: SawAnswer) -> float:
+    return max(
+        float(np.max(np.abs(answer.sides[side].frequencies_Hz / other.frequencies_Hz - 1.0)))
+        for side, other in reference.sides.items()
+    )
+
+
+SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
+    name="bandsaw", effects=EFFECTS, bare=bare, method=_method, solve=_solve, distance=_distance
+)
+"""A blade on two wheels."""

@@ -1,0 +1,163 @@
+"""A press as assembled from its effects, and its tensions, slip and start-up."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import FloatArray
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.contact import steady_contacts
+from ropefric.systems.press.machine import Press
+from ropefric.systems.press.problem import StartUpTask
+from ropefric.systems.press.response import Parts, respond
+from ropefric.systems.press.slip import SlipTable, slip_table
+from ropefric.systems.press.statics import Statics, solve_statics
+from ropefric.systems.press.steady import SteadyState
+from ropefric.systems.press.transient.ingredients import Ingredients
+from ropefric.systems.press.transient.result import StartUp
+from ropefric.systems.press.transient.start_up import start_up
+
+__all__ = ["PressAnswer", "PressModel", "as_operated", "solve_press"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PressModel:
+    """A press as assembled from its effects.
+
+    Attributes
+    ----------
+    press : Press
+        The machine, with the load torques that are in the model.
+    closure : str
+        What settles the undetermined split.
+    friction : WrapFriction
+        Between belts and rollers.
+    told : frozenset of str
+        What the law is told of a contact.
+    speed_m_s : ndarray, shape (n,)
+        Speed whose inertia acts [m/s]; zero where the belts have none.
+    preload_N : ndarray, shape (n,), or None
+        Of all tensioners.
+    load_factor : ndarray, shape (n,)
+        On all load torques.
+    parts : Parts
+        What gives way when the belts run.
+    ingredients : Ingredients
+        What a start-up contains.
+    start_up : StartUpTask or None
+        The start-up to be simulated.
+    """
+
+    press: Press
+    closure: str
+    friction: WrapFriction
+    told: frozenset[str]
+    speed_m_s: FloatArray
+    preload_N: FloatArray | None
+    load_factor: FloatArray
+    parts: Parts
+    ingredients: Ingredients
+    start_up: StartUpTask | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PressAnswer:
+    """The steady run of a press, and its start-up where one was asked for.
+
+    Attributes
+    ----------
+    model : PressModel
+        What was solved.
+    statics : Statics
+        The linear solution behind it.
+    state : SteadyState
+        Tensions at the model's speed.
+    at_rest_N : ndarray, shape (n, n_spans)
+        Tensions at v = 0 [N].
+    slip : SlipTable
+        Every measure of slip of every roller; arrays of shape (n, n_rollers).
+    start_up : StartUp or None
+        The histories.
+    """
+
+    model: PressModel
+    statics: Statics
+    state: SteadyState
+    at_rest_N: FloatArray
+    slip: SlipTable
+    start_up: StartUp | None = None
+
+
+def solve_press(model: PressModel) -> PressAnswer:
+    """Return tensions and slip of a model, and its start-up where it has one.
+
+    Raises
+    ------
+    SolverError
+        If a span goes slack in the steady run.
+    InputError
+        If the friction has no answer for a contact, or a start-up lacks what it needs.
+    """
+    statics = solve_statics(model.press, closure=model.closure)
+    state = respond(
+        model.parts,
+        statics,
+        preload_N=model.preload_N,
+        speed_m_s=model.speed_m_s,
+        load_factor=model.load_factor,
+    )
+    at_rest = respond(
+        Parts(),
+        statics,
+        preload_N=model.preload_N,
+        speed_m_s=np.zeros_like(model.speed_m_s),
+        load_factor=model.load_factor,
+    )
+    contacts = steady_contacts(state)
+    return PressAnswer(
+        model=model,
+        statics=statics,
+        state=state,
+        at_rest_N=at_rest.effective_tension_N,
+        slip=slip_table(contacts, model.friction, told=model.told),
+        start_up=None if model.start_up is None else _started(model, model.start_up),
+    )
+
+
+def _started(model: PressModel, task: StartUpTask) -> StartUp:
+    if not model.parts.stretch:
+        raise InputError(
+            "a start-up is carried by belts that stretch, but belt-elasticity is left out",
+            code="RF502",
+            key="effects",
+            fix="name belt-elasticity beside transient, or leave transient out",
+        )
+    return start_up(
+        as_operated(model),
+        speed=task.speed,
+        time_s=task.time_s,
+        friction=model.friction,
+        slip=task.slip,
+        loads="constant" if task.loads == "constant" else "with-speed",
+        ingredients=model.ingredients,
+    )
+
+
+def as_operated(model: PressModel) -> Press:
+    """Return the machine with the preload and the loads of its operating point."""
+    factor = float(model.load_factor[0])
+    rollers = []
+    for roller in model.press.rollers:
+        tensioner = roller.tensioner
+        if tensioner is not None and model.preload_N is not None:
+            tensioner = replace(tensioner, force_N=float(model.preload_N[0]))
+        rollers.append(
+            replace(
+                roller,
+                tensioner=tensioner,
+                gravity_torque_N_m=factor * roller.gravity_torque_N_m,
+                squeeze_torque_N_m=factor * roller.squeeze_torque_N_m,
+            )
+        )
+    return replace(model.press, rollers=tuple(rollers))

@@ -1,0 +1,1 @@
+"""The start-up of a belt press: elastic belts, prescribed drivers, slip and slack."""

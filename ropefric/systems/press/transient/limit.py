@@ -1,0 +1,85 @@
+"""Friction on every roller of a start-up: what gross slip needs, and how near to it a moment is."""
+
+import numpy as np
+
+from ropefric.systems.friction import EVERYTHING, WrapFriction
+from ropefric.systems.press.contact import contacts_of
+from ropefric.systems.press.grip import available_pull_N, grip_on
+from ropefric.systems.press.transient.model import ElasticPress
+from ropefric.systems.press.transient.motion import FrictionLimit
+from ropefric.systems.press.transient.polynomial import FloatArray
+
+__all__ = ["friction_limit", "friction_utilisation"]
+
+
+def friction_limit(
+    model: ElasticPress, friction: float | WrapFriction, *, told: frozenset[str] = EVERYTHING
+) -> FrictionLimit:
+    """Return what gross slip on each roller is governed by.
+
+    Parameters
+    ----------
+    model : ElasticPress
+        The press. A law that depends on the tension is evaluated at the standstill's and kept: while the tensions
+        swing, M stays.
+    friction : float or WrapFriction
+        A constant μ, or a law.
+    told : frozenset of str
+        What of a contact the law is told, see `WrapFriction.exponent`.
+
+    Raises
+    ------
+    InputError
+        As `ropefric.systems.press.grip.grip_on`.
+    """
+    press = model.press
+    growth, share = np.empty(len(press.rollers)), np.empty(len(press.rollers))
+    spin = np.array([1.0 / roller.radius_m for roller in press.rollers])
+    for i, contact in enumerate(contacts_of(press, model.preload_N, angular_acceleration_rad_s2=spin)):
+        grip = grip_on(contact, friction, told=told)
+        growth[i] = np.exp(grip.exponent)
+        still = float(contact.slack_N) * np.expm1(float(grip.exponent))
+        # What the acceleration of 1 m/s² alone adds to the friction that can be borne.
+        added = float(available_pull_N(contact, grip)) - still
+        arc_N = float(contact.inertia_towards_tight_N) * contact.wrap_angle_rad
+        share[i] = 1.0 / (1.0 + added / arc_N) if arc_N else float(grip.exponent) / (growth[i] - 1.0)
+    return FrictionLimit(growth=growth, share=share)
+
+
+def friction_utilisation(
+    limit: FrictionLimit,
+    *,
+    friction_N: FloatArray,
+    upstream_N: FloatArray,
+    downstream_N: FloatArray,
+    arc_force_N: FloatArray,
+) -> FloatArray:
+    """Return required over available friction of every roller, shape (..., n_rollers) [-].
+
+    U = |F| / (T'_slack (e^M − 1) ± m b'' (1/κ − 1)): 0 without friction, 1 in gross slip, and without acceleration
+    the utilisation of `ropefric.systems.press.slip`. Infinite where friction acts on a belt that has lifted off.
+
+    Parameters
+    ----------
+    limit : FrictionLimit
+        The friction.
+    friction_N, upstream_N, downstream_N : ndarray, shape (..., n_rollers)
+        F, and T' on both sides [N].
+    arc_force_N : ndarray, shape (..., n_rollers)
+        m b'' of the belts on each roller [N].
+
+    Examples
+    --------
+    >>> limit = FrictionLimit(growth=np.array([3.0]), share=np.array([0.55]))
+    >>> force = {"upstream_N": np.array([500.0]), "downstream_N": np.array([1000.0])}
+    >>> friction_utilisation(limit, friction_N=np.array([500.0]), arc_force_N=np.array([0.0]), **force).tolist()
+    [0.5]
+    """
+    forward = friction_N >= 0.0
+    slack_N = np.where(forward, upstream_N, downstream_N)
+    towards_N = np.where(forward, arc_force_N, -arc_force_N)
+    available_N = slack_N * (limit.growth - 1.0) + towards_N * (1.0 / limit.share - 1.0)
+    required_N = np.abs(friction_N)
+    ratio = np.where(required_N > 0.0, np.inf, 0.0)
+    np.divide(required_N, available_N, out=ratio, where=available_N > 0.0)
+    return ratio

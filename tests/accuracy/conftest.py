@@ -1,0 +1,32 @@
+"""What the accuracy tests share: the settings of a case by name, and observed orders."""
+
+import numpy as np
+import pytest
+
+from ropefric.accuracy.selection import error_table
+
+
+def _errors(study, case, method):
+    """Errors of one method, by the number its setting starts or ends with."""
+    rows = error_table(study, case, method=method)
+
+    def number(text):
+        words = [word for word in text.replace(",", " ").split() if word[0].isdigit()]
+        return float(words[0])
+
+    return {number(row.setting): row.error for row in rows}
+
+
+@pytest.fixture(scope="session")
+def errors():
+    return _errors
+
+
+@pytest.fixture(scope="session")
+def order():
+    """The slope of log error over log work between two settings, with its sign turned."""
+
+    def order(found, coarse, fine):
+        return -np.log(found[fine] / found[coarse]) / np.log(fine / coarse)
+
+    return order

@@ -1,0 +1,193 @@
+"""Timing with a clock of our own, the front, the cheapest, and what a study result holds."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from ropefric.accuracy.assess import Counted, against, largest_error, over_seeds
+from ropefric.accuracy.machine import this_machine
+from ropefric.accuracy.measure import measure_studies, measure_study
+from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, pareto_front
+from ropefric.accuracy.studies import STUDIES
+from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.accuracy.timing import FULL, QUICK, Effort, time_call
+from ropefric.errors import InputError, UnknownNameError
+
+
+class Clock:
+    """Time that passes only when something is called, by as much as the next of `durations`."""
+
+    def __init__(self, durations):
+        self.now_s, self.durations, self.calls = 0.0, iter(durations), 0
+
+    def __call__(self):
+        return self.now_s
+
+    def work(self):
+        self.calls += 1
+        self.now_s += next(self.durations)
+
+
+def test_a_microsecond_is_timed_by_thousands_of_calls():
+    clock = Clock(itertools.repeat(1e-6))
+    timing = time_call(clock.work, Effort(batch_s=5e-3, budget_s=0.1, fewest=5, most=25), clock=clock)
+    assert timing.loops == 8192  # the first power of two whose batch lasts 5 ms
+    assert timing.seconds == pytest.approx(1e-6, rel=1e-6)
+    assert 5 <= timing.repeats <= 25
+    assert timing.upper_s == pytest.approx(timing.lower_s, rel=1e-6)
+
+
+def test_the_first_call_does_not_count_and_a_slow_one_in_between_hardly():
+    clock = Clock(itertools.chain([100.0, 1.0, 1.0, 50.0], itertools.repeat(1.0)))
+    timing = time_call(clock.work, Effort(batch_s=0.5, budget_s=9.0, fewest=5, most=25), clock=clock)
+    assert (timing.seconds, timing.loops, timing.repeats) == (1.0, 1, 9)
+    assert (timing.lower_s, timing.upper_s) == (1.0, 1.0)
+
+
+def test_a_long_call_is_repeated_as_often_as_must_be_and_a_short_one_no_more_than_may():
+    slow, quick = Clock(itertools.repeat(10.0)), Clock(itertools.repeat(0.1))
+    effort = Effort(batch_s=0.05, budget_s=1e3, fewest=3, most=7)
+    assert time_call(quick.work, effort, clock=quick).repeats == 7
+    slow_effort = Effort(batch_s=0.05, budget_s=1.0, fewest=3, most=7)
+    assert time_call(slow.work, slow_effort, clock=slow).repeats == 3
+    assert slow.calls == 4
+
+
+def test_the_spread_is_between_the_quartiles():
+    clock = Clock(itertools.chain([0.0], (1.0, 2.0, 3.0, 4.0, 5.0)))
+    timing = time_call(clock.work, Effort(batch_s=0.5, budget_s=0.5, fewest=5, most=5), clock=clock)
+    assert (timing.lower_s, timing.seconds, timing.upper_s) == (2.0, 3.0, 4.0)
+
+
+def test_the_garbage_collector_works_again_even_after_a_failure():
+    import gc
+
+    def fail():
+        raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        time_call(fail)
+    assert gc.isenabled()
+
+
+@pytest.mark.parametrize("change", [{"batch_s": 0.0}, {"budget_s": 1e-9}, {"fewest": 0}, {"most": 1}])
+def test_an_effort_that_measures_nothing_is_refused(change):
+    with pytest.raises(InputError, match="makes no sense"):
+        Effort(**{"batch_s": 1e-3, "budget_s": 0.1, "fewest": 3, "most": 9} | change)
+
+
+def test_the_machine_is_named():
+    machine = this_machine()
+    assert machine.cpu
+    assert machine.numpy == np.__version__
+    assert machine.line.count(",") >= 3
+
+
+def point(method, error, seconds):
+    return Measured(case="c", method=method, setting="", error=error, seconds=seconds, lower_s=seconds,
+                    upper_s=seconds, repeats=1, loops=1, evaluations=1)  # fmt: skip
+
+
+def test_nothing_on_the_front_is_beaten_and_everything_off_it_is():
+    rng = np.random.default_rng(3)
+    points = [point(f"m{i}", *10.0 ** rng.uniform(-12, 0, 2)) for i in range(60)]
+    front = pareto_front(points)
+
+    def beaten(p):
+        return any(q.error <= p.error and q.seconds <= p.seconds and q is not p for q in points)
+
+    assert {p.method for p in points if not beaten(p)} == {p.method for p in front}
+    for accuracy in ACCURACIES:
+        best = cheapest(points, accuracy)
+        assert best == cheapest(front, accuracy)
+
+
+def test_below_rounding_errors_are_all_the_same_and_infinite_ones_are_no_answer():
+    points = [point("a", 0.0, 2.0), point("b", 1e-17, 1.0), point("none", math.inf, 0.1)]
+    assert [p.method for p in pareto_front(points)] == ["b"]
+    assert cheapest(points, 1e-2).method == "b"
+    assert points[2].to_dict()["error"] is None
+
+
+def test_counting_leaves_the_timed_function_alone():
+    setting = against([2.0, 4.0], np.square, lambda f: f(np.array([1.5, 2.0])), method="m", setting="")
+    outcome = setting.assess()
+    assert outcome.evaluations == 2
+    assert outcome.error == pytest.approx(0.125)
+    np.testing.assert_array_equal(setting.call(), [2.25, 4.0])
+    counted = Counted(lambda **_keywords: None)
+    counted(x=1)
+    assert (counted.calls, counted.points) == (1, 1)
+
+
+def test_an_answer_that_is_no_number_is_an_infinite_error():
+    assert largest_error([np.inf], [1.0]) == math.inf
+    assert over_seeds([0.1, np.nan], 1.0).error == math.inf
+    assert over_seeds([-0.2], 1.0) == Outcome(error=0.2, evaluations=1.0, bias=-0.2, noise=0.0)
+
+
+def made_study(calls):
+    def setting(name, error, *, quick):
+        return Setting(
+            method=name, setting="", call=lambda: calls.append(name),
+            assess=lambda: Outcome(error=error, evaluations=7.0), quick=quick,
+        )  # fmt: skip
+
+    case = Case(
+        name="only",
+        title="",
+        settings=lambda: (setting("a", 1e-3, quick=True), setting("b", 1e-9, quick=False)),
+    )
+    return Study(name="made", title="", question="", reference="", counted="", cases=(case,),
+                 findings=lambda points: tuple(p.method for p in points))  # fmt: skip
+
+
+def test_a_study_is_measured_setting_by_setting_and_quickly_only_in_part():
+    calls, told = [], []
+    effort = Effort(batch_s=1e-9, budget_s=1e-9, fewest=1, most=1)
+    result = measure_study(made_study(calls), effort=effort, progress=lambda *args: told.append(args))
+    assert [(p.method, p.error, p.evaluations) for p in result.points] == [("a", 1e-3, 7.0), ("b", 1e-9, 7.0)]
+    assert told == [(1, 2, "made: only, a"), (2, 2, "made: only, b")]
+    assert result.findings == ("a", "b")
+    tree = result.to_dict()
+    assert [row["method"] for row in tree["cheapest"]["only"]][1:8] == [
+        result.cheapest("only")[i][1].method for i in range(1, 8)
+    ]
+    assert tree["cheapest"]["only"][-1]["method"] is None
+    quick = measure_studies([made_study(calls)], quick=True, effort=effort)[0]
+    assert [p.method for p in quick.points] == ["a"]
+    assert quick.quick
+
+
+def test_quick_is_quicker_than_full():
+    assert QUICK.budget_s < FULL.budget_s
+    assert QUICK.batch_s < FULL.batch_s
+
+
+@pytest.mark.parametrize("study", STUDIES.values(), ids=list(STUDIES))
+def test_every_study_keeps_the_contract(study):
+    assert study.cases
+    for text in (study.title, study.question, study.reference, study.counted):
+        assert text
+    assert study.question.endswith("?")
+    for case in study.cases:
+        settings = case.settings()
+        names = [(setting.method, setting.setting) for setting in settings]
+        assert len(set(names)) == len(names)
+        assert len({setting.method for setting in settings if setting.quick}) >= 2, "quick compares nothing"
+        # Every method takes part in the quick look, so that no finding depends on how long one waits.
+        assert {s.method for s in settings} - {s.method for s in settings if s.quick} <= {"adaptive quad"}
+        outcome = settings[0].assess()
+        assert outcome.error >= 0.0
+        assert outcome == settings[0].assess()
+        settings[0].call()
+
+
+def test_unknown_names_are_answered_with_the_nearest():
+    with pytest.raises(UnknownNameError, match="did you mean 'integral'"):
+        STUDIES["integrale"]
+    with pytest.raises(UnknownNameError, match="did you mean 'regular'"):
+        STUDIES["integral"].case("regula")
+    assert STUDIES["integral"].case().name == "regular"

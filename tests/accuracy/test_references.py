@@ -1,0 +1,159 @@
+"""The stored references are what 50-digit arithmetic says, by formulas of its own."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from ropefric.accuracy.studies import blade_modes, end_tension, fit, integral, uncertainty
+from ropefric.friction.laws import LAWS
+
+mp.mp.dps = 50
+HALF_A_UNIT = 1.2e-16
+
+
+def agrees(stored, exact):
+    return abs(mp.mpf(float(stored)) - exact) <= HALF_A_UNIT * abs(exact)
+
+
+def quadrature(start, wrap, b):
+    """∫ (0.2 φ^b + 0.1) dφ in the logarithm of φ, where the integrand is entire; no antiderivative of φ^b."""
+    p, delta, s = mp.mpf(start), mp.mpf(wrap), mp.mpf(b) + 1
+    end = mp.log(p + delta)
+    begin = mp.log(p) if p else end - 60 / s * mp.log(10)
+    power = mp.quad(lambda u: mp.exp(s * u), mp.linspace(begin, end, 12))
+    return mp.mpf(integral.A) * power + mp.mpf(integral.C) * delta
+
+
+@pytest.mark.parametrize(
+    ("stored", "start", "wrap", "b"),
+    [
+        (integral.REGULAR, 1.7, 9.4, -0.5),
+        (integral.FROM_ZERO, 0.0, 9.4, -0.5),
+        (integral.NEAR_MINUS_ONE, 1e-3, 9.4, integral.NEARLY),
+        (integral.SHORT_WRAP, 10.0, 1e-6, -0.5),
+        *((value, p, delta, -0.5) for value, (p, delta) in zip(
+            integral.MANY, [(p, delta) for p in (0.5, 1.7, 5.0, 15.0) for delta in (1.5, 12.0)], strict=True)),
+    ],
+)  # fmt: skip
+def test_integrals(stored, start, wrap, b):
+    assert agrees(stored, quadrature(start, wrap, b))
+
+
+@pytest.mark.parametrize("b", list(end_tension.POWER))
+def test_starts_of_the_power_law(b):
+    a, c, s = mp.mpf(end_tension.A), mp.mpf(end_tension.C), mp.mpf(b) + 1
+    for stored, y in zip(end_tension.POWER[b], end_tension.LOG_TENSION, strict=True):
+        u, target = mp.mpf(stored), mp.mpf(y)
+
+        def surplus(v, target=target):
+            return a / s * mp.exp(s * v) + c * mp.exp(v) - target
+
+        # The root lies within a unit in the last place of what is stored.
+        width = mp.mpf(np.spacing(max(abs(stored), 1e-16)))
+        assert surplus(u - width) < 0 < surplus(u + width)
+
+
+def test_starts_of_the_exponential_law():
+    a, b, c = (mp.mpf(value) for value in (end_tension.A_EXP, end_tension.B_EXP, end_tension.C_EXP))
+    for stored, y in zip(end_tension.EXPONENTIAL, end_tension.LOG_TENSION, strict=True):
+
+        def surplus(u, y=y):
+            phi = mp.exp(u)
+            return a * mp.expm1(b * phi) / b + c * phi - mp.mpf(y)
+
+        width = mp.mpf(np.spacing(abs(stored)))
+        assert surplus(mp.mpf(stored) - width) < 0 < surplus(mp.mpf(stored) + width)
+
+
+@pytest.mark.parametrize("case", list(fit.BEST))
+def test_minimisers(case):
+    """Gauss-Newton on ln F_A/F_B = a φ^(b+1)/(b+1) + c φ, with slopes by hand, until nothing moves any more."""
+    problem = fit.fitting_problem(case)
+    wraps = [mp.mpf(float(value)) for value in problem.conditions.wrap_angle_rad]
+    rises = [mp.mpf(float(value)) - mp.log(20) for value in problem.log_lift]
+    theta = mp.matrix([mp.mpf(value) for value in fit.TRUTH])
+    for _ in range(40):
+        a, s, c = theta[0], theta[1] + 1, theta[2]
+        slopes = mp.matrix([[p**s / s, a * p**s / s * (mp.log(p) - 1 / s), p] for p in wraps])
+        residuals = mp.matrix([a * p**s / s + c * p - rise for p, rise in zip(wraps, rises, strict=True)])
+        step = mp.lu_solve(slopes.T * slopes, -(slopes.T * residuals))
+        theta += step
+        if mp.norm(step) < mp.mpf(10) ** -40:
+            break
+    assert mp.norm(slopes.T * residuals) < mp.mpf(10) ** -38
+    assert all(agrees(stored, exact) for stored, exact in zip(fit.BEST[case], theta, strict=True))
+
+
+def wave_numbers(w, stiffness, speed):
+    """The roots of ε²k⁴ + (1 − V²)k² − 2Vωk − ω², from floats by Newton's method."""
+    net, turn = 1 - speed**2, 2 * speed * w
+    waves = []
+    for start in np.roots([complex(value) for value in (stiffness, 0, net, -turn, -(w**2))]):
+        k = mp.mpc(start)
+        for _ in range(12):
+            k -= (((stiffness * k**2 + net) * k - turn) * k - w**2) / (
+                (4 * stiffness * k**2 + 2 * net) * k - turn
+            )
+        waves.append(k)
+    return waves
+
+
+def clamped_determinant(w, stiffness, speed):
+    """Of w = w' = 0 at both ends in the four waves e^(ikx), over their differences, which it vanishes with."""
+    waves = wave_numbers(w, stiffness, speed)
+    rows = mp.matrix(4, 4)
+    for j, k in enumerate(waves):
+        start = mp.exp(-1j * k) if mp.im(k) < 0 else mp.mpf(1)  # so that no wave grows
+        end = start * mp.exp(1j * k)
+        rows[0, j], rows[1, j], rows[2, j], rows[3, j] = start, k * start, end, k * end
+    return mp.det(rows) / mp.fprod(waves[i] - waves[j] for i in range(4) for j in range(i))
+
+
+@pytest.mark.parametrize("stiffness", list(blade_modes.FREQUENCIES))
+def test_frequencies(stiffness):
+    for stored in blade_modes.FREQUENCIES[stiffness]:
+        near = mp.mpf(stored)
+        found = mp.findroot(
+            lambda w: clamped_determinant(w, mp.mpf(stiffness), mp.mpf(blade_modes.SPEED)),
+            (near, near * (1 + mp.mpf(10) ** -9)),
+            solver="secant",
+            tol=mp.mpf(10) ** -30,
+            verify=False,
+        )
+        assert abs(mp.im(found)) < mp.mpf(10) ** -25
+        assert agrees(stored, mp.re(found))
+
+
+def test_frequencies_are_those_the_field_prints():
+    """Scaled reference of band_saw.md, clamped, eps² = 1e-2, V = 0.5."""
+    printed = (3.445561083223, 8.337819919385)
+    np.testing.assert_allclose(blade_modes.FREQUENCIES[1e-2][:2], printed, rtol=0, atol=6e-13)
+
+
+@pytest.mark.parametrize("law", ["constant", "thickness"])
+def test_exact_interval_is_where_chi_squared_has_grown_by_its_quantile(law):
+    problem = uncertainty.interval_problem(law)
+    best, low, high = uncertainty.exact_interval(law)
+    quantile = mp.mpf(2) * mp.erfinv(mp.mpf("0.95")) ** 2
+    A = mp.mpf(uncertainty.SIZE_SHARE)
+
+    def chi2(mu):
+        mu = mp.mpf(float(mu))
+        rate = mu if law == "constant" else (-1 + mp.sqrt(1 + 4 * A * mu**2 * (1 - A))) / (2 * A * mu)
+        wraps = problem.conditions.wrap_angle_rad
+        rises = [mp.mpf(float(value)) - mp.log(20) for value in problem.log_lift]
+        sigma = mp.mpf(float(problem.std[0]))
+        return sum(((rate * mp.mpf(float(p)) - y) / sigma) ** 2 for p, y in zip(wraps, rises, strict=True))
+
+    assert chi2(best) < min(chi2(best * (1 - 1e-6)), chi2(best * (1 + 1e-6)))
+    for end in (low, high):
+        assert float((chi2(end) - chi2(best)) / quantile) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_the_exponent_of_the_thick_rope_is_inverted():
+    """The wheel of the study and the law of the library mean the same A."""
+    problem = uncertainty.interval_problem("thickness")
+    mu = 0.7
+    rise = LAWS["thickness"].log_lift([mu], problem.conditions) - np.log(20.0)
+    exponent = rise / problem.conditions.wrap_angle_rad
+    np.testing.assert_allclose(uncertainty.mu_of_exponent("thickness", exponent), mu, rtol=1e-13)

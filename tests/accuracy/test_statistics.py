@@ -1,0 +1,84 @@
+"""Studies of chance with fixed seeds: n^(-1/2), biases of the window, and what the covariance cannot see."""
+
+import numpy as np
+import pytest
+
+from ropefric.accuracy.selection import error_table
+from ropefric.accuracy.studies import STUDIES
+
+
+def test_bootstrap_errs_with_one_over_the_root_of_the_number(errors):
+    """The 97.5 % point of n normal draws scatters by √(0.975 · 0.025/n)/0.0584, that is 1.364/√n of the arm."""
+    found = errors("uncertainty", "curved", "bootstrap")
+    counts = np.array(sorted(found))
+    slope, _ = np.polyfit(np.log(counts), np.log([found[n] for n in counts]), 1)
+    assert slope == pytest.approx(-0.5, abs=0.06)
+    scaled = [found[n] * np.sqrt(n) / 1.364 for n in counts]
+    # A root mean square over 24 arms scatters by 1/√48 = 14 %.
+    assert 0.6 < min(scaled) <= max(scaled) < 1.45
+
+
+def test_draws_err_with_one_over_the_root_of_the_number_where_the_law_is_linear(errors):
+    found = errors("uncertainty", "linear", "monte carlo")
+    counts = np.array(sorted(found))
+    slope, _ = np.polyfit(np.log(counts), np.log([found[n] for n in counts]), 1)
+    assert slope == pytest.approx(-0.5, abs=0.1)
+
+
+def test_draws_from_a_covariance_end_at_its_own_error_where_the_law_bends():
+    covariance, profile, last = (
+        error_table("uncertainty", "curved", method=method)[-1].error
+        for method in ("covariance", "profile", "monte carlo")
+    )
+    # The root mean square of both arms against the larger of the two.
+    assert 0.5 * covariance < last < 1.1 * covariance
+    assert profile < 1e-5 < covariance
+
+
+def test_covariance_is_exact_where_the_law_is_linear():
+    for method, bound in (("covariance", 1e-13), ("profile", 1e-6)):
+        (row,) = error_table("uncertainty", "linear", method=method)
+        assert row.error < bound
+
+
+@pytest.fixture(scope="module")
+def peaks():
+    return {
+        case.name: {(s.method, s.setting): s.assess() for s in case.settings()}
+        for case in STUDIES["peak"].cases
+    }
+
+
+def window(peaks, case, n):
+    return peaks[case]["moving average", f"{n} samples"]
+
+
+def test_a_long_window_takes_off_the_peak_in_proportion(peaks):
+    """First order: −rate (w − step)/2, so 301 samples cost 300/120 of what 121 cost."""
+    for case in ("bench", "noisy"):
+        ratio = window(peaks, case, 301).bias / window(peaks, case, 121).bias
+        assert ratio == pytest.approx(300 / 120, rel=0.12)  # the ramp bends within the longer window
+
+
+def test_a_short_window_leaves_the_noise_on_the_peak(peaks):
+    for case in ("bench", "noisy"):
+        assert (
+            peaks[case]["raw maximum", ""].bias > window(peaks, case, 3).bias > window(peaks, case, 11).bias
+        )
+    assert window(peaks, "noisy", 3).bias > 10 * abs(window(peaks, "noisy", 31).bias)
+
+
+def test_more_noise_asks_for_a_longer_window(peaks):
+    best = {}
+    for case, found in peaks.items():
+        averages = {name: o.error for (method, name), o in found.items() if method == "moving average"}
+        best[case] = int(min(averages, key=averages.get).split()[0])
+    assert best["bench"] < best["noisy"]
+
+
+def test_the_chosen_window_is_about_as_good_as_the_best_fixed_one(peaks):
+    for found in peaks.values():
+        best = min(o.error for (method, _), o in found.items() if method == "moving average")
+        chosen = found["chosen window", ""]
+        assert chosen.error < 1.15 * best
+        assert abs(chosen.bias) < 0.5 * chosen.noise

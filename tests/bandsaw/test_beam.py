@@ -1,0 +1,353 @@
+"""The travelling beam: against its characteristic equation, another discretisation, and its limits."""
+
+import math
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ropefric.errors import InputError, SolverError
+from ropefric.systems.bandsaw.beam import (
+    beam_frequencies_Hz,
+    clamped_at_rest_Hz,
+    critical_speeds_m_s,
+    scaled_beams,
+    solve_beam,
+)
+from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
+from ropefric.systems.bandsaw.ends import CLAMPED, ENDS, PINNED
+from ropefric.systems.bandsaw.galerkin import galerkin_frequencies
+from ropefric.systems.bandsaw.layout import order_for, waves_of, widths_for
+from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
+from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.span import Span
+from ropefric.systems.bandsaw.string import string_frequencies_Hz
+
+# Scaled reference values: ends, V -> first two frequencies at eps² = 1e-2.
+REFERENCE = {
+    (PINNED, 0.0): (3.29297666427, 7.420503498402),
+    (PINNED, 0.5): (2.647332317678, 6.567103155113),
+    (CLAMPED, 0.0): (4.099316099897, 9.126431110071),
+    (CLAMPED, 0.5): (3.445561083223, 8.337819919385),
+}
+BOTH = pytest.mark.parametrize("ends", ENDS.values(), ids=list(ENDS))
+
+
+def quartic_roots(coefficients):
+    """All four roots at once (Durand and Kerner), from those of doubles."""
+    roots = [mpmath.mpmathify(complex(root)) for root in np.roots([complex(c) for c in coefficients])]
+    for _ in range(100):
+        largest = mpmath.mpf(0)
+        for i, root in enumerate(roots):
+            apart = mpmath.fprod(root - other for j, other in enumerate(roots) if j != i)
+            value = coefficients[0]
+            for coefficient in coefficients[1:]:
+                value = value * root + coefficient
+            step = value / apart
+            roots[i] = root - step
+            largest = max(largest, abs(step) / abs(root))
+        if largest < mpmath.mpf(10) ** (2 - mpmath.mp.dps):
+            break
+    return roots
+
+
+def characteristic(omega, stiffness, net, speed, ends):
+    """Determinant of the end conditions of the four waves e^{ikx}; ε²k⁴ + S k² − 2Vωk − ω² = 0."""
+    ks = quartic_roots([1, 0, net / stiffness, -2 * speed * omega / stiffness, -(omega**2) / stiffness])
+    matrix = mpmath.matrix(4, 4)
+    for row, (place, order) in enumerate(
+        ((0, 0), (0, 2 if ends.turns else 1), (1, 0), (1, 2 if ends.turns else 1))
+    ):
+        for column, k in enumerate(ks):
+            # Waves that grow towards the far end are measured there.
+            shift = 1j * k if mpmath.im(k) < -1 else 0
+            matrix[row, column] = (1j * k) ** order * mpmath.exp(1j * k * place - shift)
+    for row in (1, 3):
+        largest = max(abs(matrix[row, column]) for column in range(4))
+        for column in range(4):
+            matrix[row, column] /= largest
+    apart = mpmath.mpf(1)
+    for i in range(4):
+        for j in range(i):
+            apart *= ks[i] - ks[j]
+    return mpmath.det(matrix) / apart
+
+
+def exact(found, stiffness, ends, *, speed=None, shortfall=None):
+    """Return the roots of the characteristic equation nearest to some frequencies."""
+    with mpmath.workdps(40):
+        eps2, beta = mpmath.mpf(stiffness), mpmath.pi**2 * (1 if ends.turns else 4)
+        if speed is not None:
+            V = mpmath.mpf(speed)
+            S = 1 - V**2
+        else:
+            delta, limit = mpmath.mpf(shortfall), 1 + beta * eps2
+            V = mpmath.sqrt(limit) * (1 - delta)
+            S = limit * delta * (2 - delta) - beta * eps2
+        roots = []
+        for omega in found:
+            last = mpmath.mpf(float(omega))
+            root = last * (1 + mpmath.mpf(10) ** -9)
+            value = characteristic(last, eps2, S, V, ends)
+            for _ in range(20):
+                old, value = value, characteristic(root, eps2, S, V, ends)
+                last, root = root, root - value * (root - last) / (value - old)
+                if abs(root - last) < abs(root) * mpmath.mpf(10) ** -22:
+                    break
+            assert abs(root - last) < abs(root) * mpmath.mpf(10) ** -22
+            assert abs(mpmath.im(root)) < abs(root) * mpmath.mpf(10) ** -20
+            roots.append(float(mpmath.re(root)))
+        return np.array(roots)
+
+
+@pytest.mark.parametrize("case", REFERENCE, ids=lambda case: f"{case[0].name}-{case[1]}")
+def test_reference_values(case):
+    ends, speed = case
+    beam = ScaledBeam.at_speed(1e-2, speed, ends)
+    for found in (solve_beam(beam, 2).frequencies, chebyshev_frequencies(beam, 40, 2)):
+        np.testing.assert_allclose(found, REFERENCE[case], rtol=1e-12)
+
+
+@BOTH
+@pytest.mark.parametrize("stiffness", [1e-1, 1e-3, 1e-6, 1e-10])
+@pytest.mark.parametrize("speed", [0.0, 0.47, 0.99])
+def test_six_modes_to_the_accuracy_asked_for(ends, stiffness, speed):
+    """Down to a boundary layer of a hundred-thousandth of the span, at the order foreseen."""
+    beam = ScaledBeam.at_speed(stiffness, speed, ends)
+    modes = solve_beam(beam, accuracy=1e-12)
+    some = [0, 2, 5]
+    wanted = exact(modes.frequencies[some], stiffness, ends, speed=speed)
+    np.testing.assert_allclose(modes.frequencies[some], wanted, rtol=1e-12)
+    assert (np.diff(modes.frequencies) > 0.05 * wanted[0]).all()
+    wanted = modes.frequencies
+    for accuracy in (1e-4, 1e-8):
+        order = order_for(beam, 6, accuracy)
+        found = galerkin_frequencies(beam, widths_for(beam, order), order, 6)
+        assert np.abs(found / wanted - 1.0).max() < accuracy
+        # It is no waste either: three orders less do not suffice, or the layout needs them.
+        short = order - 4
+        if len(widths_for(beam, short)) == len(widths_for(beam, order)) and short > 9:
+            coarse = galerkin_frequencies(beam, widths_for(beam, short), short, 6)
+            assert np.abs(coarse / wanted - 1.0).max() > accuracy
+
+
+@BOTH
+@pytest.mark.parametrize("stiffness", [1e-2, 1e-6, 1e-10])
+@pytest.mark.parametrize("shortfall", [1e-2, 1e-6, 1e-12])
+def test_relative_precision_is_kept_up_to_the_critical_speed(ends, stiffness, shortfall):
+    beam = ScaledBeam.at_shortfall(stiffness, shortfall, ends)
+    modes = solve_beam(beam, 2, accuracy=1e-12)
+    wanted = exact(modes.frequencies, stiffness, ends, shortfall=shortfall)
+    np.testing.assert_allclose(modes.frequencies, wanted, rtol=1e-12)
+
+
+@BOTH
+def test_the_first_frequency_vanishes_with_the_root_of_the_margin(ends):
+    """ω² (m + gᵀK⁻¹g) = margin · k for the buckling mode, whose inertia the gyroscopic forces only raise."""
+    rates = [
+        solve_beam(ScaledBeam.at_shortfall(1e-3, shortfall, ends), 1).frequencies[0] / math.sqrt(shortfall)
+        for shortfall in (1e-8, 1e-11, 1e-14)
+    ]
+    np.testing.assert_allclose(rates[1:], rates[:-1], rtol=1e-4)
+    np.testing.assert_allclose(rates[2], rates[1], rtol=1e-7)
+
+
+@pytest.mark.parametrize("stiffness", [1e-14, 1e-4, 1.0, 1e6])
+def test_closed_forms_at_rest(stiffness):
+    """Pinned ω² = (nπ)² + ε²(nπ)⁴; a clamped beam without tension has cos μ cosh μ = 1."""
+    n_pi = math.pi * np.arange(1, 7)
+    pinned = solve_beam(ScaledBeam.at_speed(stiffness, 0.0, PINNED), accuracy=1e-13).frequencies
+    np.testing.assert_allclose(pinned, n_pi * np.sqrt(1.0 + stiffness * n_pi**2), rtol=1e-13)
+    if stiffness == 1e6:
+        clamped = solve_beam(ScaledBeam.at_speed(stiffness, 0.0, CLAMPED), 3).frequencies
+        mu = np.array([4.730040744862704, 7.853204624095838, 10.995607838001671])
+        np.testing.assert_allclose(
+            clamped, 1e3 * mu**2, rtol=2e-8
+        )  # the tension still has its share of 1e-6/40
+
+
+@BOTH
+@settings(max_examples=15, deadline=None)
+@given(log_stiffness=st.floats(-5, 0), speed=st.floats(0, 0.98))
+def test_two_discretisations_agree(ends, log_stiffness, speed):
+    beam = ScaledBeam.at_speed(10.0**log_stiffness, speed, ends)
+    other = chebyshev_frequencies(beam, 120, 4)
+    np.testing.assert_allclose(solve_beam(beam, 4).frequencies, other, rtol=2e-9)
+
+
+@BOTH
+def test_error_halves_with_the_expected_power(ends):
+    """Elements by a power of their length, single polynomials faster than any power."""
+    beam = ScaledBeam.at_speed(1e-2, 0.5, ends)
+    exact_ = solve_beam(beam, 3, accuracy=1e-13).frequencies
+    for order, power in ((3, 4), (4, 6)):  # polynomials of degree p, a fourth-order operator: h^2(p-1)
+        errors = [
+            np.abs(galerkin_frequencies(beam, (1.0 / n,) * n, order, 3) / exact_ - 1.0) for n in (16, 32)
+        ]
+        np.testing.assert_allclose(np.log2(errors[0] / errors[1]), power, atol=0.12)
+    errors = [np.abs(galerkin_frequencies(beam, (1.0,), p, 3) / exact_ - 1.0).max() for p in (8, 12, 16)]
+    assert errors[1] < errors[0] * 1e-3
+    assert errors[2] < errors[1] * 1e-3
+    errors = [np.abs(chebyshev_frequencies(beam, p, 3) / exact_ - 1.0).max() for p in (16, 22, 28)]
+    assert errors[1] < errors[0] * 1e-2
+    assert errors[2] < errors[1] * 1e-2
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.5])
+def test_the_string_is_approached_at_the_rate_of_the_boundary_layer(speed):
+    """Clamped, the layers take ε/√S of the span at each end: relative 2ε at rest; pinned they take nothing but ε²."""
+    string = np.pi * (1 - speed**2) * np.arange(1, 4)
+    for ends, power in ((CLAMPED, 1), (PINNED, 2)):
+        excess = np.array(
+            [solve_beam(ScaledBeam.at_speed(eps**2, speed, ends), 3, accuracy=1e-13).frequencies / string - 1.0
+             for eps in (2e-4, 1e-4, 5e-5)]
+        )  # fmt: skip
+        rates = np.log2(excess[:-1] / excess[1:])
+        np.testing.assert_allclose(rates, power, atol=0.01)
+    clamped = (
+        solve_beam(ScaledBeam.at_speed(1e-12, speed, CLAMPED), 3, accuracy=1e-13).frequencies / string - 1.0
+    )
+    np.testing.assert_allclose(clamped, 2e-6 / math.sqrt(1 - speed**2), rtol=1e-4)
+
+
+def test_clamped_at_rest_follows_its_expansion_to_third_order():
+    parts = {"free_span_m": 1.6, "linear_density_kg_m": 0.5967, "preload_N": 3412.0}
+    e = np.array([4e-3, 2e-3, 1e-3])
+    span = Span(**parts, bending_stiffness_N_m2=e**2 * 3412.0 * 1.6**2)
+    left = beam_frequencies_Hz(span, CLAMPED, 3, accuracy=1e-13) - clamped_at_rest_Hz(span, 3)
+    np.testing.assert_allclose(np.log2(left[:-1] / left[1:]), 3.0, atol=0.1)
+
+
+@BOTH
+def test_frequencies_fall_with_speed_and_rise_with_stiffness(saw, stiffness, ends):
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness, ends=ends)
+    limit = float(span_of(stiff, Side.SLACK).critical_speed_m_s(ends)[0])
+    speeds = limit * np.array([0.0, 0.2, 0.6, 0.9, 0.99, 0.9999, 1 - 1e-8])
+    found = frequencies_Hz(stiff, Side.SLACK, 4, speed_m_s=speeds)
+    assert (np.diff(found, axis=0) < 0).all()
+    assert found[-1, 0] < 1e-3 * found[0, 0]
+    slow = speeds[:4]
+    assert (found[:4] > frequencies_Hz(saw, Side.SLACK, 4, speed_m_s=slow)).all()
+    with pytest.raises(InputError, match="critical speed is"):
+        frequencies_Hz(stiff, Side.SLACK, 4, speed_m_s=limit * (1 + 1e-9))
+
+
+@pytest.mark.parametrize("kappa", [0.0, 0.5])
+@pytest.mark.parametrize("shortfall", [1e-3, 1e-9, 1e-12])
+def test_a_span_keeps_relative_precision_near_its_critical_speed(kappa, shortfall):
+    """From newtons and metres, with the span's own floats taken as exact."""
+    parts = {"free_span_m": 1.6, "linear_density_kg_m": 0.5967, "preload_N": 3412.0,
+             "bending_stiffness_N_m2": 1.0637, "mounting_factor": kappa}  # fmt: skip
+    v = float(Span(**parts).critical_speed_m_s(CLAMPED)[0]) * (1 - shortfall)
+    span = Span(**parts, wheel_speed_m_s=v, travel_speed_m_s=v)
+    with mpmath.workdps(50):
+        m, F_0, EI, length, V, k = (mpmath.mpf(x) for x in (0.5967, 3412.0, 1.0637, 1.6, v, kappa))
+        F = F_0 + k * m * V**2
+        margin = F - m * V**2 + 4 * mpmath.pi**2 * EI / length**2
+        limit = 1 + 4 * mpmath.pi**2 * EI / (F * length**2)
+        delta = 1 - mpmath.sqrt(1 - margin / F / limit)
+        wanted_margin, scale = float(margin), float(mpmath.sqrt(F / m) / (2 * mpmath.pi * length))
+        stiffness_, delta_ = float(EI / (F * length**2)), float(delta)
+    assert span.margin_N(CLAMPED)[0] == pytest.approx(wanted_margin, rel=1e-14)
+    found = beam_frequencies_Hz(span, CLAMPED, 1, accuracy=1e-13)[0, 0]
+    wanted = exact([found / scale], stiffness_, CLAMPED, shortfall=delta_)[0] * scale
+    assert found == pytest.approx(wanted, rel=1e-12)
+
+
+@BOTH
+def test_critical_speeds_are_buckling_loads(ends):
+    loads = ends.buckling_loads(5)
+    assert loads[0] == pytest.approx(ends.buckling, rel=1e-15)
+    for q in np.sqrt(loads):
+        wanted = math.sin(q) if ends.turns else 2 - 2 * math.cos(q) - q * math.sin(q)
+        assert wanted == pytest.approx(0.0, abs=1e-11)
+    assert (np.diff(loads) > 0).all()
+    x = np.linspace(0, 1, 11)
+    shape, slope, curvature = ends.buckled(x)
+    assert abs(shape[[0, -1]]).max() < 1e-15
+    assert abs((curvature if ends.turns else slope)[[0, -1]]).max() < 1e-14
+    span = Span(free_span_m=2.0, linear_density_kg_m=0.5, preload_N=100.0, bending_stiffness_N_m2=3.0)
+    speeds = critical_speeds_m_s(span, ends, 5)[0]
+    np.testing.assert_allclose(0.5 * speeds**2, 100.0 + loads * 3.0 / 4.0, rtol=1e-14)
+    assert speeds[0] == pytest.approx(float(span.critical_speed_m_s(ends)[0]), rel=1e-15)
+
+
+@BOTH
+@settings(max_examples=25, deadline=None)
+@given(log_stiffness=st.floats(-12, 0), shortfall=st.floats(1e-6, 1), mode=st.integers(1, 8))
+def test_the_waves_solve_the_dispersion_relation(ends, log_stiffness, shortfall, mode):
+    beam = ScaledBeam.at_shortfall(10.0**log_stiffness, shortfall, ends)
+    waves = waves_of(beam, mode)
+    m = 0.5 * (waves.shortest - waves.longest)
+    ks = np.array([waves.shortest, -waves.longest, -m + 1j * waves.layer_rate, -m - 1j * waves.layer_rate])
+    _, _, second, third, fourth = np.poly(ks)
+    assert second.real == pytest.approx(beam.net / beam.stiffness, rel=1e-6, abs=1e-6 * waves.shortest**2)
+    omega_squared = -fourth.real * beam.stiffness
+    if beam.speed > 1e-3:
+        omega = -third.real * beam.stiffness / (2 * beam.speed)
+        assert omega**2 == pytest.approx(omega_squared, rel=1e-5)
+
+
+def test_strings_among_beams_and_the_scaled_form():
+    parts = {"free_span_m": 1.6, "linear_density_kg_m": 0.5967, "preload_N": [3000.0, 3412.0, 4000.0],
+             "travel_speed_m_s": [0.0, -35.0, 35.0]}  # fmt: skip
+    mixed = Span(**parts, bending_stiffness_N_m2=[0.0, 1.06, 1.06])
+    found = beam_frequencies_Hz(mixed, CLAMPED, 3)
+    strings = string_frequencies_Hz(mixed, 3)
+    np.testing.assert_array_equal(found[0], strings[0])
+    assert (found[1:] > strings[1:]).all()
+    forward = beam_frequencies_Hz(replace(mixed, travel_speed_m_s=[0.0, 35.0, 35.0]), CLAMPED, 3)
+    np.testing.assert_allclose(found, forward, rtol=1e-14)
+    beam = scaled_beams(mixed.select([2]), CLAMPED)[0]
+    assert beam.net == pytest.approx(1 - beam.speed**2, rel=1e-14)
+    assert beam.margin == pytest.approx(beam.net + CLAMPED.buckling * beam.stiffness, rel=1e-14)
+    assert beam.critical_speed > 1.0
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda: ScaledBeam.at_speed(0.0, 0.5, PINNED), InputError, "without stiffness is a string"),
+        (lambda: ScaledBeam.at_speed(1e-2, -0.5, PINNED), InputError, "speed ratio is -0.5"),
+        (lambda: ScaledBeam.at_speed(1e-2, 1.05, PINNED), InputError, "not below the critical 1.04818703"),
+        (lambda: ScaledBeam.at_shortfall(1e-2, 0.0, PINNED), InputError, "shortfall is 0"),
+        (lambda: solve_beam(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 0), InputError, "0 modes"),
+        (
+            lambda: solve_beam(ScaledBeam.at_speed(1e-2, 0.5, PINNED), accuracy=0.5),
+            InputError,
+            "accuracy is 0.5",
+        ),
+        (lambda: order_for(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 600, 1e-6), SolverError, "above 400"),
+        (
+            lambda: chebyshev_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 10, 6),
+            InputError,
+            "16 or more",
+        ),
+        (
+            lambda: galerkin_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), (1.0,), 4, 6),
+            InputError,
+            "6 modes of 3 freedoms",
+        ),
+        (
+            lambda: galerkin_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), (1.0,), 2, 1),
+            InputError,
+            "needs 3 or more",
+        ),
+    ],
+)
+def test_refusals(call, error, words):
+    with pytest.raises(error, match=words):
+        call()
+
+
+@pytest.mark.parametrize("ends", ENDS.values(), ids=list(ENDS))
+def test_many_modes_settle(ends):
+    modes = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-9)
+    other = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-12)
+    np.testing.assert_allclose(modes.frequencies, other.frequencies, rtol=1e-9)
+    assert modes.order < other.order
+    assert modes.n_elements == 3
+    assert not modes.frequencies.flags.writeable

@@ -1,0 +1,166 @@
+"""Excitations against modes: crossings, margins, and the preload that keeps away from them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ropefric.errors import InputError
+from ropefric.systems.bandsaw.campbell import saw_chart
+from ropefric.systems.bandsaw.excitation import (
+    Excitation,
+    blade_passing,
+    fixed_frequency,
+    tooth_passing,
+    wheel_rotation,
+)
+from ropefric.systems.bandsaw.inverse import preload_for_N
+from ropefric.systems.bandsaw.resonance import find_crossings, margins
+from ropefric.systems.bandsaw.saw import Side, frequencies_Hz
+from ropefric.systems.bandsaw.strain import StrainStatus, recommend_preload
+
+T, S = Side.TIGHT, Side.SLACK
+
+
+def test_excitations_are_what_passes_in_a_second():
+    v = 35.552
+    assert float(wheel_rotation(0.35).frequencies_Hz(v)[0]) == pytest.approx(970 / 60, rel=1e-4)
+    assert tooth_passing(0.04, (1, 2)).frequencies_Hz(v).tolist() == pytest.approx([v / 0.04, 2 * v / 0.04])
+    assert blade_passing(5.4).frequencies_Hz(v)[0] == pytest.approx(v / 5.4)
+    assert fixed_frequency("fan", 49.0, (1, 3)).frequencies_Hz([0.0, v]).tolist() == [
+        [49.0, 147.0],
+        [49.0, 147.0],
+    ]
+
+
+@pytest.mark.parametrize("bends", [False, True])
+@pytest.mark.parametrize("kappa", [0.0, 1.0])
+def test_at_a_crossing_mode_and_excitation_agree(saw, stiffness, bends, kappa):
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness if bends else 0.0, mounting_factor=kappa)
+    excitations = (wheel_rotation(0.35), fixed_frequency("fan", 24.0))
+    found = find_crossings(stiff, S, excitations, np.linspace(0.0, 70.0, 8), 2)
+    for crossing in found:
+        at = frequencies_Hz(stiff, S, 2, speed_m_s=crossing.speed_m_s)[0, crossing.mode - 1]
+        assert at == pytest.approx(crossing.frequency_Hz, rel=1e-8)
+        assert crossing.speed_margin == pytest.approx(crossing.speed_m_s / saw.speed_m_s - 1)
+    assert [crossing.speed_m_s for crossing in found] == sorted(crossing.speed_m_s for crossing in found)
+    # Each pair at most once, and every pair whose order the speed range turns round.
+    pairs = {(crossing.mode, crossing.excitation, crossing.harmonic) for crossing in found}
+    assert len(pairs) == len(found)
+    ends = frequencies_Hz(stiff, S, 2, speed_m_s=[0.0, 70.0])
+    turned = {
+        (mode + 1, excitation.name, harmonic)
+        for excitation in excitations
+        for h, harmonic in enumerate(excitation.harmonics)
+        for mode in range(2)
+        if ends[0, mode] > excitation.frequencies_Hz(0.0)[h]
+        and ends[1, mode] <= excitation.frequencies_Hz(70.0)[h]
+    }
+    assert pairs == turned
+    assert found
+
+
+def test_a_string_meets_its_wheel_where_algebra_says(saw):
+    """n (c² − v²)/(2lc) = h v/(2πR) is quadratic in v for fixed axles."""
+    still = replace(saw, tension_difference_N=0.0)
+    c = float(np.sqrt(saw.preload_N / saw.linear_density_kg_m))
+    for crossing in find_crossings(still, T, (wheel_rotation(0.35),), [0.0, 60.0], 3):
+        a = crossing.harmonic * saw.free_span_m * c / (crossing.mode * np.pi * 0.35)
+        assert crossing.speed_m_s == pytest.approx(-0.5 * a + np.hypot(0.5 * a, c), rel=1e-11)
+
+
+def test_margins_of_the_paper_saw(saw):
+    found = margins(saw, (T, S), (wheel_rotation(0.35, (1, 2)),), 3)
+    assert len(found) == 12
+    nearest = found[0]
+    assert (nearest.side, nearest.mode, nearest.harmonic) == (S, 1, 1)
+    assert nearest.relative == pytest.approx(17.9564 / 16.1667 - 1, abs=1e-5)
+    assert [abs(margin.relative) for margin in found] == sorted(abs(margin.relative) for margin in found)
+    assert margins(replace(saw, wheel_speed_rad_s=0.0), (T,), (wheel_rotation(0.35),), 3) == ()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.0, 1.0), st.floats(5.0, 200.0), st.integers(1, 4), st.sampled_from(list(Side)))
+def test_preload_is_the_inverse_of_frequency(saw, kappa, frequency, mode, side):
+    changed = replace(saw, mounting_factor=kappa)
+    preload = preload_for_N(changed, side, frequency, mode)
+    if preload <= 0.0:
+        return
+    found = frequencies_Hz(changed, side, mode, preload_N=preload)[0, -1]
+    assert found == pytest.approx(frequency, rel=1e-11)
+
+
+@pytest.mark.parametrize("side", list(Side))
+@pytest.mark.parametrize("mode", [1, 3])
+def test_preload_of_a_stiff_blade_is_the_inverse_of_frequency(saw, stiffness, side, mode):
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness, mounting_factor=0.4)
+    preload = preload_for_N(stiff, side, 22.0 * mode, mode)
+    assert frequencies_Hz(stiff, side, mode, preload_N=preload)[0, -1] == pytest.approx(22.0 * mode, rel=1e-9)
+    assert preload < preload_for_N(replace(stiff, bending_stiffness_N_m2=0.0), side, 22.0 * mode, mode)
+    with pytest.raises(InputError, match="only below a tension of"):
+        preload_for_N(replace(stiff, bending_stiffness_N_m2=3e4), side, 1.0, mode)
+
+
+def nearest(saw, excitations, preload, n_modes):
+    found = margins(replace(saw, preload_N=preload), (T, S), excitations, n_modes)
+    return min(abs(margin.relative) for margin in found)
+
+
+@pytest.mark.parametrize("bends", [False, True])
+def test_the_recommended_preload_is_the_nearest_that_keeps_the_margin(saw, stiffness, bends):
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness if bends else 0.0)
+    excitations, n_modes = (wheel_rotation(0.35, (1, 2)),), 2
+    found = recommend_preload(stiff, excitations, margin=0.15, range_N=(2500.0, 7000.0), n_modes=n_modes)
+    assert found.status is StrainStatus.CHANGE
+    assert found.margin == pytest.approx(0.15, rel=1e-6)
+    assert nearest(stiff, excitations, found.preload_N, n_modes) == pytest.approx(0.15, rel=1e-6)
+    # By trying: everything nearer to the present preload is too near to an excitation.
+    for preload in np.linspace(saw.preload_N, found.preload_N, 8)[:-1]:
+        assert nearest(stiff, excitations, float(preload), n_modes) < 0.15
+    for preload in np.linspace(2510.0, 6990.0, 20):
+        inside = any(start < preload < stop for start, stop in found.forbidden_N)
+        assert inside == (nearest(stiff, excitations, float(preload), n_modes) < 0.15)
+    kept = recommend_preload(
+        replace(stiff, preload_N=found.preload_N * 1.001), excitations, margin=0.15,
+        range_N=(2500.0, 7000.0), n_modes=n_modes,
+    )  # fmt: skip
+    assert kept.status is StrainStatus.KEEP
+    assert kept.preload_N == found.preload_N * 1.001
+
+
+def test_what_cannot_be_had_is_refused_with_the_best_there_is(saw):
+    excitations = (wheel_rotation(0.35, (1, 2, 3)),)
+    found = recommend_preload(saw, excitations, margin=0.3, range_N=(2500.0, 6000.0), n_modes=3)
+    assert found.status is StrainStatus.IMPOSSIBLE
+    assert "No preload in the range keeps the margin" in found.status.advice
+    assert found.forbidden_N == ((2500.0, 6000.0),)
+    assert found.margin < 0.3
+    tried = [nearest(saw, excitations, preload, 3) for preload in np.linspace(2500.0, 6000.0, 65).tolist()]
+    assert found.margin == max(tried)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda saw: Excitation(name="none"), "one of them positive"),
+        (lambda saw: Excitation(name="x", constant_Hz=1.0, harmonics=(0,)), "harmonics count from 1"),
+        (lambda saw: tooth_passing(0.0), "tooth_pitch_m is 0"),
+        (lambda saw: wheel_rotation(-1.0), "wheel_radius_m is -1"),
+        (lambda saw: find_crossings(saw, T, (wheel_rotation(0.35),), [10.0, 5.0]), "rising"),
+        (lambda saw: find_crossings(saw, T, (wheel_rotation(0.35),), [10.0, 90.0]), "critical speed is 76.7"),
+        (lambda saw: saw_chart(saw, (), [0.0, 10.0]), "without excitations"),
+        (lambda saw: preload_for_N(saw, T, -1.0), "frequency is -1 Hz"),
+        (lambda saw: preload_for_N(saw, T, 1.0, 0), "modes count from 1"),
+        (lambda saw: recommend_preload(saw, (), margin=2.0, range_N=(1e3, 2e3)), "margin is 2"),
+        (lambda saw: recommend_preload(saw, (), margin=0.1, range_N=(2e3, 1e3)), "positive and rising"),
+        (
+            lambda saw: recommend_preload(saw, (wheel_rotation(0.35),), margin=0.1, range_N=(500.0, 6000.0)),
+            "critical speed",
+        ),
+    ],
+)  # fmt: skip
+def test_refusals(saw, call, words):
+    with pytest.raises(InputError, match=words):
+        call(saw)

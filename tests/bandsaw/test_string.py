@@ -1,0 +1,262 @@
+"""The travelling string: against 50 digits where floats are hard pressed, its limits, its waves, its refusals."""
+
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ropefric.errors import InputError
+from ropefric.systems.bandsaw.compensated import add, as_pair, divide, multiply, total
+from ropefric.systems.bandsaw.drive import inertia_tension_N, tension_difference_N, torque_N_m
+from ropefric.systems.bandsaw.ends import CLAMPED, PINNED
+from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
+from ropefric.systems.bandsaw.section import STEEL_85_09, Section
+from ropefric.systems.bandsaw.span import Span
+from ropefric.systems.bandsaw.string import (
+    frequency_at_shortfall_Hz,
+    frequency_Hz,
+    string_frequencies_Hz,
+    wave_times_s,
+)
+from ropefric.systems.bandsaw.torsion import torsion_frequencies_Hz, torsion_wave_speed_m_s
+from ropefric.systems.bandsaw.waves import running_mode
+
+
+def exact_hz(span, case=0):
+    """f_1 of a span's own floats, to 50 digits."""
+    with mpmath.workdps(50):
+        parts = "free_span_m linear_density_kg_m preload_N pull_N mounting_factor wheel_speed_m_s travel_speed_m_s"
+        length, m, F_0, pull, kappa, w, v = (
+            mpmath.mpf(float(getattr(span, name)[case])) for name in parts.split()
+        )
+        F = F_0 + pull + kappa * m * w**2
+        return float((F - m * v**2) / (2 * length * mpmath.sqrt(F * m)))
+
+
+@pytest.mark.parametrize("shortfall", [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15])
+def test_relative_precision_is_kept_up_to_the_critical_speed(shortfall):
+    c = 77.123456789
+    with mpmath.workdps(50):
+        v = float((1 - mpmath.mpf(shortfall)) * mpmath.mpf(c))
+        C, V = mpmath.mpf(c), mpmath.mpf(v)
+        wanted = float((C**2 - V**2) / (2 * mpmath.mpf(1.6) * C))
+        of_shortfall = float(C * mpmath.mpf(shortfall) * (2 - mpmath.mpf(shortfall)) / mpmath.mpf(3.2))
+    assert float(frequency_Hz(1, 1.6, c, v)) == pytest.approx(wanted, rel=1e-15)
+    assert float(frequency_at_shortfall_Hz(1, 1.6, c, shortfall)) == pytest.approx(of_shortfall, rel=1e-15)
+
+
+@pytest.mark.parametrize("kappa", [0.0, 0.3, 0.99, 1.0 - 1e-9, 1.0])
+@pytest.mark.parametrize("shortfall", [1e-2, 1e-9, 1e-13])
+def test_a_span_keeps_it_from_tension_mass_and_speed(kappa, shortfall):
+    """F and ρAv² cancel near the critical speed, κρAv² and ρAv² for κ near 1."""
+    still = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, pull_N=-105.475,
+                 mounting_factor=kappa)  # fmt: skip
+    limit = float(still.critical_speed_m_s(PINNED)[0])
+    v = min(limit, 1e6) * (1.0 - shortfall)
+    span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, pull_N=-105.475,
+                mounting_factor=kappa, wheel_speed_m_s=v, travel_speed_m_s=v)  # fmt: skip
+    assert string_frequencies_Hz(span, 1)[0, 0] == pytest.approx(exact_hz(span), rel=2e-15)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    preload=st.floats(100, 1e5),
+    pull=st.floats(-0.4, 0.4),
+    kappa=st.floats(0, 1),
+    share=st.floats(0, 0.999),
+    density=st.floats(0.05, 5),
+    more=st.floats(1.001, 4),
+)
+def test_scaling_and_tendencies(*, preload, pull, kappa, share, density, more):
+    parts = {"free_span_m": 1.3, "linear_density_kg_m": density, "preload_N": preload,
+             "pull_N": pull * preload, "mounting_factor": kappa}  # fmt: skip
+    limit = min(float(Span(**parts).critical_speed_m_s(PINNED)[0]), 1e3)
+    speed = share * limit
+
+    def first(speed=speed, **changed):
+        running = {"wheel_speed_m_s": speed, "travel_speed_m_s": speed}
+        return string_frequencies_Hz(Span(**(parts | running | changed)), 1)[0, 0]
+
+    f = first()
+    assert f == pytest.approx(
+        exact_hz(Span(**parts, wheel_speed_m_s=speed, travel_speed_m_s=speed)), rel=2e-15
+    )
+    assert first(free_span_m=1.3 * more) == pytest.approx(f / more, rel=1e-14)
+    # All forces times k², all speeds times k: frequencies times k.
+    scaled = first(speed=more * speed, preload_N=more**2 * preload, pull_N=more**2 * pull * preload)
+    assert scaled == pytest.approx(more * f, rel=1e-11 / (1 - share))
+    assert first(preload_N=more * preload) > f
+    assert first(speed=0.9 * speed) >= f
+    assert first(mounting_factor=0.5 + 0.5 * kappa) >= f
+
+
+def test_the_frequency_falls_to_zero_at_the_critical_speed(saw):
+    speeds = np.linspace(0.0, 1.0, 200)[:-1] * float(span_of(saw, Side.TIGHT).critical_speed_m_s(PINNED)[0])
+    found = frequencies_Hz(saw, Side.TIGHT, 1, speed_m_s=speeds)[:, 0]
+    assert (np.diff(found) < 0).all()
+    assert found[-1] < 0.011 * found[0]
+    # Wheels pressed apart with a constant force: there is none.
+    free = replace(saw, mounting_factor=1.0)
+    assert np.isinf(span_of(free, Side.SLACK).critical_speed_m_s(CLAMPED)).all()
+    assert (np.diff(frequencies_Hz(free, Side.SLACK, 1, speed_m_s=[0, 50, 500, 5e4])[:, 0]) < 0).all()
+
+
+def test_the_period_is_the_time_there_and_back():
+    c, v = np.array([40.0, 75.6, 90.0]), np.array([0.0, 35.55, -89.9])
+    forward, backward = wave_times_s(1.6, c, v)
+    np.testing.assert_allclose(1.0 / (forward + backward), frequency_Hz(1, 1.6, c, v), rtol=1e-14)
+    assert forward[1] < backward[1]
+    assert forward[2] > backward[2]
+
+
+@pytest.mark.parametrize("mode", [1, 2, 5])
+@pytest.mark.parametrize("v", [0.0, 35.55, -60.0, 74.0])
+def test_a_running_mode_obeys_the_wave_equation_and_stays_at_the_ends(mode, v):
+    c, length = 75.6, 1.6
+    f = float(frequency_Hz(mode, length, c, v))
+    blade = {"mode": mode, "free_span_m": length, "wave_speed_m_s": c, "speed_m_s": v}
+    assert not running_mode([0.0, length], np.linspace(0, 1, 7), **blade).any()
+    x, t = np.linspace(0.2, 1.4, 13), np.linspace(0.0, 1.0 / f, 11)[:-1]
+    h, k = 2e-4 * length / mode, 2e-4 / (mode * 60)
+
+    def w(dx=0.0, dt=0.0):
+        return running_mode(x + dx, t + dt, **blade)
+
+    tt = (w(dt=k) - 2 * w() + w(dt=-k)) / k**2
+    xx = (w(dx=h) - 2 * w() + w(dx=-h)) / h**2
+    xt = (w(h, k) - w(h, -k) - w(-h, k) + w(-h, -k)) / (4 * h * k)
+    size = c**2 * (mode * np.pi / length) ** 2
+    np.testing.assert_allclose(tt + 2 * v * xt + (v**2 - c**2) * xx, 0.0, atol=3e-5 * size)
+    np.testing.assert_allclose(w(dt=1.0 / f), w(), atol=1e-12)
+
+
+def test_crests_travel_with_the_blade_when_it_runs():
+    """At rest all places swing in step; running, the phase at the far end leads by nπv/c."""
+    t = np.linspace(0, 0.2, 2001)
+    still = running_mode([0.4, 1.2], t, mode=1, free_span_m=1.6, wave_speed_m_s=75.6, speed_m_s=0.0)
+    np.testing.assert_allclose(still[:, 0], still[:, 1], atol=1e-14)
+    moving = running_mode([0.4, 1.2], t, mode=1, free_span_m=1.6, wave_speed_m_s=75.6, speed_m_s=40.0)
+    assert np.abs(moving[:, 0] - moving[:, 1]).max() > 0.5
+
+
+def test_a_million_blades_in_one_call():
+    preload = np.linspace(2000.0, 9000.0, 1_000_000)
+    span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=preload, wheel_speed_m_s=30.0,
+                travel_speed_m_s=30.0)  # fmt: skip
+    found = string_frequencies_Hz(span, 1)
+    assert found.shape == (1_000_000, 1)
+    for case in (0, 499_999, 999_999):
+        assert found[case, 0] == pytest.approx(exact_hz(span, case), rel=2e-15)
+
+
+def test_torsion_falls_to_zero_at_its_own_critical_speed():
+    parts = {"free_span_m": 1.6, "linear_density_kg_m": STEEL_85_09.linear_density_kg_m, "preload_N": 3412.0}
+    limit = float(torsion_wave_speed_m_s(Span(**parts), STEEL_85_09)[0])
+    assert limit > float(Span(**parts).critical_speed_m_s(CLAMPED)[0])
+    found = torsion_frequencies_Hz(
+        Span(**parts, travel_speed_m_s=[0.0, 80.0, 0.999999 * limit]), STEEL_85_09, 2
+    )
+    assert (np.diff(found[:, 0]) < 0).all()
+    assert found[2, 0] == pytest.approx(2e-6 * found[0, 0], rel=1e-5)
+    np.testing.assert_allclose(found[:, 1], 2 * found[:, 0], rtol=1e-15)
+    # A strip as thin as paper twists at the string's frequency: nothing but the tension holds it.
+    paper = Section(width_m=0.085, thickness_m=1e-7)
+    assert torsion_frequencies_Hz(Span(**parts), paper, 1)[0, 0] == pytest.approx(
+        string_frequencies_Hz(Span(**parts), 1)[0, 0], rel=1e-7
+    )
+    with pytest.raises(InputError, match=f"critical speed of torsion is {limit:.6g}"[:38]):
+        torsion_frequencies_Hz(Span(**parts, travel_speed_m_s=102.0), STEEL_85_09)
+
+
+GOOD = {"free_span_m": 1.6, "linear_density_kg_m": 0.5967, "preload_N": 3412.0}
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"free_span_m": 0.0}, "free_span_m is 0; it must be finite and positive"),
+        ({"linear_density_kg_m": -1.0}, "linear_density_kg_m is -1"),
+        ({"mounting_factor": 1.2}, r"mounting_factor is 1.2; it must be from 0 \(fixed wheel axles\) to 1"),
+        ({"mounting_factor": -0.1}, "mounting_factor is -0.1"),
+        ({"travel_speed_m_s": np.nan}, "travel_speed_m_s is nan"),
+        ({"bending_stiffness_N_m2": -1.0}, "bending_stiffness_N_m2 is -1"),
+        ({"pull_N": -3412.0}, "the tension is 0 N .* raise the preload above 3412 N"),
+        ({"pull_N": [0.0, -5000.0]}, "the tension is -1588 N .* at case 1"),
+        ({"pull_N": [0.0, 1.0], "preload_N": [1.0, 2.0, 3.0]}, "pull_N has 2"),
+        ({"preload_N": [[1.0]]}, "2 axes"),
+    ],
+)
+def test_a_span_refuses(changed, words):
+    with pytest.raises(InputError, match=words):
+        Span(**(GOOD | changed))
+
+
+def test_refusals_name_the_critical_speed(saw):
+    c = float(Span(**GOOD).wave_speed_m_s[0])
+    with pytest.raises(InputError, match=f"its critical speed is {c:.9g} m/s at case 1"):
+        string_frequencies_Hz(Span(**GOOD, travel_speed_m_s=[10.0, c * 1.001]))
+    with pytest.raises(InputError, match=f"critical speed c = {c:.9g} m/s"):
+        frequency_Hz(1, 1.6, c, [1.0, c])
+    half = replace(saw, mounting_factor=0.75)
+    limit = float(span_of(half, Side.SLACK).critical_speed_m_s(PINNED)[0])
+    assert limit == pytest.approx(2 * 74.4401, abs=1e-3)
+    assert frequencies_Hz(half, Side.SLACK, 1, speed_m_s=0.999 * limit)[0, 0] > 0
+    with pytest.raises(InputError, match=f"critical speed is {limit:.9g} m/s"):
+        frequencies_Hz(half, Side.SLACK, 1, speed_m_s=1.001 * limit)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: frequency_Hz(0, 1.6, 75.0), "mode is 0"),
+        (lambda: frequency_Hz(1, 0.0, 75.0), "free_span_m is 0"),
+        (lambda: frequency_at_shortfall_Hz(1, 1.6, 75.0, 0.0), "shortfall is 0"),
+        (lambda: frequency_at_shortfall_Hz(1, 1.6, 75.0, 2.0), "backwards"),
+        (lambda: wave_times_s(1.6, 75.0, 75.0), "critical speed"),
+        (lambda: string_frequencies_Hz(Span(**GOOD), 0), "0 modes"),
+        (lambda: torsion_frequencies_Hz(Span(**GOOD), STEEL_85_09, 0), "0 modes"),
+        (lambda: torque_N_m(7500.0, 0.0), "wheel_speed_rad_s is 0"),
+        (lambda: torque_N_m(-1.0, 1.0), "power_W is -1"),
+        (lambda: tension_difference_N(1.0, 0.0), "wheel_radius_m is 0"),
+        (lambda: inertia_tension_N(0.6, 30.0, mounting_factor=1.5), "mounting factor is 1.5"),
+        (lambda: inertia_tension_N(0.6, np.inf), "speed_m_s is inf; it must be finite"),
+        (lambda: Section(width_m=0.001, thickness_m=0.1), "0.1 m thick"),
+        (lambda: Section(width_m=0.0, thickness_m=0.1), "width_m is 0"),
+        (
+            lambda: running_mode([2.0], [0.0], mode=1, free_span_m=1.6, wave_speed_m_s=75.0, speed_m_s=0.0),
+            "outside the span",
+        ),
+    ],
+)
+def test_functions_refuse(call, words):
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"preload_N": 0.0}, "preload_N is 0"),
+        ({"mounting_factor": 1.01}, "mounting factor is 1.01"),
+        ({"wheel_speed_rad_s": -1.0}, "wheel_speed_rad_s is -1"),
+    ],
+)
+def test_a_saw_refuses(saw, changed, words):
+    with pytest.raises(InputError, match=words):
+        replace(saw, **changed)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(-1e8, 1e8), st.floats(-1e8, 1e8), st.floats(1e-6, 1e8))
+def test_pairs_hold_32_digits(a, b, c):
+    # Products below 1e-290 are outside what pairs promise.
+    a, b = (0.0 if abs(x) < 1e-100 else x for x in (a, b))
+    with mpmath.workdps(60):
+        wanted = mpmath.mpf(a) * mpmath.mpf(b) / mpmath.mpf(c) + mpmath.mpf(a)
+        high, low = add(divide(multiply(as_pair(a), as_pair(b)), as_pair(c)), as_pair(a))
+        size = abs(mpmath.mpf(a) * mpmath.mpf(b) / mpmath.mpf(c)) + abs(a)
+        assert abs(mpmath.mpf(float(high)) + mpmath.mpf(float(low)) - wanted) <= size * mpmath.mpf(2) ** -98
+    assert float(total((high, low))) == float(high)

@@ -1,0 +1,270 @@
+"""Figures of fits: their tables are what the laws and the trials say, worked out here a second time."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from ropefric.errors import InputError
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.predict import predict
+from ropefric.fitting.profile import profile_intervals
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import Conditions
+from ropefric.plotting.capstan_plot import draw_capstan
+from ropefric.plotting.condition_points import condition_points
+from ropefric.plotting.fit_band import draw_fit_band
+from ropefric.plotting.mu_facets import FACETS, draw_mu_facets
+from ropefric.plotting.profiles import draw_correlation, draw_profiles
+from ropefric.plotting.residuals import draw_residuals
+
+
+def by_condition(pulls):
+    """Mean and count of ln(F_A/F_B) of each condition, straight from the table."""
+    rise = np.log(pulls.peak_N / pulls.end_tension_N)
+    keys = list(zip(pulls.wheel_radius_m, pulls.wrap_angle_rad, pulls.end_tension_N, strict=True))
+    return {tuple(map(float, key)): rise[[other == key for other in keys]] for key in dict.fromkeys(keys)}
+
+
+def styles(axes):
+    return [line.get_linestyle() for line in axes.lines if line.get_linestyle() not in {"None", ""}]
+
+
+def without_trials(fit):
+    return dataclasses.replace(fit, trials={}, problem=None)
+
+
+@pytest.fixture(scope="module")
+def lone():
+    """The smallest table that can be fitted: two conditions, one pull each."""
+    table = TrialTable(
+        trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 6.0], end_tension_N=20,
+        peak_N=[36.0, 66.0],
+    )  # fmt: skip
+    return fit_law(table, "constant")
+
+
+def test_facets_show_the_average_coefficient_of_each_condition(
+    pulls, fitted, assert_repeats, assert_readable
+):
+    made = assert_repeats(lambda: draw_mu_facets(list(fitted.values())))
+    known = by_condition(pulls)
+    assert len(made.tables[0].rows) == len(known) == 7
+    within = fitted["constant"].statistics.scatter_within
+    for wheel_m, rope_m, wrap_rad, end_N, n, mu, std in made.tables[0].rows:
+        rises = next(v for k, v in known.items() if k == pytest.approx((wheel_m, wrap_rad, end_N)))
+        assert (rope_m, n) == (pytest.approx(0.005), 4)
+        assert mu == pytest.approx(rises.mean() / wrap_rad)
+        # The scatter of four pulls over two, and 0.2 % of the instrument which every pull shares.
+        assert std == pytest.approx(math.hypot(within / 2.0, 0.002) / wrap_rad, rel=1e-3)
+    assert [axes.get_xlabel()[-4:] for axes in made.figure.axes] == [" [N]", "deg]", "[mm]"]
+    assert made.figure.axes[0].get_ylabel() == "Friction coefficient μ̄ [-]"
+    assert made.figure.axes[0].get_xscale() == "log"
+    assert "28 trials, 7 conditions" in made.figure.get_suptitle()
+    assert "k = 2" in made.figure.get_suptitle()
+    assert_readable(made)
+
+
+def test_facets_draw_each_law_in_its_own_line_style_at_the_common_settings(fitted):
+    made = draw_mu_facets(list(fitted.values()))
+    for axes, over in zip(made.figure.axes, FACETS, strict=True):
+        assert len(set(styles(axes))) == 2
+        assert sum(row[0] == over for row in made.tables[1].rows) == 2 * 61
+    for over, law, x, mu in made.tables[1].rows[::30]:
+        at = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": 6.0, "end_tension_N": 20.0}
+        fit = fitted[law]
+        assert mu == pytest.approx(
+            float(fit.friction_law.average_mu(fit.theta, Conditions(**(at | {over: x})))[0])
+        )
+
+
+def test_error_bars_are_two_standard_uncertainties(fitted):
+    made = draw_mu_facets([fitted["constant"]])
+    rows = made.tables[0].rows
+    bars = next(c for c in made.figure.axes[1].containers if c.get_label().startswith("conditions"))
+    (segments,) = [c.get_segments() for c in bars[2]]
+    shown = [row for row in rows if row[0] == pytest.approx(0.04) and row[3] == pytest.approx(20.0)]
+    np.testing.assert_allclose(
+        [(s[0, 1], s[1, 1]) for s in segments], [(r[5] - 2 * r[6], r[5] + 2 * r[6]) for r in shown]
+    )
+
+
+def test_capstan_plot_has_eulers_line_through_the_origin(pulls, fitted, assert_repeats, assert_readable):
+    made = assert_repeats(lambda: draw_capstan([fitted["wrap-power"]]))
+    rows = made.tables[0].rows
+    known = by_condition(pulls)
+    wrap, rise = np.array([k[1] for k in known]), np.array([v.mean() for v in known.values()])
+    np.testing.assert_allclose(sorted(row[5] for row in rows), np.sort(rise))
+    slope = float(np.linalg.lstsq(wrap[:, None], rise, rcond=None)[0][0])
+    line = [row for row in made.tables[1].rows if row[0] == "straight line"]
+    np.testing.assert_allclose([row[2] for row in line], [slope * row[1] for row in line])
+    assert f"{slope:.4g}" in made.alt
+    axes = made.figure.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()[-3:]) == ("Wrap angle φ [deg]", "[-]")
+    assert len({bars[0].get_marker() for bars in axes.containers}) == 3  # a wheel each
+    assert len(set(styles(axes))) == 2
+    assert_readable(made)
+
+
+def test_capstan_plot_takes_the_constant_law_for_its_line(fitted):
+    made = draw_capstan(list(fitted.values()))
+    line = np.array([row[1:] for row in made.tables[1].rows if row[0] == "straight line"])
+    np.testing.assert_allclose(line[:, 1], fitted["constant"]["mu"].value * line[:, 0])
+    assert {row[0] for row in made.tables[1].rows} == {"straight line", "wrap-power"}
+
+
+@pytest.mark.parametrize("over", ["wrap_angle_rad", "end_tension_N", "wheel_radius_m", "rope_radius_m"])
+def test_bands_are_those_of_the_prediction(fitted, over, assert_readable):
+    fit = fitted["wrap-power"]
+    made = draw_fit_band(fit, over=over, level=0.9)
+    table = np.array([row[:6] for row in made.tables[0].rows])
+    at = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": 6.0, "end_tension_N": 20.0}
+    found = predict(fit, Conditions(**(at | {over: table[:, 0]})), level=0.9, check=False)
+    wanted = np.column_stack([found.lift_force_N, found.interval_N, found.prediction_interval_N])
+    np.testing.assert_allclose(table[:, 1:], wanted)
+    assert (table[:, 4] < table[:, 2]).all()
+    assert (table[:, 3] < table[:, 5]).all()
+    low, high = fit.validity[over]
+    outside = np.array([row[6] for row in made.tables[0].rows])
+    np.testing.assert_array_equal(outside, (table[:, 0] < low * 0.999999) | (table[:, 0] > high * 1.000001))
+    hatched = [patch for patch in made.figure.axes[0].patches if patch.get_hatch()]
+    assert hatched
+    assert "90 % confidence" in made.alt
+    assert [axes.get_ylabel() for axes in made.figure.axes] == [
+        "Lift force $F_{\\mathrm{A}}$ [N]", "Off the mean law [%]",
+    ]  # fmt: skip
+    if over == "wrap_angle_rad":
+        assert_readable(made)
+
+
+def test_the_lower_panel_shows_the_trials_off_the_law(pulls, fitted):
+    fit = fitted["constant"]
+    made = draw_fit_band(fit)
+    crosses = next(line for line in made.figure.axes[1].lines if line.get_marker() == "x")
+    chosen = (pulls.wheel_radius_m == 0.04) & (pulls.end_tension_N == 20.0)
+    law_N = 20.0 * np.exp(fit["mu"].value * pulls.wrap_angle_rad[chosen])
+    np.testing.assert_allclose(crosses.get_ydata(), 100.0 * (pulls.peak_N[chosen] / law_N - 1.0), atol=1e-9)
+    assert "12 trials shown of 28 fitted" in made.figure.axes[0].get_title()
+
+
+def test_other_settings_may_be_chosen_and_unknown_ones_are_refused(fitted):
+    fit = fitted["constant"]
+    made = draw_fit_band(fit, at={"end_tension_N": 80.0})
+    assert made.tables[0].rows[0][1] == pytest.approx(
+        80.0 * math.exp(fit["mu"].value * made.tables[0].rows[0][0])
+    )
+    assert len(made.tables[1].rows) == 1
+    for wrong in ({"over": "speed_m_s"}, {"at": {"radius": 1.0}}):
+        with pytest.raises(InputError, match="no setting"):
+            draw_fit_band(fit, **wrong)
+
+
+def test_residuals_of_trials_are_measured_less_fitted(pulls, fitted, assert_repeats, assert_readable):
+    fit = fitted["constant"]
+    made = assert_repeats(lambda: draw_residuals(fit))
+    table = np.array(made.tables[0].rows)
+    law = np.log(pulls.end_tension_N) + fit["mu"].value * pulls.wrap_angle_rad
+    np.testing.assert_allclose(table[:, 1], np.exp(law))
+    np.testing.assert_allclose(table[:, 2], np.log(pulls.peak_N) - law, atol=1e-12)
+    np.testing.assert_allclose(table[:, 3], table[:, 2] / fit.problem.std, atol=1e-9)
+    order = np.argsort(table[:, 3])
+    np.testing.assert_allclose(table[order, 4], norm.ppf((np.arange(28) + 0.5) / 28))
+    beyond = int((np.abs(table[:, 3]) > 2).sum())
+    assert f"{beyond} of 28 beyond ±2" in made.figure.get_suptitle()
+    assert len(made.figure.axes) == 3
+    near, far = made.figure.axes[0].lines[-2:]
+    assert (near.get_marker(), far.get_marker()) == ("o", "X")
+    assert far.get_xdata().size == beyond
+    assert {float(line.get_ydata()[0]) for line in made.figure.axes[0].lines[:3]} == {0.0, -2.0, 2.0}
+    assert_readable(made)
+
+
+def test_residuals_of_a_stored_fit_are_those_of_its_means(fitted, stored):
+    fit = stored(fitted["constant"])
+    made = draw_residuals(fit)
+    points = condition_points(fit)
+    z = [row[3] for row in made.tables[0].rows]
+    law = points.conditions.log_end_tension + fit["mu"].value * points.conditions.wrap_angle_rad
+    np.testing.assert_allclose(z, (points.log_lift - law) / points.std_log)
+    assert len(made.figure.axes) == 2
+    assert "7 condition means" in made.alt
+
+
+def test_profiles_show_the_curves_and_their_intervals(fitted, assert_repeats, assert_readable):
+    fit = fitted["wrap-power"]
+    profile = profile_intervals(fit.problem, fit.theta)
+    made = assert_repeats(lambda: draw_profiles(profile, fit))
+    assert_readable(made)
+    intervals = {row[0]: row for row in made.tables[1].rows}
+    for j, name in enumerate(fit.friction_law.parameter_names):
+        np.testing.assert_allclose(intervals[name][2:4], profile.ci[j])
+        assert intervals[name][4] == fit[name].std
+    for curve, axes in zip(profile.curves, made.figure.axes, strict=True):
+        assert axes.get_xlabel().startswith(f"{curve.name} [")
+        np.testing.assert_array_equal(axes.lines[0].get_xdata(), curve.value)
+        values = [row[2] for row in made.tables[0].rows if row[0] == curve.name]
+        np.testing.assert_array_equal(values, curve.delta_chi2)
+        assert len(set(styles(axes)[:3])) == 3
+
+
+def test_the_profile_of_one_parameter_is_its_parabola():
+    table = TrialTable(
+        trial=tuple("abcdef"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 3, 6, 6, 9, 9],
+        end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7, 121.0, 122.5],
+    )  # fmt: skip
+    fit = fit_law(table, "constant")
+    made = draw_profiles(profile_intervals(fit.problem, fit.theta), fit)
+    (axes,) = made.figure.axes
+    (parabola,) = [line for line in axes.lines if "parabola" in str(line.get_label())]
+    curve = axes.lines[0]
+    # ln F_A is straight in μ, so profile and parabola are one.
+    at = np.interp(curve.get_xdata(), parabola.get_xdata(), parabola.get_ydata())
+    inside = curve.get_ydata() < 1.9 * made.tables[1].rows[0][5]
+    np.testing.assert_allclose(at[inside], curve.get_ydata()[inside], atol=0.02 * curve.get_ydata().max())
+
+
+def test_correlations_are_the_covariance_over_the_errors(fitted, assert_repeats, assert_readable):
+    fit = fitted["wrap-power"]
+    made = assert_repeats(lambda: draw_correlation(fit))
+    assert_readable(made)
+    names = list(fit.friction_law.parameter_names)
+    free = [name for name in names if fit[name].std > 0]
+    assert len(made.tables[0].rows) == len(free) ** 2
+    for one, other, r in made.tables[0].rows:
+        i, j = names.index(one), names.index(other)
+        assert r == pytest.approx(fit.covariance[i, j] / (fit[one].std * fit[other].std))
+    shown = [text.get_text() for text in made.figure.axes[0].texts]
+    assert shown == [f"{row[2]:+.2f}" for row in made.tables[0].rows]  # signs can be read without colour
+
+
+def test_one_pull_a_condition_and_no_known_uncertainty_is_drawn(lone):
+    rows = draw_mu_facets([lone]).tables[0].rows
+    assert [row[4] for row in rows] == [1, 1]
+    assert all(math.isnan(row[6]) for row in rows)
+    for draw in (draw_fit_band, draw_residuals, draw_correlation):
+        assert "nan" not in draw(lone).alt
+    assert "2 conditions" in draw_capstan([lone]).alt
+
+
+def test_a_fit_without_its_trials_says_so(fitted):
+    bare = without_trials(fitted["wrap-power"])
+    for made in (draw_mu_facets([bare]), draw_capstan([bare]), draw_residuals(bare)):
+        assert "no trials are stored" in made.alt
+        assert made.tables[0].rows == ()
+    assert draw_fit_band(bare).tables[1].rows == ()
+
+
+@pytest.mark.parametrize("draw", [draw_mu_facets, draw_capstan])
+def test_no_fit_at_all_is_refused(draw):
+    with pytest.raises(InputError, match="no fit"):
+        draw([])
+
+
+def test_a_parameter_at_its_bound_stays_out_of_the_map(fitted):
+    fit = fitted["constant"]
+    bound = dataclasses.replace(fit, covariance=np.zeros_like(fit.covariance))
+    made = draw_correlation(bound)
+    assert made.tables[0].rows == ()
+    assert "0 parameters" in made.alt

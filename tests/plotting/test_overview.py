@@ -1,0 +1,99 @@
+"""The matrix of a campaign: every trial, every check, and the numbers that go with it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ropefric.errors import Problem
+from ropefric.plotting.overview import CHECKS, Level, check_trial, draw_overview
+from ropefric.traces.breakaway import Status
+from ropefric.trials.result import Extraction
+
+WORDS = {"ok", "flag", "fail", "not judged"}
+
+
+def campaign(trials):
+    return Extraction(name="made up", trials=tuple(trials), conditions=(), problems=())
+
+
+def many(make_trial, n):
+    trials = [make_trial(f"c{i:03d}", 320.0) for i in range(n)]
+    for i in range(0, n, 7):
+        trials[i] = make_trial(f"c{i:03d}", 320.0, list(Status)[1 + (i // 7) % 5])
+    return trials
+
+
+def test_each_status_fails_its_own_check_and_ends_the_judging(make_trial):
+    failed = {}
+    for status in list(Status)[1:]:
+        levels = check_trial(make_trial("a", 320.0, status))
+        place = levels.index(Level.FAIL)
+        failed[status] = list(CHECKS)[place]
+        assert set(levels[place + 1 :]) <= {Level.NOT_JUDGED}
+        assert set(levels[:place]) <= {Level.OK}
+    assert len(set(failed.values())) == 5
+    assert failed[Status.SATURATED] == "below the converter's ceiling"
+
+
+def test_what_was_set_aside_or_warned_of_is_flagged(make_trial):
+    trial = make_trial("a", 320.0)
+    assert set(check_trial(trial)) == {Level.OK}
+    problem = Problem(code="RF000", message="doubtful", severity="warning")
+    cases = {
+        "not excluded by the user": {"excluded": "knot"},
+        "not rejected by the rule": {"rejected_by": "two-sigma"},
+        "no warning": {"problems": (problem,)},
+        "below the converter's ceiling": {"saturated_samples": 3},
+    }
+    for check, change in cases.items():
+        levels = dict(zip(CHECKS, check_trial(dataclasses.replace(trial, **change)), strict=True))
+        assert levels.pop(check) is Level.FLAG
+        assert set(levels.values()) == {Level.OK}
+
+
+def test_the_table_and_the_drawing_agree(extraction_of, trials, assert_repeats, assert_readable):
+    extraction = extraction_of(trials)
+    made = assert_repeats(lambda: draw_overview(extraction))
+    assert_readable(made)
+    rows = made.tables[0].rows
+    assert [row[0] for row in rows] == [t.trial for t in trials]
+    assert {word for row in rows for word in row[1:]} <= WORDS
+    drawn = {}
+    for collection in made.figure.axes[0].collections:
+        if collection.get_label() in WORDS:
+            for path in collection.get_paths():
+                (x0, y0), (x1, y1) = path.vertices.min(axis=0), path.vertices.max(axis=0)
+                for column in range(round(x0), round(x1)):
+                    drawn[(column, round((y0 + y1) / 2))] = collection.get_label()
+    assert drawn == {
+        (column, place): word for column, row in enumerate(rows) for place, word in enumerate(row[1:])
+    }
+    assert "11 trials, 7 kept, 2 flagged, 2 failed" in made.figure.get_suptitle()
+    for words in ("1 unreadable", "1 without a slip", "1 excluded by the user", "1 rejected by the rule"):
+        assert words in made.alt
+
+
+def test_levels_differ_in_lightness_and_the_middle_one_is_hatched(extraction_of, trials):
+    made = draw_overview(extraction_of(trials))
+    looks = {c.get_label(): c for c in made.figure.axes[0].collections if c.get_label() in WORDS}
+    grey = {label: float(c.get_facecolor()[0, :3] @ [0.299, 0.587, 0.114]) for label, c in looks.items()}
+    assert grey["ok"] - grey["flag"] > 0.15
+    assert grey["flag"] - grey["fail"] > 0.15
+    assert looks["flag"].get_hatch()
+
+
+@pytest.mark.parametrize(("n", "bands"), [(1, 1), (40, 1), (41, 1), (400, 4)])
+def test_many_trials_are_broken_into_bands(make_trial, assert_readable, n, bands):
+    made = draw_overview(campaign(many(make_trial, n)))
+    assert len(made.figure.axes) == bands
+    assert len(made.tables[0].rows) == n
+    assert made.figure.get_size_inches()[0] == 10.0
+    assert made.figure.get_size_inches()[1] < 14.0
+    if n in {40, 400}:
+        assert_readable(made)
+    # Names keep their distance: the figure is 10 in wide, and a letter of 7 points is high.
+    made.figure.canvas.draw()
+    boxes = [label.get_window_extent() for label in made.figure.axes[0].get_xticklabels()]
+    gaps = np.diff([box.x0 for box in boxes])
+    assert (gaps > 7.0).all()

@@ -1,0 +1,152 @@
+"""Figures inside a page: text that can be read, ids that do not collide, the same bytes, no weight."""
+
+import dataclasses
+import re
+from xml.etree import ElementTree as ET
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from ropefric.plotting.condition import draw_condition
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
+from ropefric.plotting.recording import draw_trial
+from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
+from ropefric.plotting.svg import svg_text
+from ropefric.plotting.svg_path import short_path
+from ropefric.traces.trace import ForceTrace
+from ropefric.trials.outline import draw_outline
+
+
+@pytest.fixture
+def drawn(extraction_of, trials):
+    extraction = extraction_of(trials)
+    (summary,) = extraction.conditions
+    return draw_condition(summary, extraction.trials)
+
+
+def points_of(path):
+    """Absolute corners of a path made of M, l and z."""
+    corners, at = [], np.zeros(2)
+    for command, numbers in re.findall(r"([MLlz])([^MLlz]*)", path):
+        values = np.array(re.findall(r"-?\d*\.?\d+", numbers), dtype=float).reshape(-1, 2)
+        for value in values:
+            at = at + value if command == "l" else value
+            corners.append(at)
+    return np.array(corners)
+
+
+def test_it_is_one_picture_with_its_words(drawn):
+    root = ET.fromstring(svg_text(drawn))  # noqa: S314  (our own text)
+    assert root.tag == "svg"
+    assert root.attrib["role"] == "img"
+    assert root.attrib["aria-label"] == drawn.alt
+    words = ["".join(text.itertext()) for text in root.iter("text")]
+    assert "Time t [s]" in words
+    assert "Break-away force FA [N]" in words  # one run of words, the index in a tspan of its own
+    assert any("7 of 11 trials kept" in text for text in words)
+    index = next(span for span in root.iter("tspan") if span.text == "A")
+    assert index.attrib["font-size"] == "70%"
+
+
+def test_nothing_reaches_out_of_it(drawn):
+    text = svg_text(drawn)
+    for word in ("<style", "<metadata", "<script", "http", "<?xml", "<!", "@font-face", "date"):
+        assert word not in text
+
+
+def test_every_reference_has_its_id_and_no_two_figures_share_one(drawn, trials):
+    found = {}
+    for stem, figure in (('one "&', drawn), ("two", draw_trial(trials[0])), ("", draw_trial(trials[1]))):
+        text = svg_text(figure, stem=stem)
+        ids = re.findall(r' id="([^"]+)"', text)
+        assert len(ids) == len(set(ids))
+        assert set(re.findall(r"#([\w-]+-\d+)", text)) == set(ids)
+        found[stem] = set(ids)
+    assert not found['one "&'] & found["two"]
+    assert not found["two"] & found[""]
+    assert all(name.startswith("one---") for name in found['one "&'])
+
+
+def test_a_colour_is_no_reference():
+    with house_style():
+        figure = new_figure(3.0, 2.0, margins={})
+        axes = figure.subplots()
+        axes.axvspan(0.0, 0.5, facecolor="#ABCDEF", edgecolor="#123456", hatch="//", linewidth=2.0)
+        axes.axhline(0.5, color="#123456")
+    text = svg_text(FigureWithData(figure=figure, tables=()), stem="x")
+    assert text.count("stroke:#123456") == 3  # the frame of the span, its hatch, the line
+    assert re.search(r"fill:url\(#x-\d+\)", text)
+
+
+def test_names_that_differ_in_odd_letters_only_stay_apart(trials):
+    made = draw_trial(trials[0])
+    assert svg_text(made, stem="r#1") != svg_text(made, stem="r-1")
+
+
+def test_the_same_figure_gives_the_same_text_whatever_was_drawn_before(drawn):
+    first = svg_text(drawn)
+    with mpl.rc_context({"font.size": 30.0, "svg.fonttype": "path", "svg.hashsalt": "x"}):
+        again = svg_text(drawn)
+    assert again == first
+
+
+def test_two_hundred_recordings_stay_under_three_megabytes(extraction_of, make_trial):
+    """Noise as rough as a converter's, teeth while sliding: what a recording of the bench looks like."""
+    time_s = np.arange(9000) / 3000.0
+    rng = np.random.default_rng(0)
+    trials = []
+    for i in range(12):
+        force_N = np.interp(time_s, [0.4, 2.0, 2.01], [0.0, 230.0, 170.0])
+        force_N += np.where(time_s > 2.01, 15.0 * (np.mod(time_s, 0.06) / 0.06), 0.0)
+        force_N = np.round(force_N + 0.4 * rng.standard_normal(9000))
+        outline = draw_outline(ForceTrace(time_s=time_s, force_N=force_N))
+        trials.append(dataclasses.replace(make_trial(f"t{i}", 230.0 + i, peak_time_s=2.0), outline=outline))
+    extraction = extraction_of(trials)
+    (summary,) = extraction.conditions
+    alone = len(svg_text(draw_trial(trials[0]), stem="t0").encode())
+    together = len(svg_text(draw_condition(summary, extraction.trials)).encode())
+    assert 200 * alone + 200 / 12 * together < 3e6
+
+
+def test_a_long_path_keeps_its_corners():
+    x = np.linspace(0.0, 700.0, 400)
+    y = 100.0 + 0.05 * np.sin(x)
+    y[123], y[300] = 250.0, 3.0
+    path = "M" + " L ".join(f" {a:.6f} {b:.6f}" for a, b in zip(x, y, strict=True))
+    short = short_path(path)
+    assert len(short) < len(path) / 20
+    corners = points_of(short)
+    for corner in ((0.0, 100.0), (x[123], 250.0), (x[300], 3.0), (700.0, y[-1])):
+        assert np.abs(corners - corner).max(axis=1).min() <= 0.1
+    assert corners[-1][0] == 700.0
+
+
+def test_short_paths_keep_every_point_and_curves_their_controls():
+    assert points_of(short_path("M 0 0 L 1 0 L 2 0 z")).tolist() == [[0, 0], [1, 0], [2, 0]]
+    assert short_path("M 0 0 C 0.123 1 2 3 4 5.5 Q 1 2 3 4 z") == "M0 0C.12 1 2 3 4 5.5Q1 2 3 4z"
+
+
+def test_rounding_does_not_add_up():
+    n = 3000
+    path = "M0 0" + "".join(f" L {0.24 * i:.6f} {30 * (i % 2)}" for i in range(1, n))
+    corners = points_of(short_path(path))
+    np.testing.assert_allclose(corners[:, 0], 0.24 * np.arange(n), atol=0.0501)
+
+
+def test_no_figure_is_without_words():
+    with house_style():
+        figure = new_figure()
+        figure.subplots().set(xlabel="Time t [s]", ylabel="Break-away force $F_{\\mathrm{A}}$ [N]")
+    table = DataTable(header=("n",), rows=((1,), (2,)))
+    assert (
+        FigureWithData(figure=figure, tables=(table,)).alt
+        == "Break-away force F_A [N] over Time t [s] (2 rows of data)."
+    )
+    assert FigureWithData(figure=new_figure(), tables=(), alt=" ").alt == "Figure (0 rows of data)."
+
+
+def test_lines_and_points_differ_without_colour():
+    assert len(set(map(str, LINE_STYLES))) == len(LINE_STYLES) == 7
+    assert len(set(MARKERS)) == len(MARKERS)
+    assert len({str(line_look(place)["linestyle"]) for place in range(7)}) == 7

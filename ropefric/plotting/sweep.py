@@ -23,6 +23,8 @@ __all__ = ["draw_sweep"]
 _MOST_LINES = 6
 _DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _DRAWN_POINTS = 2000
+_DRAWN_CELLS = 250
+"""Most points of a line, and of each side of a map, that a page can show; a finer sweep is thinned evenly."""
 
 
 def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
@@ -77,10 +79,11 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
 
 def _draw_map(axes: "Axes", sweep: "Sweep", grid: "FloatArray", name: str) -> None:
     down, across = sweep.axes
+    rows, columns = _steps(sweep)
     drawn = axes.pcolormesh(
-        across.values / across.factor,
-        down.values / down.factor,
-        np.ma.masked_invalid(grid),
+        across.values[::columns] / across.factor,
+        down.values[::rows] / down.factor,
+        np.ma.masked_invalid(grid[::rows, ::columns]),
         cmap="cividis",
         shading="nearest",
     )
@@ -110,9 +113,17 @@ def _rows(sweep: "Sweep", grid: "FloatArray") -> tuple[tuple[object, ...], ...]:
         xs, ys = _thinned(sweep.axes[0], grid)
         return tuple((float(x), float(y)) for x, y in zip(xs, ys, strict=True))
     down, across = sweep.axes
-    step = max(1, across.values.size // _DRAWN_POINTS)
+    rows, columns = _steps(sweep)
     return tuple(
-        (float(value / down.factor), float(across.values[place] / across.factor), float(row[place]))
-        for value, row in zip(down.values, grid, strict=True)
-        for place in range(0, across.values.size, step)
+        (float(down.values[i] / down.factor), float(across.values[j] / across.factor), float(grid[i, j]))
+        for i in range(0, down.values.size, rows)
+        for j in range(0, across.values.size, columns)
     )
+
+
+def _steps(sweep: "Sweep") -> tuple[int, int]:
+    """Return which rows and columns of a grid of two axes are drawn: every so many."""
+    down, across = sweep.axes
+    lines = down.values.size <= _MOST_LINES
+    most = _DRAWN_POINTS if lines else _DRAWN_CELLS
+    return (1 if lines else -(-down.values.size // most)), -(-across.values.size // most)

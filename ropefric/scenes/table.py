@@ -1,5 +1,6 @@
 """A sweep as a CSV file: written fast, because it may have a million rows."""
 
+from collections.abc import Mapping
 from math import prod
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from ropefric.errors import DataError
 from ropefric.friction.condition import FloatArray
 from ropefric.scenes.sweep import Sweep
 
-__all__ = ["header_of", "write_sweep"]
+__all__ = ["header_of", "write_columns", "write_sweep"]
 
 _BLOCK = 50_000
 
@@ -53,6 +54,27 @@ def write_sweep(sweep: Sweep, path: Path) -> Path:
     except OSError as error:
         raise DataError(
             f"cannot write the sweep: {error.strerror}", code="RF105", path=path, fix="choose another folder"
+        ) from None
+    return path
+
+
+def write_columns(columns: Mapping[str, FloatArray], path: Path) -> Path:
+    """Write columns of one length as CSV; return the path.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be written.
+    """
+    row = ",".join(["%.9g"] * len(columns)) + "\n"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            stream.write(",".join(columns) + "\n")
+            stream.write(_rows(row, [], list(columns.values())))
+    except OSError as error:
+        raise DataError(
+            f"cannot write the table: {error.strerror}", code="RF105", path=path, fix="choose another folder"
         ) from None
     return path
 

@@ -12,6 +12,7 @@ from ropefric.cli.progress import Progress
 
 if TYPE_CHECKING:
     from ropefric.scenes.scene import Scene
+    from ropefric.scenes.solve import Solution
     from ropefric.scenes.sweep import Sweep
 
 __all__ = ["COMMAND"]
@@ -50,23 +51,27 @@ def solve(
     from ropefric.scenes.solve import solve_scene  # noqa: PLC0415
 
     solution = solve_scene(loaded)
-    files = () if folder is None else _write(out, solution.to_dict(), folder)
+    tree = solution.to_dict()
+    files = [] if folder is None else _write(out, solution, tree, folder)
     trusted = loaded.source is None or not loaded.source.warnings
     return Answer(
-        data=solution.to_dict() | {"files": list(files)},
+        data=tree | {"files": files},
         show=lambda console: show_sections(solution_sections(solution), console),
         exit_code=0 if trusted else NOT_TRUSTED,
     )
 
 
-def _write(out: Output, tree: dict[str, Any], folder: Path) -> tuple[Path, ...]:
+def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: Path) -> list[Path]:
     from ropefric.cli.jsontext import json_text  # noqa: PLC0415
+    from ropefric.cli.scene_files import write_scene_files  # noqa: PLC0415
 
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "answer.json"
-    path.write_text(json_text(tree), encoding="utf-8", newline="\n")
-    out.note(f"wrote {path}")
-    return (path,)
+    answer = folder / "answer.json"
+    answer.write_text(json_text(tree), encoding="utf-8", newline="\n")
+    files = [answer, *write_scene_files(solution, folder)]
+    for path in files:
+        out.note(f"wrote {path}")
+    return files
 
 
 def _swept(out: Output, scene: "Scene", asked: list[str], folder: Path | None, plot: str) -> Answer:

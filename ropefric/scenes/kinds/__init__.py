@@ -1,10 +1,43 @@
-"""All kinds of scenes, found by the name of their system; a new one is a file and its line here."""
+"""All kinds of scenes, found by the name of their system; a new one is a file here that declares KIND, and its name."""
 
-from ropefric.registry import Registry
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+
+from ropefric.errors import UnknownNameError
+from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind
-from ropefric.scenes.kinds import bandsaw, hoist, press
 
-__all__ = ["KINDS"]
+__all__ = ["KINDS", "Kinds"]
 
-KINDS: Registry[Kind] = Registry("system", (hoist.KIND, press.KIND, bandsaw.KIND))
+_NAMES = ("hoist", "press", "bandsaw")
+
+
+class Kinds(Mapping[str, Kind]):
+    """The kinds of scenes by name, each loaded when it is first asked for: a hoist need not wait for a saw's solver.
+
+    Examples
+    --------
+    >>> list(KINDS)
+    ['hoist', 'press', 'bandsaw']
+    >>> KINDS["hoist"].name
+    'hoist'
+    """
+
+    def __getitem__(self, name: str) -> Kind:
+        if name not in self:
+            raise UnknownNameError(f"unknown system {name!r}", fix=did_you_mean(str(name), _NAMES))
+        kind: Kind = import_module(f"ropefric.scenes.kinds.{name}").KIND
+        return kind
+
+    def __contains__(self, name: object) -> bool:
+        return name in _NAMES
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_NAMES)
+
+    def __len__(self) -> int:
+        return len(_NAMES)
+
+
+KINDS = Kinds()
 """In the order of the handbook."""

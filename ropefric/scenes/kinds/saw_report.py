@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.errors import RopefricError
+from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.answer import SawAnswer, SideAnswer
 from ropefric.systems.bandsaw.identify import identify
 from ropefric.systems.bandsaw.measured import deviations, explain_mounting
@@ -14,7 +15,7 @@ from ropefric.systems.bandsaw.problem import SawProblem
 from ropefric.systems.bandsaw.resonance import find_crossings, margins
 from ropefric.systems.bandsaw.saw import Saw, Side
 
-__all__ = ["saw_of", "saw_tree"]
+__all__ = ["planned_saw", "saw_of", "saw_tree", "speeds_m_s"]
 
 _NEAREST = 10
 _SPEEDS = 200
@@ -27,12 +28,9 @@ def saw_tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     tree: dict[str, Any] = {side.value: _side(one) for side, one in answer.sides.items()}
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
-    saw = saw_of(problem)
-    if saw is None:
+    saw, planned = saw_of(problem), planned_saw(answer, problem)
+    if saw is None or planned is None:
         return tree
-    # Which mounting explains a measurement depends on whether the plan has a string or a stiff blade.
-    stiff = answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any()
-    planned = saw if stiff else replace(saw, bending_stiffness_N_m2=0.0)
     if problem.excitations:
         tree["resonance"] = _resonance(planned, problem)
     if problem.measurements:
@@ -72,6 +70,17 @@ def saw_of(problem: SawProblem) -> Saw | None:
         ends=problem.ends,
         **{name: float(value[0]) for name, value in optional.items() if value is not None},
     )
+
+
+def planned_saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
+    """Return the saw with a stiff blade only if the plan has one; None where its wheels are not known.
+
+    Which mounting explains a measurement, and where a mode meets an excitation, depends on it.
+    """
+    saw = saw_of(problem)
+    if saw is None or answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any():
+        return saw
+    return replace(saw, bending_stiffness_N_m2=0.0)
 
 
 def _side(one: SideAnswer) -> dict[str, Any]:
@@ -117,12 +126,12 @@ def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
                 "speed_margin": _finite(one.speed_margin),
             }
             for side in (Side.TIGHT, Side.SLACK)
-            for one in find_crossings(saw, side, problem.excitations, _speeds(saw, side), problem.n_modes)
+            for one in find_crossings(saw, side, problem.excitations, speeds_m_s(saw, side), problem.n_modes)
         ],
     }
 
 
-def _speeds(saw: Saw, side: Side) -> Any:
+def speeds_m_s(saw: Saw, side: Side) -> FloatArray:
     """Return speeds from rest to half as fast again as at work, or to nearly the critical speed."""
     static_N = saw.preload_N + 0.5 * side.sign * saw.tension_difference_N
     held = saw.linear_density_kg_m * max(1.0 - saw.mounting_factor, 1e-3)

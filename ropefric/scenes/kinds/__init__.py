@@ -1,4 +1,4 @@
-"""All kinds of scenes, found by the name of their system; a new one is a file here that declares KIND, and its name."""
+"""All kinds of scenes by the name of their system; a new one is a file here that declares KIND, and its name."""
 
 from collections.abc import Iterator, Mapping
 from importlib import import_module

@@ -14,6 +14,8 @@ from ropefric.scenes.kinds.press_report import press_quantities, press_tree
 from ropefric.scenes.kinds.press_schema import PressScene
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.problem import PressProblem
+from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.steady import steady_state
 from ropefric.systems.press.system import SYSTEM
 
 __all__ = ["KIND"]
@@ -58,7 +60,15 @@ def _in_one_call(model: object) -> bool:
 
 
 def _answerable(problem: PressProblem) -> npt.NDArray[np.bool_]:
-    return np.ones(problem.n, dtype=np.bool_)
+    """Return where no span is slack at rest; speed can only slacken further."""
+    still = steady_state(
+        solve_statics(problem.press, closure=problem.closure),
+        preload_N=problem.preload_N,
+        speed_m_s=np.zeros(problem.n),
+        load_factor=problem.load_factor,
+        on_slack="flag",
+    )
+    return np.asarray(~still.slack)
 
 
 KIND = Kind(

@@ -24,7 +24,8 @@ def press_quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quanti
         Quantity(name="largest_utilisation", value=use.max(axis=-1)),
         Quantity(name="power_W", value=drive_power_W(answer.state)),
         *(
-            Quantity(name=f"slip.{name}.utilisation", value=use[..., place])
+            Quantity(name=f"slip.{name}.{measure}", value=getattr(answer.slip, measure)[..., place])
+            for measure in ("utilisation", "as_plotted", "as_printed")
             for place, name in enumerate(answer.slip.rollers)
         ),
         *(
@@ -53,10 +54,27 @@ def press_tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
         "undetermined": list(answer.statics.undetermined),
         "speed_m_s": float(answer.state.speed_m_s[0]),
     }
+    tree["loads"] = _loads(answer)
     tree |= _first(answer)
     if answer.start_up is not None:
         tree["start_up"] = answer.start_up.summary()
     return tree
+
+
+def _loads(answer: PressAnswer) -> dict[str, Any]:
+    """Return what the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9)."""
+    press = answer.model.press
+    factor = float(answer.model.load_factor[0])
+    by_roller = {}
+    for roller in press.rollers:
+        if roller.torque_N_m:
+            width_m = max(belt.width_m for belt in press.belts if roller.name in belt.loop)
+            by_roller[roller.name] = {
+                "gravity_pull_N": factor * roller.gravity_torque_N_m / roller.radius_m,
+                "squeeze_N_m": factor * roller.squeeze_torque_N_m / (width_m * roller.radius_m),
+            }
+    total_N = sum(roller.torque_N_m / roller.radius_m for roller in press.rollers)
+    return {"by_roller": by_roller, "total_N": factor * total_N}
 
 
 def _first(answer: PressAnswer) -> dict[str, Any]:

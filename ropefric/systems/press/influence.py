@@ -9,11 +9,12 @@ each roller over the largest U with everything in; leaving out several effects a
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
 
-from ropefric.errors import RopefricError
+from ropefric.errors import RopefricError, SolverError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.press.contact import contacts_of
 from ropefric.systems.press.equations import span_density_kg_m
@@ -79,35 +80,60 @@ def _is_idle(name: str, problem: PressProblem) -> bool:
     return name in _TOLD and not problem.friction.law.effects
 
 
+def _largest_change(name: str, problem: PressProblem) -> float:
+    names = _applicable(problem)
+    if name not in names:
+        return 0.0
+    corners = _corners(problem)
+    axis = names.index(name)
+    by_span = np.abs(np.diff(corners.tension_N, axis=axis)) / corners.tension_N[(-1,) * len(names)]
+    use = np.abs(np.diff(corners.utilisation, axis=axis))
+    largest_use = corners.utilisation[(-1,) * len(names)].max(axis=-1, keepdims=True)
+    by_roller = np.divide(
+        use, np.broadcast_to(largest_use, use.shape), out=np.zeros_like(use), where=use > 0.0
+    )
+    return max(float(by_span.max()), float(by_roller.max()))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Corner:
-    """One subset of effects: its tensions and its slip."""
+class _Corners:
+    """Tensions and slip of every subset of effects: one axis of length 2 an effect, then points, then members."""
 
     tension_N: FloatArray
     utilisation: FloatArray
 
 
-def _largest_change(name: str, problem: PressProblem) -> float:
-    applicable = _applicable(problem)
-    if name not in applicable:
-        return 0.0
-    shares = _Shares.of(problem)
-    others = [one for one in applicable if one != name]
-    full = shares.corner(problem, frozenset(applicable))
-    if not (full.tension_N > 0.0).all():
-        return math.inf
-    largest_use = full.utilisation.max(axis=-1, keepdims=True)
-    worst = 0.0
-    for chosen in product((False, True), repeat=len(others)):
-        rest = frozenset(one for one, wanted in zip(others, chosen, strict=True) if wanted)
-        with_it, without = shares.corner(problem, rest | {name}), shares.corner(problem, rest)
-        if not ((with_it.tension_N > 0.0).all() and (without.tension_N > 0.0).all()):
-            return math.inf
-        by_span = np.max(np.abs(with_it.tension_N - without.tension_N) / full.tension_N)
-        use = np.abs(with_it.utilisation - without.utilisation)
-        by_roller = np.max(np.divide(use, largest_use, out=np.zeros_like(use), where=use > 0.0))
-        worst = max(worst, float(by_span), float(by_roller))
-    return worst
+@lru_cache(maxsize=4)
+def _corners(problem: PressProblem) -> _Corners:
+    """Return all subsets at once; the bounds of all effects are read off the same table.
+
+    Raises
+    ------
+    SolverError
+        If a span is slack in some subset: no bound is known then.
+    """
+    names = _applicable(problem)
+    shares = _shares(problem)
+    tension_N = np.empty((2,) * len(names) + shares.base_N.shape)
+    for subset in product((0, 1), repeat=len(names)):
+        chosen = {name for name, flag in zip(names, subset, strict=True) if flag}
+        tension_N[subset] = shares.tension_N(chosen)
+    if not (tension_N > 0.0).all():
+        raise SolverError("a span goes slack without some of the effects")
+    return _Corners(tension_N=tension_N, utilisation=_utilisation(problem, names, tension_N))
+
+
+def _utilisation(problem: PressProblem, names: list[str], tension_N: FloatArray) -> FloatArray:
+    """Return U of every subset; one evaluation of the law for each set of what it is told."""
+    telling = [name for name in names if name in _TOLD]
+    found = np.empty((*tension_N.shape[:-1], len(problem.press.rollers)))
+    for flags in product((0, 1), repeat=len(telling)):
+        told = frozenset[str]().union(
+            *(_TOLD[name] for name, flag in zip(telling, flags, strict=True) if flag)
+        )
+        place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
+        found[place] = utilisation(contacts_of(problem.press, tension_N[place]), problem.friction, told=told)
+    return found
 
 
 def _applicable(problem: PressProblem) -> list[str]:
@@ -140,41 +166,35 @@ class _Shares:
     loads_N: dict[str, FloatArray]
     speed_N: dict[tuple[bool, bool], FloatArray]
 
-    @classmethod
-    def of(cls, problem: PressProblem) -> "_Shares":
-        press = problem.press
-        by_gravity = solve_statics(without_squeeze(press), closure=problem.closure)
-        by_squeeze = solve_statics(without_gravity(press), closure=problem.closure)
-        statics = by_gravity
-        preloads = (
-            np.array([part.tensioner.force_N for part in press.tensioners if part.tensioner is not None])
-            if problem.preload_N is None
-            else np.repeat(problem.preload_N[:, np.newaxis], len(press.tensioners), axis=1)
-        )
-        load = problem.load_factor[:, np.newaxis]
-        squared = problem.speed_m_s[:, np.newaxis] ** 2
-        locked = squared * -span_density_kg_m(press)
-        elastic = squared * speed_shift_kg_m(statics, "elastic") if _stretches(press) else locked
-        return cls(
-            base_N=np.atleast_2d(statics.given_N + preloads @ statics.by_preload.T),
-            loads_N={
-                "gravity-load": load * by_gravity.by_load_N,
-                "squeeze-load": load * by_squeeze.by_load_N,
-            },
-            speed_N={
-                (False, False): locked,
-                (False, True): locked,
-                (True, False): np.zeros_like(locked),
-                (True, True): elastic,
-            },
-        )
-
-    def corner(self, problem: PressProblem, names: frozenset[str]) -> _Corner:
-        tension_N = self.base_N + sum(
-            (share for load, share in self.loads_N.items() if load in names), np.zeros(1)
-        )
+    def tension_N(self, names: set[str]) -> FloatArray:
+        """Return T' with the named effects in."""
+        total = self.base_N + sum(share for load, share in self.loads_N.items() if load in names)
         if "belt-inertia" in names:
-            tension_N = tension_N + self.speed_N["tensioner-spring" in names, "belt-elasticity" in names]
-        told = frozenset[str]().union(*(_TOLD[name] for name in names if name in _TOLD))
-        contacts = contacts_of(problem.press, tension_N)
-        return _Corner(tension_N=tension_N, utilisation=utilisation(contacts, problem.friction, told=told))
+            total = total + self.speed_N["tensioner-spring" in names, "belt-elasticity" in names]
+        return total
+
+
+def _shares(problem: PressProblem) -> _Shares:
+    press = problem.press
+    statics = solve_statics(without_squeeze(press), closure=problem.closure)
+    by_squeeze = solve_statics(without_gravity(press), closure=problem.closure)
+    preloads = (
+        np.array([part.tensioner.force_N for part in press.tensioners if part.tensioner is not None])
+        if problem.preload_N is None
+        else np.repeat(problem.preload_N[:, np.newaxis], len(press.tensioners), axis=1)
+    )
+    load = problem.load_factor[:, np.newaxis]
+    squared = problem.speed_m_s[:, np.newaxis] ** 2
+    locked = squared * -span_density_kg_m(press)
+    elastic = squared * speed_shift_kg_m(statics, "elastic") if _stretches(press) else locked
+    base_N = np.atleast_2d(statics.given_N + preloads @ statics.by_preload.T)
+    return _Shares(
+        base_N=np.broadcast_to(base_N, locked.shape),
+        loads_N={"gravity-load": load * statics.by_load_N, "squeeze-load": load * by_squeeze.by_load_N},
+        speed_N={
+            (False, False): locked,
+            (False, True): locked,
+            (True, False): np.zeros_like(locked),
+            (True, True): elastic,
+        },
+    )

@@ -1,7 +1,8 @@
 """Exact steps of dy/dt = A y + B u(t) with polynomial u, and exact integrals of squares of the solution.
 
 A polynomial of degree r is itself the solution of dp/dt = N p with p_j = τ^j/j!, so one exponential of the joint
-matrix carries both over a step of any length: there is no error of discretisation, however stiff A is.
+matrix carries both over a step of any length: there is no error of discretisation, however stiff A is. Ways and
+speeds differ by the frequencies in size; balanced by powers of two, slow motions keep their digits beside fast ones.
 """
 
 import math
@@ -9,14 +10,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import expm, matrix_balance, schur
+from scipy.linalg import expm, matrix_balance
 
 from ropefric.systems.press.transient.polynomial import FloatArray
 
 __all__ = ["Propagator"]
 
-_STIFF = 50.0
-"""Above this norm an exponential by squaring alone would lose the slow motions beside the fast ones."""
 _TAYLOR_TERMS = 24
 
 
@@ -68,35 +67,20 @@ class Propagator:
 
     @cached_property
     def _balanced(self) -> tuple[FloatArray, FloatArray]:
-        balanced, (scale, _) = matrix_balance(self.state, permute=False, separate=True)
-        return np.asarray(balanced), np.asarray(scale)
-
-    @cached_property
-    def _triangular(self) -> tuple[np.ndarray, np.ndarray]:
-        triangle, basis = schur(self._balanced[0], output="complex")
-        return triangle, basis
+        """Return the generator G of dz/dt = G z over z divided by powers of two, and these."""
+        state, (scale, _) = matrix_balance(self.state, permute=False, separate=True)
+        acting = (self.drive @ self._reversed) / scale[:, None]
+        # Large inputs would make the norm large, and with it the number of doublings and their rounding.
+        excess = float(np.linalg.norm(acting, 1)) / max(float(np.linalg.norm(state, 1)), 1e-300)
+        share = 2.0 ** -math.ceil(math.log2(excess)) if 1.0 < excess < math.inf else 1.0
+        lower = np.zeros((len(self._shift), len(state)))
+        generator = np.block([[state, share * acting], [lower, self._shift]])
+        return generator, np.concatenate([scale, np.full(len(self._shift), share)])
 
     def step(self, length_s: float) -> FloatArray:
         """Return the matrix that carries z over a step, shape (n + r + 1, n + r + 1)."""
-        balanced, scale = self._balanced
-        n = len(scale)
-        acting = (self.drive @ self._reversed) / scale[:, None]
-        if np.linalg.norm(balanced, 1) * length_s < _STIFF:
-            whole = expm(length_s * _joined(balanced, acting, self._shift))
-        else:
-            # In Schur form the fast and the slow motions stand apart on the diagonal, where expm keeps each exact.
-            triangle, basis = self._triangular
-            inner = expm(length_s * _joined(triangle, basis.conj().T @ acting, self._shift))
-            whole = np.block(
-                [
-                    [basis @ inner[:n, :n] @ basis.conj().T, basis @ inner[:n, n:]],
-                    [inner[n:, :n], inner[n:, n:]],
-                ]
-            ).real
-        whole = np.asarray(whole, dtype=np.float64)
-        whole[:n] *= scale[:, None]
-        whole[:, :n] /= scale
-        return whole
+        generator, weights = self._balanced
+        return np.asarray(weights[:, None] * expm(length_s * generator) / weights)
 
     def integrals(self, forms: FloatArray, length_s: float) -> FloatArray:
         """Return the matrices X with zᵀ X z = ∫ wᵀ S w dt over a step that starts at z.
@@ -114,10 +98,7 @@ class Propagator:
             From dX/dh = Gᵀ X + X G + S by its series over a short step and then
             X(2h) = X(h) + Φ(h)ᵀ X(h) Φ(h), which stays accurate where a closed formula overflows.
         """
-        balanced, scale = self._balanced
-        n = len(scale)
-        generator = _joined(balanced, (self.drive @ self._reversed) / scale[:, None], self._shift)
-        weights = np.concatenate([scale, np.ones(len(generator) - n)])
+        generator, weights = self._balanced
         reading = self.read * weights
         doublings = max(
             0, math.ceil(math.log2(max(float(np.linalg.norm(generator, 1)) * length_s, 1e-300))) + 1
@@ -134,7 +115,3 @@ class Propagator:
             total = total + flow.T @ total @ flow
             flow = flow @ flow
         return np.asarray(total / np.outer(weights, weights))
-
-
-def _joined(state: np.ndarray, acting: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    return np.block([[state, acting], [np.zeros((len(shift), len(state))), shift]])

@@ -70,7 +70,7 @@ def histories_of(
         )
         if first.limit is not None:
             # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
-            lifted = np.minimum(upstream, downstream) <= 0.0
+            lifted = (pressing <= 0.0).astype(np.float64) @ np.abs(model.incidence).T > 0.0
             most = np.where(friction >= 0.0, *(_apply_limit(side, w, chosen) for side in (0, 1)))
             share = np.divide(np.abs(friction), most, out=np.zeros_like(most), where=most > 0.0)
             utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.fitting.identifiability import RANK_RATIO
+from ropefric.fitting.identifiability import NOT_SEEN, RANK_RATIO
 
 __all__ = ["bread", "clustered_covariance", "unseen_part"]
 
@@ -57,8 +57,9 @@ def unseen_part(jacobian: FloatArray) -> npt.NDArray[np.bool_]:
 def _decomposed(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     q = jacobian.shape[1]
     length = np.linalg.norm(jacobian, axis=0)
-    length = np.where(length > 0.0, length, 1.0)
-    scaled = np.vstack([jacobian / length, np.zeros((max(q - len(jacobian), 0), q))])
+    seen = length > NOT_SEEN
+    length = np.where(seen, length, 1.0)
+    scaled = np.vstack([np.where(seen, jacobian, 0.0) / length, np.zeros((max(q - len(jacobian), 0), q))])
     _, values, rows = np.linalg.svd(scaled, full_matrices=False)
     return length, values, rows
 

@@ -14,10 +14,14 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.search import search
 from ropefric.fitting.settings import FitSettings, check_settings
 from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 
 __all__ = ["fit_law", "problem_of"]
+
+_LARGEST = 1e100
+"""Beyond this the squares of residuals and slopes, and their sums, are no floats."""
 
 
 def fit_law(
@@ -120,6 +124,7 @@ def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> Fi
             "no trial of the table can be used", code="RF410", fix="check the columns kept and status"
         )
     conditions, log_lift = table.conditions(), table.log_lift()
+    _check_range(conditions)
     bounds, starts, held = settings.bounds or {}, settings.start or {}, settings.fixed
     spans = [bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
     lower, upper = np.array(spans, dtype=np.float64).T
@@ -145,3 +150,15 @@ def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> Fi
         upper=upper,
         vary=np.array(vary),
     )
+
+
+def _check_range(conditions: Conditions) -> None:
+    for name in ("size_ratio", "wrap_angle_rad"):
+        too_large = getattr(conditions, name) > _LARGEST
+        if too_large.any():
+            at = conditions.describe(int(np.argmax(too_large)))
+            raise InputError(
+                f"{name} is above {_LARGEST:g} at {at}: no sum of squares holds it",
+                code="RF410",
+                fix="correct the trial or its units, or leave it out",
+            )

@@ -14,6 +14,8 @@ FloatArray = npt.NDArray[np.float64]
 
 # Rounding of the Jacobian alone gives ratios up to this.
 RANK_RATIO = 1e8
+# A parameter whose slopes are below this has a variance that no float holds: it changes nothing.
+NOT_SEEN = 1e-150
 # Part of a parameter in the weak direction from which it is named.
 _TAKES_PART = 0.15
 
@@ -83,8 +85,8 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     """
     q = len(names)
     length = np.linalg.norm(jacobian, axis=0)
-    dead = length == 0.0
-    scaled = jacobian / np.where(dead, 1.0, length)
+    dead = length <= NOT_SEEN
+    scaled = np.where(dead, 0.0, jacobian) / np.where(dead, 1.0, length)
     # Fewer points than parameters leave some combinations unseen: zero rows make them show up as zeros.
     padded = np.vstack([scaled, np.zeros((max(q - len(scaled), 0), q))])
     _, values, rows = np.linalg.svd(padded, full_matrices=False)

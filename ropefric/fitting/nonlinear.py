@@ -22,6 +22,9 @@ _NEAR_BOUND = 1e-4
 # What a step onto a bound may cost in χ².
 _FREE = 1e-6
 _POLISH_STEPS = 6
+# By how much rounding may raise χ² at its minimum, and how small a step must be to be about the last digits.
+_ROUNDED = 1e-12
+_LAST_DIGITS = 1e-6
 # A gain in χ² by this part of the mean squared residual is no gain.
 _FLAT = 1e-3
 _RANK = 1e-6
@@ -265,20 +268,29 @@ def _onto_bounds(task: _Task, theta: FloatArray) -> FloatArray:
 
 
 def _polish(task: _Task, theta: FloatArray) -> FloatArray:
-    """Return theta after Gauss-Newton steps inside the bounds, as long as they help: the last digits."""
+    """Return theta after Gauss-Newton steps inside the bounds, as long as they help: the last digits.
+
+    χ² is flat at its minimum and stops falling when half the digits are right. From there on a small step counts as
+    help as long as the next one is less than half as long, which rounding does not do.
+    """
     best = task.residual(theta)
+    previous = np.inf
     for _ in range(_POLISH_STEPS):
         inside = task.free & (theta > task.low) & (theta < task.high)
         if not inside.any():
             break
-        step = np.linalg.lstsq(task.jacobian(theta)[:, inside], -best, rcond=1e-10)[0]
+        slopes = task.jacobian(theta)[:, inside]
+        step = np.linalg.lstsq(slopes, -best, rcond=1e-10)[0]
         moved = theta.copy()
         moved[inside] += step
         outside = ((moved <= task.low) | (moved >= task.high))[inside].any()
         if outside or not task.admissible(moved):
             break
         trial = task.residual(moved)
-        if not trial @ trial < best @ best:
+        length = float(np.linalg.norm(slopes @ step))
+        small = bool((np.abs(step) <= _LAST_DIGITS * np.abs(theta[inside])).all())
+        settling = small and 2.0 * length < previous and trial @ trial <= (1.0 + _ROUNDED) * (best @ best)
+        if not (trial @ trial < best @ best or settling):
             break
-        theta, best = moved, trial
+        theta, best, previous = moved, trial, length
     return theta

@@ -215,7 +215,9 @@ class FitResult:
                 [[_number(cell) for cell in row] for row in tree["covariance"]], dtype=np.float64
             ),
             covariance_kind=tree["covariance_kind"],
-            statistics=FitStatistics(**{key: _number(value) for key, value in tree["statistics"].items()}),
+            statistics=FitStatistics(
+                **{key: _statistic(key, value) for key, value in tree["statistics"].items()}
+            ),
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
@@ -234,13 +236,17 @@ def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
     return FittedParameter(
         name=name,
         value=float(item["value"]),
-        std=_number(item["std"], gone),
-        ci95=(_number(low, -gone), _number(high, gone)),
-        lower=_number(item["lower"], -inf),
-        upper=_number(item["upper"], inf),
+        std=float(_number(item["std"], gone)),
+        ci95=(float(_number(low, -gone)), float(_number(high, gone))),
+        lower=float(_number(item["lower"], -inf)),
+        upper=float(_number(item["upper"], inf)),
         at_bound=at_bound,
         vary=bool(item["vary"]),
     )
+
+
+def _statistic(key: str, value: Any) -> Any:
+    return _number(value) if key in {"n", "n_conditions", "dof"} else float(_number(value))
 
 
 def _number(value: Any, gone: float = nan) -> Any:
@@ -248,6 +254,8 @@ def _number(value: Any, gone: float = nan) -> Any:
         return gone
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise TypeError(f"{value!r:.40} is no number")
+    if not isfinite(float(value)):
+        raise TypeError(f"{value!r:.40} is no number that a fit can hold")
     return value
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from ropefric.errors import DataError
 from ropefric.fitting.result import SCHEMA, FitResult
+from ropefric.fitting.soundness import faults
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 
@@ -105,7 +106,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     """
     shown = Path(path).as_posix()
     try:
-        tree = json.loads(Path(path).read_bytes())
+        tree = json.loads(Path(path).read_bytes(), parse_constant=_no_number)
     except OSError as error:
         reason = "no such file" if isinstance(error, FileNotFoundError) else str(error.strerror)
         raise DataError(f"cannot read the fit: {reason}", path=shown, fix="give a file from fits/") from None
@@ -115,13 +116,15 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
         raise DataError(
             f"the JSON is damaged: {error.msg}", path=shown, line=error.lineno, fix=_AGAIN
         ) from None
+    except ValueError as error:  # NaN and Infinity, or a whole number of thousands of digits
+        raise DataError(f"the JSON is damaged: {error}", path=shown, fix=_AGAIN) from None
     except RecursionError:
         raise DataError("the JSON is nested too deep for a fit", path=shown, fix=_AGAIN) from None
     _check_schema(tree, shown)
     _check_fields(tree, shown)
     try:
         fit = FitResult.from_dict(tree)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         what = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
         raise DataError(f"the fit is damaged: {what}", code="RF431", path=shown, fix=_AGAIN) from None
     p = len(fit.parameters)
@@ -135,7 +138,13 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
             path=shown,
             fix=_AGAIN,
         )
+    for fault in faults(fit):
+        raise DataError(f"the fit is damaged: {fault}", code="RF431", path=shown, fix=_AGAIN)
     return fit
+
+
+def _no_number(word: str) -> None:
+    raise ValueError(f"{word} is no number in JSON")
 
 
 def _check_schema(tree: Any, shown: str) -> None:
@@ -163,7 +172,7 @@ def _check_schema(tree: Any, shown: str) -> None:
 
 def _check_fields(tree: dict[str, Any], shown: str) -> None:
     law = tree.get("law")
-    if law not in ALL_LAWS:
+    if not isinstance(law, str) or law not in ALL_LAWS:
         raise DataError(
             f"the friction law {str(law)[:60]!r} is not known",
             code="RF430",

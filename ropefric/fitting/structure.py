@@ -16,6 +16,8 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 _SAME = 1e-9
+# Where there is no scatter at all, what is left over is rounding and where the search stopped: no trend.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,6 +143,8 @@ def _trend(
         return None
     ratio = float(explained @ explained) / extra.shape[1] / (rest / dof)
     size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
+    if size < _ROUNDING:
+        return None
     return Trend(regressor=name, size=size, p_value=float(fdtrc(extra.shape[1], dof, ratio)))
 
 

@@ -6,6 +6,7 @@ from math import nan, sqrt
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.errors import InputError
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.law import FrictionLaw
 
@@ -89,21 +90,36 @@ def shared_variance(law: FrictionLaw, theta: FloatArray, table: TrialTable) -> F
         Parameters.
     table : TrialTable
         The trials.
+
+    Raises
+    ------
+    InputError
+        As the law, and where an uncertainty is so large that its square overflows.
     """
     used = table.used
-    chain = np.nan_to_num(table.peak_std_N[used] / table.peak_N[used])
-    settings = np.stack(
-        [
-            table.wheel_radius_std_m[used],
-            table.wrap_std_rad[used],
-            table.end_tension_std_N[used] / table.end_tension_N[used],
-        ],
-        axis=-1,
-    )
-    variance: FloatArray = chain**2
-    if settings.any():
-        slopes = law.log_lift_gradient_conditions(theta, table.conditions())
-        variance = variance + ((slopes * settings) ** 2).sum(axis=-1)
+    # What overflows is refused right after.
+    with np.errstate(over="ignore", invalid="ignore"):
+        chain = np.nan_to_num(table.peak_std_N[used] / table.peak_N[used])
+        settings = np.stack(
+            [
+                table.wheel_radius_std_m[used],
+                table.wrap_std_rad[used],
+                table.end_tension_std_N[used] / table.end_tension_N[used],
+            ],
+            axis=-1,
+        )
+        variance: FloatArray = chain**2
+        if settings.any():
+            slopes = law.log_lift_gradient_conditions(theta, table.conditions())
+            variance = variance + ((slopes * settings) ** 2).sum(axis=-1)
+    wrong = ~np.isfinite(variance)
+    if wrong.any():
+        trial = np.array(table.trial)[used][int(np.argmax(wrong))]
+        raise InputError(
+            f"the uncertainties given for trial '{trial}' amount to more than any number of ln F_A",
+            code="RF410",
+            fix="correct the columns that end in _std",
+        )
     return variance
 
 

@@ -39,8 +39,8 @@ class Conditions:
     Raises
     ------
     InputError
-        If the lengths disagree, or a value is not finite or outside its range; the message names the first
-        such value and its index.
+        If the lengths disagree, or a value is not finite or outside its range, or R_w and R_r are so far apart
+        that no float holds their ratio; the message names the first such value and its index.
 
     Examples
     --------
@@ -70,6 +70,7 @@ class Conditions:
             spread = np.broadcast_to(array, shape).copy()
             spread.flags.writeable = False
             object.__setattr__(self, name, spread)
+        _check_sizes(self.wheel_radius_m, self.rope_radius_m)
 
     def __len__(self) -> int:
         return self.wheel_radius_m.size
@@ -115,6 +116,21 @@ class Conditions:
             f"condition {index} (R_w = {self.wheel_radius_m[index]:.6g} m, "
             f"R_r = {self.rope_radius_m[index]:.6g} m, wrap = {self.wrap_angle_rad[index]:.6g} rad, "
             f"F_B = {self.end_tension_N[index]:.6g} N)"
+        )
+
+
+def _check_sizes(wheel_m: FloatArray, rope_m: FloatArray) -> None:
+    """Refuse sizes so far apart, or so large, that their ratio or their sum is no float."""
+    with np.errstate(over="ignore", under="ignore"):
+        ratio = wheel_m / rope_m
+        wrong = ~((ratio > 0.0) & np.isfinite(ratio) & np.isfinite(wheel_m + rope_m))
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise InputError(
+            f"wheel_radius_m[{first}] is {wheel_m[first]:g} m and rope_radius_m[{first}] {rope_m[first]:g} m: "
+            "no number holds R_w/R_r or R_w + R_r",
+            key="wheel_radius_m",
+            fix="give both in metres",
         )
 
 

@@ -61,9 +61,14 @@ class ExponentialWrap:
         self, columns: Columns, conditions: Conditions
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
-        by_wrap = self.local_mu(columns, conditions.wrap_angle_rad, conditions)
-        shift = self._shift(columns, conditions, self._start(columns, conditions))
-        return np.array(0.0), by_wrap, 1.0 - shift
+        a, b, c = columns
+        phi = conditions.wrap_angle_rad
+        p = self._start(columns, conditions)
+        before, after = a * np.exp(b * p) + c, a * np.exp(b * (p + phi)) + c
+        if not self.equivalence:
+            return np.array(0.0), after, np.array(1.0)
+        # The quotient itself: 1 − `_shift` has no digits left where nearly all of μ(φ0) is lost.
+        return np.array(0.0), after, np.where(before > 0.0, after / np.where(before > 0.0, before, 1.0), 1.0)
 
     def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
         """Return μ at φ0 + wrap."""

@@ -161,8 +161,14 @@ def log_force_ratio(end_tension_N: npt.ArrayLike, reference_N: npt.ArrayLike = 1
     _refuse_where(
         F_B < F_0, F_B, "F_B = {} N is below the reference force F_0, so no wrap angle stands for it"
     )
-    # Near F_0 the difference is exact and the quotient is not.
-    return np.where(F_B < 2.0 * F_0, np.log1p((F_B - F_0) / F_0), np.log(F_B / F_0))
+    # Near F_0 the difference is exact and the quotient is not; far from it the quotient may be no float.
+    with np.errstate(over="ignore"):
+        near, quotient = F_B < 2.0 * F_0, F_B / F_0
+        return np.select(
+            [near, np.isfinite(quotient)],
+            [np.log1p((F_B - F_0) / F_0), np.log(quotient)],
+            np.log(F_B) - np.log(F_0),
+        )
 
 
 def log_lift_power(
@@ -207,9 +213,10 @@ def log_lift_power(
     _check_coefficients(a, c, y)
     _refuse_where(b <= -1.0, b, "the exponent b is {}; for b <= -1 the integral from 0 diverges: no φ0")
     some = delta > 0.0
-    span = power_span(power_log_start(y, a, b, c), np.where(some, delta, 1.0), b)
-    rise = np.where(some, a * span.integral() + c * delta, 0.0)
-    return _all_finite(np.log(end_tension_N) + rise)
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        span = power_span(power_log_start(y, a, b, c), np.where(some, delta, 1.0), b)
+        rise = np.where(some, a * span.integral() + c * delta, 0.0)
+        return _all_finite(np.log(end_tension_N) + rise)
 
 
 def log_lift_exponential(
@@ -235,13 +242,13 @@ def log_lift_exponential(
     delta, a, b, c = _arrays(wrap_rad=wrap_rad, a=a, b=b, c=c)
     _check_coefficients(a, c, y)
     _refuse_where(b > 0.0, b, "the rate b is {} per rad; it must be zero or negative")
-    saturated = (c == 0.0) & (y > 0.0) & (-b * y >= a)
-    _refuse_where(
-        saturated, y + 0.0 * a, "ln(F_B/F_0) = {} is beyond a/|b|, where the integral saturates: no φ0"
-    )
-    return _all_finite(
-        np.log(end_tension_N) + exponential_rise(exponential_start_rad(y, a, b, c), delta, a, b, c)
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        saturated = (c == 0.0) & (y > 0.0) & (-b * y >= a)
+        _refuse_where(
+            saturated, y + 0.0 * a, "ln(F_B/F_0) = {} is beyond a/|b|, where the integral saturates: no φ0"
+        )
+        rise = exponential_rise(exponential_start_rad(y, a, b, c), delta, a, b, c)
+        return _all_finite(np.log(end_tension_N) + rise)
 
 
 def _arrays(**values: npt.ArrayLike) -> list[FloatArray]:
@@ -265,7 +272,8 @@ def _check_start(p: FloatArray, b: FloatArray) -> None:
 def _check_coefficients(a: FloatArray, c: FloatArray, y: FloatArray) -> None:
     _refuse_where(a < 0.0, a, "a is {}, negative: μ must not be")
     _refuse_where(c < 0.0, c, "c is {}, negative: μ must not be")
-    _refuse_where((a + c <= 0.0) & (y > 0.0), a + c + 0.0 * y, "μ is {} everywhere: no wrap stands for F_B")
+    nothing = (a <= 0.0) & (c <= 0.0) & (y > 0.0)
+    _refuse_where(nothing, np.zeros_like(y), "μ is {} everywhere: no wrap stands for F_B")
 
 
 def _refuse_where(where: npt.ArrayLike, values: FloatArray, message: str) -> None:

@@ -14,6 +14,8 @@ from ropefric.friction.physics import Columns, Physics, evaluated, reason, refus
 
 __all__ = ["FrictionLaw", "Parameter"]
 
+_LEAST_WRAP_RAD = 1e-290
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionLaw:
@@ -189,16 +191,16 @@ class FrictionLaw:
         Raises
         ------
         InputError
-            As `log_lift`, and where the wrap angle is zero: the average over nothing does not exist.
+            As `log_lift`, and where the wrap angle is below 1e-290 rad: the average over nothing does not exist.
         """
-        if not conditions.wrap_angle_rad.all():
+        if (conditions.wrap_angle_rad < _LEAST_WRAP_RAD).any():
             first = int(np.argmin(conditions.wrap_angle_rad))
             raise InputError(
                 f"{self.name}: no average coefficient over a wrap of zero at {conditions.describe(first)}",
                 key="wrap_angle_rad",
                 fix="leave out the conditions with zero wrap",
             )
-        return self._rise(theta, conditions) / conditions.wrap_angle_rad
+        return self._rise(theta, conditions, per=conditions.wrap_angle_rad)
 
     def guess(self, conditions: Conditions, log_lift: npt.ArrayLike) -> FloatArray:
         """Return parameters to start a fit from, inside the bounds.
@@ -213,7 +215,7 @@ class FrictionLaw:
         Returns
         -------
         ndarray, shape (p,)
-            The start.
+            The start; the parameters' typical values where no number of the data leads to a better one.
         """
         data = np.asarray(log_lift, dtype=np.float64)
         if data.shape != (len(conditions),) or not np.isfinite(data).all():
@@ -280,11 +282,13 @@ class FrictionLaw:
             raise InputError(f"{self.name} does not count an end tension as wrap", fix="use it as it is")
         return self.variant
 
-    def _rise(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
+    def _rise(
+        self, theta: npt.ArrayLike, conditions: Conditions, per: FloatArray | float = 1.0
+    ) -> FloatArray:
         columns = self._checked(theta, conditions)
-        return evaluated(lambda: (self.physics.rise(columns, conditions),), columns, conditions, self.name)[
-            ..., 0
-        ]
+        return evaluated(
+            lambda: (self.physics.rise(columns, conditions) / per,), columns, conditions, self.name
+        )[..., 0]
 
     def _columns(self, theta: npt.ArrayLike) -> Columns:
         return columns_of(theta, self.parameter_names, self.name)

@@ -99,8 +99,9 @@ def log_lift_moving(
     speed = np.asarray(speed_m_s, dtype=np.float64)
     if not (np.isfinite(density) & (density >= 0.0)).all() or not np.isfinite(speed).all():
         raise InputError("the mass per length must be finite and zero or more, and the speed finite")
-    inertia_N = density * speed**2 + np.zeros(len(conditions))
-    floating = conditions.end_tension_N <= inertia_N
+    with np.errstate(over="ignore", invalid="ignore"):
+        inertia_N = density * speed**2 + np.zeros(len(conditions))
+    floating = ~(conditions.end_tension_N > inertia_N)
     if floating.any():
         first = int(np.argmax(floating))
         raise InputError(
@@ -125,6 +126,11 @@ def rim_speed_m_s(
 ) -> FloatArray:
     """Return the speed of the rope's centreline v = ω (R_w + R_r) [m/s].
 
+    Raises
+    ------
+    InputError
+        If a number is not finite, or the speed is none.
+
     Examples
     --------
     >>> float(rim_speed_m_s(100.0, 0.04, 0.005).round(6))
@@ -133,4 +139,10 @@ def rim_speed_m_s(
     omega, R_w, R_r = (
         np.asarray(value, dtype=np.float64) for value in (angular_speed_rad_s, wheel_radius_m, rope_radius_m)
     )
-    return omega * (R_w + R_r)
+    with np.errstate(over="ignore", invalid="ignore"):
+        speed = omega * (R_w + R_r)
+    if not np.isfinite(speed).all():
+        raise InputError(
+            "the speed omega (R_w + R_r) is not finite", key="angular_speed_rad_s", fix="give SI numbers"
+        )
+    return speed

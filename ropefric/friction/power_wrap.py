@@ -96,9 +96,11 @@ class PowerWrap:
         by_m, by_tension = span.integral() * some, np.ones_like(phi + m)
         if self.equivalence:
             u = span.log_start
-            shift = -np.expm1(k * span.length) * _power_share(m, k, d, u) * some
+            share = _power_share(m, k, d, u)
+            shift = -np.expm1(k * span.length) * share * some
             by_m = by_m + shift * np.exp(span.s * u) / span.s
-            by_tension = 1.0 - shift
+            # Not 1 − shift, which loses its digits for F_B → F_0, where μ(φ0) is very large.
+            by_tension = np.where(some, _plateau_share(m, k, d, u) + np.exp(k * span.length) * share, 1.0)
         at = self._log_angle(m, k, d, conditions, phi)
         return self.strength_by_radius(columns, conditions) * by_m, _local(m, k, d, at), by_tension
 
@@ -151,3 +153,10 @@ def _power_share(m: FloatArray, k: FloatArray, d: FloatArray, u: FloatArray) -> 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         share = 1.0 / (1.0 + d / m * np.exp(-k * u))
     return np.where(m > 0.0, share, 0.0)
+
+
+def _plateau_share(m: FloatArray, k: FloatArray, d: FloatArray, u: FloatArray) -> FloatArray:
+    """Return d/(m p^k + d), the part of μ(p) that stays."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        share = np.where(d > 0.0, 1.0 / (1.0 + m / d * np.exp(k * u)), 0.0)
+    return np.where(m > 0.0, share, 1.0)

@@ -72,8 +72,25 @@ def searched_start(
     Returns
     -------
     ndarray, shape (p,)
-        The set with the least sum of absolute residuals after a few steps; a fixed parameter keeps its start.
+        The set with the least sum of absolute residuals after a few steps; a fixed parameter keeps its start. The
+        parameters' typical values where the data lead nowhere.
     """
+    typical = np.array([parameter.start for parameter in law.parameters])
+    try:
+        # Data at the ends of what a float holds overflow on the way.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            found = _searched(law, conditions, log_lift, candidates)
+    except (InputError, np.linalg.LinAlgError):
+        return typical
+    return found if np.isfinite(found).all() else typical
+
+
+def _searched(
+    law: FrictionLaw,
+    conditions: Conditions,
+    log_lift: FloatArray,
+    candidates: Callable[[Conditions, FloatArray], FloatArray],
+) -> FloatArray:
     if len(conditions) > _MAX_CONDITIONS:
         rows = np.linspace(0, len(conditions) - 1, _MAX_CONDITIONS).round().astype(np.int64)
         conditions, log_lift = conditions.select(rows), log_lift[rows]

@@ -171,13 +171,13 @@ def _comparison(tree: dict[str, Any]) -> list[Section]:
             str(one["mode"]),
             _number(one["measured_Hz"], ".2f"),
             _number(one["model_Hz"], ".2f"),
-            f"{100 * one['relative']:+.1f} %",
+            "–" if one["relative"] is None else f"{100 * one['relative']:+.1f} %",
         )
         for one in tree["comparison"]["deviations"]
     )
     lines = tuple(
         f"{one['side']} mode {one['mode']}: {one['measured_Hz']:g} Hz would need a mounting factor of "
-        f"{one['mounting_factor']:.2f}. {one['advice']}"
+        f"{_number(one['mounting_factor'], '.2f')}. {one['advice']}"
         for one in tree["comparison"]["mounting"]
     )
     headings = ("model", "side", "mode", "measured [Hz]", "model [Hz]", "deviation")

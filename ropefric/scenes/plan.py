@@ -142,7 +142,9 @@ def make_plan(
     total = sum(bounds[name] for name in bounds if name not in simulated)
     model = assemble(system, problem, simulated)
     left_out_error = math.expm1(total) if total < 700.0 else math.inf
-    method = system.method(model, max(accuracy - left_out_error, _METHOD_SHARE * accuracy))
+    # What the method errs by counts on top of an answer that may be off by what was left out already.
+    budget = max(accuracy - left_out_error, _METHOD_SHARE * accuracy) / (1.0 + min(left_out_error, 1.0))
+    method = system.method(model, budget)
     error_bound = math.inf
     if math.isfinite(left_out_error):
         error_bound = left_out_error + method.error * (1.0 + left_out_error)

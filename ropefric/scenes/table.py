@@ -1,7 +1,7 @@
 """A sweep as a CSV file: written fast, because it may have a million rows."""
 
 from collections.abc import Mapping
-from math import prod
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -38,19 +38,20 @@ def write_sweep(sweep: Sweep, path: Path) -> Path:
     DataError
         If it cannot be written.
     """
-    shape, total = sweep.shape, prod(sweep.shape)
     # An axis has few values, so each is put into words once.
-    words = [np.array([f"{value / axis.factor:.10g}" for value in axis.values]) for axis in sweep.axes]
-    row = ",".join(["%s"] * len(words) + ["%.9g"] * len(sweep.columns)) + "\n"
+    words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in sweep.axes]
+    cells = ",".join(["%.9g"] * len(sweep.columns)) + "\n"
+    lines = [word + cells for word in words[-1]]
+    values = np.stack(list(sweep.columns.values()), axis=-1)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as stream:
             stream.write(",".join(header_of(sweep)) + "\n")
-            for start in range(0, total, _BLOCK):
-                places = np.unravel_index(np.arange(start, min(start + _BLOCK, total)), shape)
-                keys = [word[place].tolist() for word, place in zip(words, places, strict=True)]
-                values = [column[start : start + _BLOCK] for column in sweep.columns.values()]
-                stream.write(_rows(row, keys, values))
+            for place, outer in enumerate(product(*words[:-1])):
+                for start in range(0, len(lines), _BLOCK):
+                    rows = lines[start : start + _BLOCK]
+                    first = place * len(lines) + start
+                    stream.write(_rows("".join(outer), rows, values[first : first + len(rows)]))
     except OSError as error:
         raise DataError(
             f"cannot write the sweep: {error.strerror}", code="RF105", path=path, fix="choose another folder"
@@ -79,8 +80,7 @@ def write_columns(columns: Mapping[str, FloatArray], path: Path) -> Path:
     return path
 
 
-def _rows(row: str, keys: list[list[str]], values: list[FloatArray]) -> str:
-    cells: list[list[str] | list[float]] = [*keys, *(column.tolist() for column in values)]
-    size = len(cells[0])
-    text = (row * size) % tuple(cell for line in zip(*cells, strict=True) for cell in line)
-    return text.replace("nan", "") if any(np.isnan(column).any() for column in values) else text
+def _rows(outer: str, rows: list[str], values: FloatArray) -> str:
+    """Return the rows of one block: what stands before all of them, and after it each row's template filled in."""
+    text: str = outer.join(["", *rows]) % tuple(values.ravel().tolist())
+    return text.replace("nan", "") if np.isnan(values).any() else text

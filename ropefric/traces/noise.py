@@ -37,8 +37,13 @@ def resolution(values: FloatArray) -> float:
     >>> resolution(np.array([0.0, 0.5, 0.5, 2.0]))
     0.5
     """
-    steps = np.abs(np.diff(values[:MAX_SAMPLES_FOR_NOISE]))
-    steps = steps[steps > 1e-9 * np.abs(values[:MAX_SAMPLES_FOR_NOISE]).max(initial=0.0)]
+    first = values[:MAX_SAMPLES_FOR_NOISE]
+    if first.size < 2:
+        return 0.0
+    steps = np.abs(np.diff(first))
+    low, high = float(first.min()), float(first.max())
+    # Steps of rounding are none: those of the numbers themselves, which an offset makes larger, and of arithmetic.
+    steps = steps[steps > max(1e-9 * (high - low), 8.0 * float(np.spacing(max(abs(low), abs(high)))))]
     return float(steps.min()) if steps.size else 0.0
 
 

@@ -16,6 +16,11 @@ from ropefric.traces.trace import ForceTrace
 
 __all__ = ["SmoothedForce", "average_over_samples", "average_over_time", "smooth", "window_samples"]
 
+_LARGEST = 1e290
+"""The sum of 10^18 such numbers is still a float."""
+_MOST_SAMPLES = 2**52
+_PIECE = 2**22
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SmoothedForce:
@@ -50,13 +55,15 @@ def window_samples(window_s: float, step_s: float) -> int:
     >>> window_samples(0.010, 1 / 3000)
     31
     """
-    if not (np.isfinite(window_s) and window_s >= 0 and step_s > 0):
+    _refuse_window(window_s, step_s)
+    n_half = float(window_s) / float(step_s) / 2 if step_s >= 1e-300 else np.inf
+    if not n_half < _MOST_SAMPLES:
         raise InputError(
-            f"a smoothing window of {window_s} s at a step of {step_s} s makes no sense",
+            f"a smoothing window of {window_s:g} s holds too many steps of {step_s:g} s to be counted",
             code="RF220",
             fix='give a window such as "10 ms"',
         )
-    return 2 * int(window_s / step_s / 2 + 1e-9) + 1
+    return 2 * int(n_half + 1e-9) + 1
 
 
 def average_over_samples(values: npt.ArrayLike, n_window: int) -> FloatArray:
@@ -75,12 +82,13 @@ def average_over_samples(values: npt.ArrayLike, n_window: int) -> FloatArray:
     Returns
     -------
     ndarray, shape (n,)
-        Means; NaN where a window holds no sample.
+        Means; NaN where a window holds no sample. Their rounding errors are relative to the largest distance of a
+        sample from the first one, not to the mean itself: the sum runs along.
 
     Raises
     ------
     InputError
-        If the window is not odd and positive, or a value is infinite.
+        If the window is not odd and positive, or a value is infinite or above 1e290, so that sums overflow.
 
     Examples
     --------
@@ -119,12 +127,21 @@ def _centred_mean(values: FloatArray, n_window: int) -> FloatArray:
     n = values.size
     half = min(n_window // 2, (n - 1) // 2)
     level = float(values[0])
-    shifted = values - level
-    result = uniform_filter1d(shifted, 2 * half + 1, mode="nearest") if half else shifted.copy()
+    if not half:
+        return values.copy()
+    result = np.empty(n)
+    # Piece by piece, so that a long recording needs no second copy and its running sum does not drift.
+    piece = max(_PIECE, 8 * half)
+    for first in range(0, n, piece):
+        start = max(first - half, 0)
+        shifted = values[start : first + piece + half] - level
+        means = uniform_filter1d(shifted, 2 * half + 1, mode="nearest")
+        result[first : first + piece] = means[first - start : first - start + piece]
     sizes = 2 * np.arange(half) + 1
-    result[:half] = np.cumsum(shifted[: 2 * half])[::2] / sizes
-    result[n - half :] = (np.cumsum(shifted[n - 2 * half :][::-1])[::2] / sizes)[::-1]
-    return result + level
+    result[:half] = np.cumsum(values[: 2 * half] - level)[::2] / sizes
+    result[n - half :] = (np.cumsum((values[n - 2 * half :] - level)[::-1])[::2] / sizes)[::-1]
+    result += level
+    return result
 
 
 def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: float) -> FloatArray:
@@ -144,6 +161,12 @@ def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: fl
     ndarray, shape (n,)
         Means over the samples with |t - t_i| <= window/2; NaN where there is none.
 
+    Raises
+    ------
+    InputError
+        If times and samples differ in number, the times do not increase, or a number is infinite or so large that
+        sums overflow.
+
     Examples
     --------
     >>> average_over_time([0.0, 1.0, 2.0, 10.0], [0.0, 3.0, 6.0, 7.0], 2.0).tolist()
@@ -152,7 +175,8 @@ def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: fl
     time_s = np.asarray(time_s, dtype=np.float64)
     values = np.asarray(values, dtype=np.float64)
     _refuse_infinite(values)
-    window_samples(window_s, 1.0)  # refuses a window that makes no sense
+    _refuse_window(window_s)
+    _refuse_clock(time_s, values)
     if values.size == 0:
         return values.copy()
     half = np.minimum(window_s / 2, np.minimum(time_s - time_s[0], time_s[-1] - time_s))
@@ -223,8 +247,31 @@ def is_uniform(time_s: FloatArray) -> bool:
     return bool(steps_s.max() < 1.5 * mean_s and steps_s.min() > 0.5 * mean_s)
 
 
+def _refuse_window(window_s: float, step_s: float = 1.0) -> None:
+    if not (0 <= window_s < np.inf and 0 < step_s < np.inf):
+        raise InputError(
+            f"a smoothing window of {window_s} s at a step of {step_s} s makes no sense",
+            code="RF220",
+            fix='give a window such as "10 ms"',
+        )
+
+
 def _refuse_infinite(values: FloatArray) -> None:
-    # One pass: the sum of finite numbers and NaN is infinite only where a value is, or overflows.
-    if np.isinf(values).any():
-        index = int(np.flatnonzero(np.isinf(values))[0])
-        raise InputError(f"sample {index} (the first is 0) is infinite", code="RF221")
+    too_large = (values > _LARGEST) | (values < -_LARGEST)
+    if too_large.any():
+        index = int(np.argmax(too_large))
+        what = "infinite" if np.isinf(values[index]) else f"{values[index]:g}: sums of such numbers overflow"
+        raise InputError(
+            f"sample {index} (the first is 0) is {what}", code="RF221", fix="mark it as missing (NaN)"
+        )
+
+
+def _refuse_clock(time_s: FloatArray, values: FloatArray) -> None:
+    _refuse_infinite(time_s)
+    if time_s.shape != values.shape or not (np.diff(time_s) >= 0).all() or np.isnan(time_s).any():
+        raise InputError(
+            f"{time_s.shape} times for {values.shape} samples: as many times as samples, increasing, are needed",
+            code="RF202",
+            key="time_s",
+            fix="mend the time stamps with ropefric.traces.clock.mend_clock first",
+        )

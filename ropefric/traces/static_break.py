@@ -1,5 +1,7 @@
 """The break that ends the loading: where the rope breaks away."""
 
+from math import inf
+
 import numpy as np
 
 from ropefric.traces.arrays import FloatArray
@@ -42,7 +44,9 @@ def first_static_break(view: Glance, drop_N: float) -> int | None:
             break
         base_N = float(force_N[: record + 1].min())
         stop = _end_of_load(force_N, record, base_N)
-        growth = (float(force_N[record:stop].max()) - base_N) / max(float(force_N[record]) - base_N, drop_N)
+        climbed_N = max(float(force_N[record]) - base_N, drop_N)
+        # Numbers so coarse that they show neither noise nor a climb: whatever comes later has outgrown it.
+        growth = (float(force_N[record:stop].max()) - base_N) / climbed_N if climbed_N > 0.0 else inf
         # Noise may put the record well before the slip; the peak is where the slip begins.
         begin = max(record, drop - 2)
         edge = begin + int(np.argmax(force_N[begin : drop + 1]))

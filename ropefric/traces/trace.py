@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
 __all__ = ["BoolArray", "FloatArray", "ForceTrace", "IntArray", "frozen_array"]
 
+_LARGEST = 1e100
+"""Beyond this in s, N or Hz, squares and their sums are no floats any more."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ForceTrace:
@@ -41,7 +44,8 @@ class ForceTrace:
     Raises
     ------
     DataError
-        If the arrays disagree in length, are empty, or time does not strictly increase.
+        If the arrays disagree in length, are empty, time does not strictly increase, or a force, time or step is
+        so large or small (1e100, 1e-100) that floats overflow in its square.
 
     Examples
     --------
@@ -78,6 +82,27 @@ class ForceTrace:
                 code="RF202",
                 path=self.source,
                 fix="mend the time stamps with ropefric.traces.clock.mend_clock first",
+            )
+        self._check_range()
+
+    def _check_range(self) -> None:
+        too_large = np.abs(self.force_N) > _LARGEST
+        if too_large.any():
+            at = int(np.argmax(too_large))
+            raise DataError(
+                f"{self.name}: sample {at + 1} is {self.force_N[at]:g} N, which is no force",
+                code="RF204",
+                path=self.source,
+                fix="correct the unit, or mark the sample as missing (NaN)",
+            )
+        steps_s = np.diff(self.time_s)
+        if max(-self.time_s[0], self.time_s[-1]) > _LARGEST or steps_s.min(initial=1.0) < 1.0 / _LARGEST:
+            raise DataError(
+                f"{self.name}: time runs from {self.time_s[0]:g} s to {self.time_s[-1]:g} s in {self.time_s.size} "
+                "samples, which no clock can",
+                code="RF202",
+                path=self.source,
+                fix="correct the unit of the time, or give the sampling rate",
             )
 
     @property

@@ -1,6 +1,6 @@
 """The smoothing window that fits a trace: its bias on a ramp against the noise it leaves."""
 
-import numpy as np
+import math
 
 from ropefric.errors import InputError
 from ropefric.traces.smoothing import window_samples
@@ -26,7 +26,8 @@ def window_bias_N(loading_rate_N_s: float, window_s: float, step_s: float) -> fl
     >>> round(window_bias_N(200.0, 301 / 3000, 1 / 3000), 3)
     -10.0
     """
-    return -max(loading_rate_N_s, 0.0) * max(window_s - step_s, 0.0) / 2.0
+    rate, beyond_s = max(float(loading_rate_N_s), 0.0), max(float(window_s) - float(step_s), 0.0)
+    return _finite(-rate * (beyond_s / 2.0), "bias", rate, beyond_s)
 
 
 def peak_uncertainty_N(loading_rate_N_s: float, noise_std_N: float, window_s: float, step_s: float) -> float:
@@ -37,9 +38,10 @@ def peak_uncertainty_N(loading_rate_N_s: float, noise_std_N: float, window_s: fl
     >>> round(peak_uncertainty_N(0.0, 1.0, 0.010, 0.001), 3)
     0.316
     """
-    n_window = max(window_s / step_s, 1.0)
+    _check(noise_std_N, step_s)
+    n_window = max(float(window_s) / float(step_s), 1.0)
     bias_N = window_bias_N(loading_rate_N_s, window_s, step_s)
-    return float(np.hypot(noise_std_N / np.sqrt(n_window), bias_N))
+    return _finite(math.hypot(noise_std_N / math.sqrt(n_window), bias_N), "uncertainty", noise_std_N, bias_N)
 
 
 def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *, longest_s: float) -> float:
@@ -73,11 +75,29 @@ def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *,
     >>> round(1000 * choose_window(200.0, 0.5, 1 / 3000, longest_s=0.05), 2)
     1.67
     """
-    if not step_s > 0 or noise_std_N < 0:
-        raise InputError(f"a step of {step_s} s with noise of {noise_std_N} N makes no sense", code="RF220")
-    rate = max(loading_rate_N_s, 0.0)
+    _check(noise_std_N, step_s)
+    rate = max(float(loading_rate_N_s), 0.0)
     wanted_s = longest_s
     if rate > 0:
-        noise_s = noise_std_N / rate  # squares of the two alone may leave the range of a float
-        wanted_s = min(longest_s, float(np.cbrt(2.0 * noise_s * noise_s * step_s)))
-    return window_samples(wanted_s, step_s) * step_s
+        noise_s = float(noise_std_N) / rate  # squares of the two alone may leave the range of a float
+        wanted_s = min(longest_s, math.cbrt(2.0 * noise_s * noise_s * float(step_s)))
+    return _finite(window_samples(wanted_s, step_s) * float(step_s), "window", wanted_s, step_s)
+
+
+def _check(noise_std_N: float, step_s: float) -> None:
+    if not (0 < step_s < math.inf and 0 <= noise_std_N < math.inf):
+        raise InputError(
+            f"a step of {step_s} s with noise of {noise_std_N} N makes no sense",
+            code="RF220",
+            fix="give a positive step and a noise of zero or more",
+        )
+
+
+def _finite(value: float, what: str, *of: float) -> float:
+    if not math.isfinite(value):
+        raise InputError(
+            f"the {what} is {value:g}: {' and '.join(f'{number:g}' for number in of)} are beyond what a float holds",
+            code="RF220",
+            fix="check the units",
+        )
+    return value

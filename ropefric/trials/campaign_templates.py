@@ -4,7 +4,7 @@ import os
 from importlib.resources import files
 from pathlib import Path
 
-from ropefric.errors import InputError
+from ropefric.trials.new_files import write_new_files
 
 __all__ = ["TEMPLATES", "write_templates"]
 
@@ -34,22 +34,6 @@ def write_templates(folder: str | os.PathLike[str], *, overwrite: bool = False) 
     ...     [path.name for path in write_templates(folder)]
     ['campaign.toml', 'trials.csv']
     """
-    paths = tuple(Path(folder) / name for name in TEMPLATES)
     source = files("ropefric.trials") / "templates"
-    contents = [(source / name).read_bytes() for name in TEMPLATES]
-    try:
-        for path in paths:
-            if not overwrite and (path.exists() or path.is_symlink()):
-                fix = "choose another folder, or ask for overwriting"
-                raise InputError("the file is there already", path=path.as_posix(), fix=fix)
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        for path, content in zip(paths, contents, strict=True):
-            path.write_bytes(content)
-    except OSError as error:
-        reason = error.strerror or "not a usable folder"
-        raise InputError(f"the templates cannot be written: {reason}", path=str(folder)) from None
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError("this is not a usable folder name", path=repr(str(folder))) from None
-    return paths
+    contents = {name: (source / name).read_bytes() for name in TEMPLATES}
+    return write_new_files(folder, contents, overwrite=overwrite)

@@ -162,7 +162,7 @@ def test_verify_makes_the_fits_again(campaign, fit):
 def test_verify_finds_changed_numbers_and_changed_data(campaign, fit):
     path = save_fit(fit, campaign / "fits" / "wrap-power.json")
     tree = json.loads(path.read_text(encoding="utf-8"))
-    tree["parameters"]["a"]["value"] *= 1.01
+    tree["parameters"]["a"]["value"] *= 1.001
     path.write_text(json.dumps(tree), encoding="utf-8")
     (found,) = verify_fits(campaign / "fits")
     assert not found.ok

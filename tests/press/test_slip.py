@@ -339,7 +339,7 @@ def test_a_law_without_friction_is_refused(paper_press):
     friction = WrapFriction(
         law=LAWS["constant"], theta=np.array([0.0]), reference=one_condition(0.2, 0.0025, 2.0, 500.0)
     )
-    with pytest.raises(InputError, match="constant gives roller 1 no friction at all"):
+    with pytest.raises(InputError, match="roller 1: there is no friction at all"):
         utilisation(contacts, friction)
 
 

@@ -9,7 +9,7 @@ from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.systems.press.transient.model import elastic_press
 from ropefric.systems.press.transient.spectrum import rk4_limit_s, spectrum_of
 
-TIMES_S = np.linspace(0.0, 2.5, 26)
+TIMES_S = np.linspace(0.0, 1.5, 16)
 
 
 def error(problem, found, exact):

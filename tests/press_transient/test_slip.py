@@ -234,3 +234,26 @@ def test_utilisation_is_that_of_the_press_with_any_acceleration(kit, random_stat
         )
         # The law is kept at the standstill's tension, so that it only nearly agrees.
         np.testing.assert_allclose(mine, utilisation(contacts, friction), rtol=tolerance)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_any_start_keeps_to_physics(kit, seed):
+    """Random machines, drives and friction: energy adds up, belts do not push, friction stays within its limit."""
+    rng = np.random.default_rng(seed)
+    press = kit.small(
+        EA_N=10.0 ** rng.uniform(5.0, 8.0),
+        eta_s=rng.choice([1e-4, 1e-3, 1e-2, 0.1]),
+        load_N_m=rng.uniform(0.0, 60.0),
+        k1=10.0 ** rng.uniform(2.0, 6.0),
+    )
+    found = start_up(
+        press,
+        speed=kit.run_up(rng.choice(["s-curve", "ramp", "constant"]), 0.9, 10.0 ** rng.uniform(-1.5, 0.0)),
+        time_s=np.linspace(0.0, 0.3, 61),
+        friction=rng.uniform(0.05, 1.0),
+        loads=str(rng.choice(["with-speed", "constant"])),
+    )
+    assert found.energy.relative_residual < 1e-8
+    assert found.tension_N.min() >= 0.0
+    assert found.utilisation.max() <= 1.0 + 1e-6
+    assert (np.diff(found.energy.slip) >= -1e-9 * np.abs(found.energy.drive).max()).all()

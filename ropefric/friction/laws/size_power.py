@@ -32,9 +32,10 @@ def _slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
 
 def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
     mu_inf, a, _b = columns
-    by_log = mu_inf * a * np.exp(a * _log_share(conditions))
-    # d ln(R_w/(R_w + R_r))/dR_w = R_r/(R_w (R_w + R_r)), written so that no product of radii underflows
-    return by_log / conditions.wheel_radius_m / (1.0 + conditions.size_ratio)
+    # d ln(R_w/(R_w + R_r))/dR_w = R_r/(R_w (R_w + R_r)), written so that neither a product of radii nor the
+    # power by itself underflows
+    by_wheel = np.exp(a * _log_share(conditions) - np.log(conditions.wheel_radius_m))
+    return mu_inf * a * by_wheel / (1.0 + conditions.size_ratio)
 
 
 def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:

@@ -18,29 +18,34 @@ def _rope_share(conditions: Conditions) -> FloatArray:
     return 1.0 / (1.0 + conditions.size_ratio)
 
 
-def _root(mu: FloatArray, A: FloatArray) -> FloatArray:
-    return np.sqrt(1.0 + 4.0 * A * (1.0 - A) * mu**2)
+def _wheel_share(conditions: Conditions) -> FloatArray:
+    """Return 1 − A = R_w/(R_w + R_r), whose digits a difference would cancel for small wheels."""
+    return 1.0 / (1.0 + 1.0 / conditions.size_ratio)
+
+
+def _root(mu: FloatArray, A: FloatArray, B: FloatArray) -> FloatArray:
+    return np.sqrt(1.0 + 4.0 * A * B * mu**2)
 
 
 def _effective(columns: Columns, conditions: Conditions) -> FloatArray:
     # λ = [−1 + S]/(2Aμ) rationalised, so that it keeps its digits for thin ropes and small μ
     (mu,) = columns
-    A = _rope_share(conditions)
-    return 2.0 * mu * (1.0 - A) / (1.0 + _root(mu, A))
+    A, B = _rope_share(conditions), _wheel_share(conditions)
+    return 2.0 * mu * B / (1.0 + _root(mu, A, B))
 
 
 def _slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
     (mu,) = columns
-    A = _rope_share(conditions)
-    S = _root(mu, A)
-    return (2.0 * (1.0 - A) / (S * (1.0 + S)),)
+    A, B = _rope_share(conditions), _wheel_share(conditions)
+    S = _root(mu, A, B)
+    return (2.0 * B / (S * (1.0 + S)),)
 
 
 def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
     (mu,) = columns
-    A = _rope_share(conditions)
-    S = _root(mu, A)
-    by_share = -2.0 * mu / (1.0 + S) * (1.0 + 2.0 * mu**2 * (1.0 - A) * (1.0 - 2.0 * A) / (S * (1.0 + S)))
+    A, B = _rope_share(conditions), _wheel_share(conditions)
+    S = _root(mu, A, B)
+    by_share = -2.0 * mu / (1.0 + S) * (1.0 + 2.0 * mu**2 * B * (B - A) / (S * (1.0 + S)))
     return -by_share * A / conditions.centreline_radius_m
 
 

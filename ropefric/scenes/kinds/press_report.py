@@ -1,6 +1,7 @@
 """The answer to a press scene as a JSON tree: tensions, slip, what slips first and when, the start-up."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -80,12 +81,22 @@ def _loads(answer: PressAnswer) -> dict[str, Any]:
 def _first(answer: PressAnswer) -> dict[str, Any]:
     """Return which roller is nearest to slip, and what would make the first one slip."""
     model = answer.model
-    statics = solve_statics(as_operated(model), closure=model.closure)
-    tensioner = "elastic" if model.parts.springs and model.parts.stretch else "locked"
+    press = as_operated(model)
+    if model.parts.keeps_tension:
+        # Speed leaves T' alone, as it does with belts that weigh nothing.
+        light = tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts)
+        press = replace(press, belts=light)
+    statics = solve_statics(press, closure=model.closure)
     use = answer.slip.utilisation[0]
     critical: dict[str, Any] = {}
     for change in CHANGES:
-        values = critical_values(statics, model.friction, change, tensioner=tensioner, told=model.told)  # type: ignore[arg-type]
+        values = critical_values(
+            statics,
+            model.friction,
+            change,  # type: ignore[arg-type]
+            tensioner=model.parts.tensioner,
+            told=model.told,
+        )
         first = first_to_slip(values, change)  # type: ignore[arg-type]
         critical[change] = {
             "roller": None if first is None else first.roller,

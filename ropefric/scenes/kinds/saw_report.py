@@ -11,6 +11,7 @@ from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.answer import SawAnswer, SideAnswer
 from ropefric.systems.bandsaw.identify import identify
 from ropefric.systems.bandsaw.measured import deviations, explain_mounting
+from ropefric.systems.bandsaw.models import MODELS
 from ropefric.systems.bandsaw.problem import SawProblem
 from ropefric.systems.bandsaw.resonance import find_crossings, margins
 from ropefric.systems.bandsaw.saw import Saw, Side
@@ -35,17 +36,7 @@ def saw_tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
         tree["resonance"] = _resonance(planned, problem)
     if problem.measurements:
         tree["comparison"] = {
-            "deviations": [
-                {
-                    "model": one.model,
-                    "side": one.measurement.side.value,
-                    "mode": one.measurement.mode,
-                    "measured_Hz": one.measurement.frequency_Hz,
-                    "model_Hz": one.frequency_Hz,
-                    "relative": one.relative,
-                }
-                for one in deviations(saw, problem.measurements)
-            ],
+            "deviations": _deviations(saw, problem),
             "mounting": _mountings(planned, problem),
             "identified": _identified(planned, problem),
         }
@@ -139,21 +130,48 @@ def speeds_m_s(saw: Saw, side: Side) -> FloatArray:
     return np.linspace(0.0, fastest, _SPEEDS)
 
 
+def _deviations(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
+    """Return how far each model is from each measurement; a model that has no answer for this saw says why."""
+    found: list[dict[str, Any]] = []
+    for model in MODELS:
+        for point in problem.measurements:
+            row = {
+                "model": model,
+                "side": point.side.value,
+                "mode": point.mode,
+                "measured_Hz": point.frequency_Hz,
+            }
+            try:
+                (one,) = deviations(saw, (point,), (model,))
+            except RopefricError as error:
+                found.append(row | {"model_Hz": None, "relative": None, "why": error.problem.message})
+            else:
+                found.append(row | {"model_Hz": one.frequency_Hz, "relative": one.relative, "why": ""})
+    return sorted(found, key=lambda row: (row["side"] != Side.REST.value, row["side"] != Side.TIGHT.value))
+
+
 def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
-    found = [
-        (point, explain_mounting(saw, point)) for point in problem.measurements if point.side is not Side.REST
-    ]
-    return [
-        {
-            "side": point.side.value,
-            "mode": point.mode,
-            "measured_Hz": point.frequency_Hz,
-            "mounting_factor": one.mounting_factor,
-            "status": one.status.value,
-            "advice": one.status.advice,
-        }
-        for point, one in found
-    ]
+    found = []
+    for point in problem.measurements:
+        if point.side is Side.REST:
+            continue
+        row = {"side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
+        try:
+            one = explain_mounting(saw, point)
+        except RopefricError as error:
+            found.append(
+                row | {"mounting_factor": None, "status": "not possible", "advice": error.problem.message}
+            )
+        else:
+            found.append(
+                row
+                | {
+                    "mounting_factor": one.mounting_factor,
+                    "status": one.status.value,
+                    "advice": one.status.advice,
+                }
+            )
+    return found
 
 
 def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:

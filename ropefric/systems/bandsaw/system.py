@@ -11,8 +11,9 @@ __all__ = ["SYSTEM"]
 
 _CLOSED_FORM = Method(name="closed form", error=1e-13, why="a string's travelling waves have one")
 _FINEST = 1e-12
+"""What rounding leaves is a few units of 1e-14."""
 _COARSEST = 1e-3
-"""A beam to a thousandth costs no less than one to a hundredth: both need their boundary layers."""
+"""A beam to a thousandth takes at most one order more than to a hundredth: both need their boundary layers."""
 
 
 def _method(model: SawModel, budget: float) -> Method:

@@ -36,13 +36,13 @@ class PressModel:
     told : frozenset of str
         What the law is told of a contact.
     speed_m_s : ndarray, shape (n,)
-        Speed whose inertia acts [m/s]; zero where the belts have none.
+        Belt speed v [m/s].
     preload_N : ndarray, shape (n,), or None
         Of all tensioners.
     load_factor : ndarray, shape (n,)
         On all load torques.
     parts : Parts
-        What gives way when the belts run.
+        What resists and what gives way when the belts run.
     ingredients : Ingredients
         What a start-up contains.
     start_up : StartUpTask or None

@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect
 from ropefric.systems.press.answer import PressModel
@@ -26,7 +24,7 @@ def bare(problem: PressProblem) -> PressModel:
         closure=problem.closure,
         friction=problem.friction,
         told=frozenset(),
-        speed_m_s=np.zeros_like(problem.speed_m_s),
+        speed_m_s=problem.speed_m_s,
         preload_N=problem.preload_N,
         load_factor=problem.load_factor,
         parts=Parts(),
@@ -82,9 +80,9 @@ def _squeeze(model: PressModel, problem: PressProblem) -> PressModel:
     return _load(model, problem, "squeeze_torque_N_m")
 
 
-def _circle(model: PressModel, problem: PressProblem) -> PressModel:
+def _circle(model: PressModel, problem: PressProblem) -> PressModel:  # noqa: ARG001  (the signature of `apply`)
     moving = replace(model.ingredients, centrifugal=True)
-    return replace(model, speed_m_s=problem.speed_m_s, ingredients=moving)
+    return replace(model, parts=replace(model.parts, mass=True), ingredients=moving)
 
 
 def _spring(model: PressModel, problem: PressProblem) -> PressModel:  # noqa: ARG001  (the signature of `apply`)

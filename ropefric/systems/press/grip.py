@@ -28,6 +28,7 @@ Friction: TypeAlias = float | FloatArray | WrapFriction
 # Below 1 N no wrap stands for the slack side, and the law's angle starts from zero.
 _LEAST_SLACK_N = 1.0
 _NODES = 48
+_LARGEST_EXPONENT = 500.0
 
 
 def _graded_rule() -> tuple[FloatArray, FloatArray]:
@@ -91,14 +92,7 @@ def grip_on(contact: Contact, friction: Friction, *, told: frozenset[str] = EVER
             told=told,
         )
         alpha = contact.wrap_angle_rad
-        whole = law(wrap_angle_rad=alpha, slack_tension_N=slack_N)
-        if not (whole > 0.0).all():
-            raise InputError(
-                f"{friction.law.name} gives roller {contact.roller} no friction at all",
-                code="RF420",
-                key=f"roller {contact.roller}",
-                fix="check the law's parameters",
-            )
+        whole = _usable(law(wrap_angle_rad=alpha, slack_tension_N=slack_N), contact.roller)
         if not accelerated:
             return Grip(exponent=whole)
         reached = law(wrap_angle_rad=alpha * _FRACTIONS, slack_tension_N=slack_N[..., None])
@@ -109,10 +103,33 @@ def grip_on(contact: Contact, friction: Friction, *, told: frozenset[str] = EVER
         raise InputError(
             f"the friction coefficient is {mu[bad].ravel()[0]:g}; it must be positive and finite", key="mu"
         )
-    exponent = mu * contact.wrap_angle_rad
+    exponent = _usable(mu * contact.wrap_angle_rad, contact.roller)
     return Grip(
         exponent=exponent, remaining=exponent[..., None] * (1.0 - _FRACTIONS) if accelerated else None
     )
+
+
+def _usable(exponent: FloatArray, roller: str) -> FloatArray:
+    """Return M where e^M is a number that means something.
+
+    Raises
+    ------
+    InputError
+        If M is not positive, or so large that floats overflow.
+    """
+    if not ((exponent > 0.0) & (exponent < _LARGEST_EXPONENT)).all():
+        wrong = exponent[~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))].ravel()[0]
+        if wrong <= 0.0:
+            what = "there is no friction at all"
+        else:
+            what = f"M = {wrong:.4g} is more than {_LARGEST_EXPONENT:g}, and e^M no number to reckon with"
+        raise InputError(
+            what,
+            code="RF420",
+            key=f"roller {roller}",
+            fix="check the coefficient or the law's parameters",
+        )
+    return exponent
 
 
 def available_pull_N(contact: Contact, grip: Grip, *, share: npt.ArrayLike = 1.0) -> FloatArray:

@@ -3,7 +3,8 @@
 Tensions are linear: each load, the preload and the speed have their own share, got by one small linear solution each.
 So the tensions of every subset of effects are sums of the same few columns, and the largest change that an effect
 makes among all subsets bounds it. What is bounded is |ΔT'| of each span over its T' with everything in, and |ΔU| of
-each roller over the largest U with everything in; leaving out several effects adds their bounds up at most.
+each roller over the largest U with everything in, and the drivers' |ΔP| over their P; leaving out several effects adds
+their bounds up at most.
 """
 
 import math
@@ -92,7 +93,19 @@ def _largest_change(name: str, problem: PressProblem) -> float:
     by_roller = np.divide(
         use, np.broadcast_to(largest_use, use.shape), out=np.zeros_like(use), where=use > 0.0
     )
-    return max(float(by_span.max()), float(by_roller.max()))
+    return max(float(by_span.max()), float(by_roller.max()), _share_of_pull(name, problem.press))
+
+
+def _share_of_pull(name: str, press: Press) -> float:
+    """Return a load's share of the pull Σ M/R of all loads, and so of the drivers' power."""
+    torque = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_N_m"}.get(name)
+    if torque is None:
+        return 0.0
+    own_N = sum(getattr(roller, torque) / roller.radius_m for roller in press.rollers)
+    total_N = sum(roller.torque_N_m / roller.radius_m for roller in press.rollers)
+    if own_N == 0.0:
+        return 0.0
+    return abs(own_N / total_N) if total_N else math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

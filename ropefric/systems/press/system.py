@@ -7,6 +7,7 @@ from ropefric.systems.effect import Method, System
 from ropefric.systems.press.answer import PressAnswer, PressModel, solve_press
 from ropefric.systems.press.effects import EFFECTS, bare
 from ropefric.systems.press.problem import PressProblem
+from ropefric.systems.press.steady import drive_power_W
 
 __all__ = ["SYSTEM"]
 
@@ -34,6 +35,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
     found = [
         _relative(answer.state.effective_tension_N, reference.state.effective_tension_N),
         _of_largest(answer.slip.utilisation, reference.slip.utilisation),
+        _of_largest(drive_power_W(answer.state), drive_power_W(reference.state)),
     ]
     if reference.start_up is not None:
         if answer.start_up is None:
@@ -56,7 +58,8 @@ def _relative(values: FloatArray, reference: FloatArray) -> float:
 
 def _of_largest(values: FloatArray, reference: FloatArray) -> float:
     """Return the largest difference, as a share of the largest reference: a roller without torque has none itself."""
-    largest = np.max(reference, axis=-1, keepdims=True)
+    values, reference = np.atleast_1d(values), np.atleast_1d(reference)
+    largest = np.max(np.abs(reference), axis=-1, keepdims=True)
     difference = np.abs(values - reference)
     share = np.divide(difference, largest, out=np.zeros_like(difference), where=difference > 0.0)
     return float(np.max(share))

@@ -120,7 +120,7 @@ def _plateau(prepared: Prepared, cycle: slice, level: tuple[int, int], size: int
     first, stop = cycle.start + level[0] * size, cycle.start + level[1] * size
     held = prepared.force_N[first:stop]
     begin_s, end_s = float(prepared.time_s[first]), float(prepared.time_s[max(first, stop - 1)])
-    if held.size < max(2, SHORTEST * (cycle.stop - cycle.start)):
+    if held.size < max(3, SHORTEST * (cycle.stop - cycle.start)):  # its second half must have a scatter
         detail = f"the load from {prepared.time_s[cycle.start]:.4g} s on was never held: no plateau"
         return failed(Status.NO_BREAKAWAY, detail, prepared)
     # A rope creeps after it was pulled; in the second half of the plateau it has settled.

@@ -42,10 +42,10 @@ class Energies:
 
     @property
     def residual(self) -> FloatArray:
-        """Return what does not add up at each time [J]; zero but for rounding and the integrator's error."""
+        """Return what does not add up since the first time [J]; zero but for rounding and the integrator's error."""
         stored = self.kinetic + self.elastic
         supplied = self.drive + self.centrifugal - self.load - self.belt - self.tensioner - self.slip
-        return np.asarray(supplied - (stored - stored[0]))
+        return np.asarray((supplied - supplied[0]) - (stored - stored[0]))
 
     @property
     def relative_residual(self) -> float:

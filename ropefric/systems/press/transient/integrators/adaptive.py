@@ -12,6 +12,11 @@ from ropefric.systems.press.transient.problem import LinearStartUp
 
 __all__ = ["solve_adaptively"]
 
+_IMPLICIT_SHARE = 0.1
+_EXPLICIT_SHARE = 0.01
+"""What a step may err by, of the tensions: steps add up, and explicit ones on a stiff belt dance on the border of
+their stability, where each keeps what the one before erred by."""
+
 
 def solve_adaptively(
     problem: LinearStartUp,
@@ -22,6 +27,9 @@ def solve_adaptively(
     implicit: bool,
 ) -> FloatArray:
     """Return states beside works at sorted times, see `Integrator.solve`.
+
+    Steps are such that the tensions, too, are off by no more than some times the tolerance, however stiff the belt;
+    where nothing damps it, errors add up over the periods.
 
     Raises
     ------
@@ -34,6 +42,8 @@ def solve_adaptively(
         raise InputError(
             f"the tolerance is {settings.tolerance:g}; it must lie between 1e-13 and 1", key="tolerance"
         )
+    share = _IMPLICIT_SHARE if implicit else _EXPLICIT_SHARE
+    absolute = settings.tolerance * np.minimum(problem.scale, share * _tension_scale(problem))
     states = np.zeros((len(times_s), problem.n_state + 6))
     y = np.concatenate([problem.start, np.zeros(6)])
     states[times_s == 0.0] = y
@@ -49,7 +59,7 @@ def solve_adaptively(
             method=method,
             t_eval=stops,
             rtol=settings.tolerance,
-            atol=settings.tolerance * problem.scale,
+            atol=absolute,
             **options,
         )
         if not found.success:
@@ -61,3 +71,15 @@ def solve_adaptively(
         states[inside] = found.y.T[: inside.size]
         y = found.y[:, -1]
     return states
+
+
+def _tension_scale(problem: LinearStartUp) -> FloatArray:
+    """Return what changes a tension by as much as there is at rest, for each state; infinite for works.
+
+    The tension is T_0 + k (e + η de/dt): on a stiff, damped belt a speed that is small beside the drive's is a large
+    tension, so that an error of the states alone says little of the tensions.
+    """
+    rows = np.abs(problem.motion.tension_N[:, : problem.n_state])
+    with np.errstate(divide="ignore"):
+        ways = (problem.model.preload_N[:, np.newaxis] / rows).min(axis=0)
+    return np.concatenate([ways, np.full(6, np.inf)])

@@ -1,0 +1,104 @@
+"""How every fuzz target is run: short by default, long with `-m slow`, both the same on every machine.
+
+ROPEFRIC_FUZZ_EXAMPLES is the number of examples of the whole long run (100 000 if not set); every target has its
+share of it. Ten seconds an example are a hang.
+"""
+
+import atexit
+import os
+import shutil
+import signal
+import tempfile
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+
+from ropefric.errors import RopefricError
+
+__all__ = ["LONG", "answered", "fuzzed", "limit", "scratch", "usable"]
+
+LONG = int(os.environ.get("ROPEFRIC_FUZZ_EXAMPLES", "100000"))
+HANG_S = 10
+
+
+@contextmanager
+def limit(seconds=HANG_S):
+    """Fail where the work takes longer than this; only the main thread of a Unix can be interrupted."""
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_):
+        raise AssertionError(f"hangs: more than {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def usable(error):
+    """Assert that an error says what is wrong, in words, and has a code."""
+    assert isinstance(error, RopefricError)
+    assert error.code.startswith("RF")
+    for problem in error.problems:
+        assert len(problem.message) > 10, problem
+        assert "Traceback" not in problem.message
+        assert problem.severity in {"error", "warning"}
+    assert error.exit_code == 3
+    assert error.to_dict()["error"]["message"]
+
+
+def answered(call, said=None):
+    """Return what a call returns, or None where it is refused with a usable error; nothing else may come out.
+
+    A list `said` gets the refusal's text.
+    """
+    try:
+        return call()
+    except RopefricError as error:
+        usable(error)
+        if said is not None:
+            said.append(str(error))
+        return None
+
+
+def fuzzed(check, *, short, share, examples=(), **strategies):
+    """Return the short and the long test of a target.
+
+    `check` gets what the strategies draw; `share` is the target's part of the long run; `examples` are inputs that
+    once went wrong.
+    """
+
+    def build(n):
+        @settings(
+            max_examples=max(n, 1),
+            derandomize=True,
+            deadline=None,
+            database=None,
+            suppress_health_check=list(HealthCheck),
+        )
+        @given(**strategies)
+        def test(**drawn):
+            with limit():
+                check(**drawn)
+
+        for known in examples:
+            test = example(**known)(test)
+        test.__doc__ = check.__doc__
+        return test
+
+    return build(short), pytest.mark.slow(build(round(LONG * share)))
+
+
+def scratch():
+    """Return a folder to write in, gone at the end."""
+    folder = Path(tempfile.mkdtemp(prefix="ropefric-fuzz-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder

@@ -1,0 +1,154 @@
+"""Bytes of recordings: a recording with one length and no infinity comes out, or a refusal that helps."""
+
+import gzip
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fuzz_kit import LONG, answered, fuzzed, scratch
+from hypothesis import strategies as st
+
+from ropefric.traces.assemble import assemble_trace
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.profile import ImportProfile
+from ropefric.traces.readers.sniff import inspect_file
+
+FOLDER = scratch()
+ROWS = [(i * 0.01, 12.5 + 1.5 * i) for i in range(24)]
+
+
+def _text(separator=",", decimal=".", head="time_s{0}force_N\n"):
+    rows = "".join(f"{t:.2f}{separator}{f:.1f}\n" for t, f in ROWS)
+    return head.format(separator) + (rows.replace(".", decimal) if decimal != "." else rows)
+
+
+GOOD = (
+    _text(),
+    _text(";", ","),
+    _text("\t"),
+    _text("|"),
+    "# rig 2\nOperator;Jo\n\n" + _text(";", ",", "t (s){0}F (kN)\n"),
+    "F,t,,\nN,s,,\nA,,B,\n" + "".join(f"{f},{t},{f + 1},{t}\n" for t, f in ROWS),
+    "force_N\n" + "".join(f"{f}\n" for _, f in ROWS),
+)
+JUNK = (
+    "", '"', "'", ",", ";", "\t", "\n", "\r", "\r\n", "\x00", "\ufeff", "-", ".", "e", "E+", "1e400",
+    "nan", "inf", "NA",
+    "#", "é", "\x81", " ", "1,234,567", "12:00:01", "2024-01-01", "0x1F", "1_000", "9" * 400, "time_s",
+    "force_N", "s", "(", "µ",
+)  # fmt: skip
+NAMES = ("r.csv", "r.txt", "r.dat", "r.csv.gz", "r.mat", "r.xlsx", "r.tdms")
+PROFILES = (
+    ImportProfile(),
+    ImportProfile(),
+    ImportProfile(sampling_rate_Hz=1000.0),
+    ImportProfile(decimal=","),
+    ImportProfile(separator=";"),
+    ImportProfile(missing=("NA", "")),
+    ImportProfile(format="delimited", header_row=1),
+    ImportProfile(format="wide", header_row=1, units_row=2, block_names_row=3, data_row=4, block_columns=2),
+)
+
+
+def judge(data, name, profile):
+    """Read bytes as a file; assert what holds for every recording."""
+    path = FOLDER / name
+    path.write_bytes(data)
+    for found in answered(lambda: read_recordings(path, profile, shown_as=name)) or ():
+        lengths = {values.size for values in found.columns.values()}
+        assert len(lengths) == 1
+        for values in found.columns.values():
+            assert values.dtype == np.float64
+            assert not np.isinf(values).any()
+        trace = answered(lambda found=found: assemble_trace(found, profile))
+        if trace is not None:
+            assert (np.diff(trace.time_s) > 0).all()
+            assert trace.force_N.shape == trace.time_s.shape
+    found = answered(lambda: inspect_file(path, profile))
+    assert found is None or found.to_dict()
+
+
+def check_spoilt_text(which, edits, name, profile):
+    """Text with a few pieces cut, doubled or replaced."""
+    text = GOOD[which]
+    for place, cut, junk in edits:
+        at = place % (len(text) + 1)
+        text = text[:at] + junk + text[at + cut :]
+    data = text.encode("utf-8", "surrogatepass")
+    judge(gzip.compress(data, mtime=0) if name.endswith(".gz") else data, name, PROFILES[profile])
+
+
+def check_bytes(data, name, profile):
+    """Anything at all."""
+    judge(data, name, PROFILES[profile])
+
+
+PROFILE = st.integers(0, len(PROFILES) - 1)
+test_spoilt_text, test_spoilt_text_long = fuzzed(
+    check_spoilt_text,
+    short=90,
+    share=0.06,
+    which=st.integers(0, len(GOOD) - 1),
+    edits=st.lists(st.tuples(st.integers(0, 900), st.integers(0, 30), st.sampled_from(JUNK)), max_size=6),
+    name=st.sampled_from(["r.csv", "r.csv", "r.txt", "r.csv.gz"]),
+    profile=PROFILE,
+)
+test_bytes, test_bytes_long = fuzzed(
+    check_bytes,
+    short=90,
+    share=0.03,
+    data=st.binary(max_size=300) | st.text("0123456789.,;\t\n\r -+eE\"'#aN", max_size=200).map(str.encode),
+    name=st.sampled_from(NAMES),
+    profile=PROFILE,
+)
+
+ATHERIS = """
+import sys, tempfile, warnings
+from pathlib import Path
+import atheris
+with atheris.instrument_imports(include=["ropefric.traces.readers"]):
+    from ropefric.traces.readers import read_recordings
+    from ropefric.traces.readers.sniff import inspect_file
+from ropefric.errors import RopefricError
+from ropefric.traces.readers.profile import ImportProfile
+warnings.simplefilter("error")
+path = Path(tempfile.mkdtemp(dir=sys.argv[1]), "r.csv")
+def one(data):
+    path.write_bytes(data)
+    for read in (read_recordings, inspect_file):
+        try:
+            read(path, ImportProfile())
+        except RopefricError as error:
+            assert len(error.problem.message) > 10
+atheris.Setup([sys.argv[0], *sys.argv[2:]], one)
+atheris.Fuzz()
+"""
+
+
+@pytest.mark.slow
+def test_readers_guided_by_coverage(tmp_path):
+    """Let atheris look for bytes that take a branch not taken yet,
+    from good files on; a crash leaves its input."""
+    pytest.importorskip("atheris")
+    corpus = tmp_path / "corpus"
+    corpus.mkdir()
+    for number, text in enumerate(GOOD):
+        (corpus / f"good-{number}").write_text(text, encoding="utf-8")
+    script = tmp_path / "fuzz_readers.py"
+    script.write_text(ATHERIS, encoding="utf-8")
+    options = [
+        f"-atheris_runs={max(LONG // 20, 1)}", "-max_total_time=60", "-max_len=600", "-timeout=10", "-seed=1",
+        f"-artifact_prefix={tmp_path}/crash-",
+    ]  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, str(script), str(tmp_path), *options, str(corpus)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    crashes = [path.read_bytes() for path in Path(tmp_path).glob("crash-*")]
+    assert not crashes, (crashes, done.stderr[-3000:])
+    assert done.returncode == 0, done.stderr[-3000:]

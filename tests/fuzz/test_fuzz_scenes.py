@@ -1,0 +1,136 @@
+"""Scene files with their values, units and keys garbled: an answer that holds together, or a refusal in words."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+from fuzz_kit import answered, fuzzed, scratch
+from hypothesis import strategies as st
+
+from ropefric.scenes.explain import explain_scene
+from ropefric.scenes.scene import check_scene, load_scene
+from ropefric.scenes.solve import solve_scene
+
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
+FITS = (SCENES / "../../fits").resolve().as_posix()
+TEXTS = {
+    path.stem: path.read_text(encoding="utf-8").replace("../../fits", FITS).splitlines()
+    for path in sorted(SCENES.glob("*.toml"))
+}
+# A start-up takes a second; its garbled forms are for the long run of its own tests.
+CHEAP = [name for name in TEXTS if name != "press-start-up"]
+JUNK = (
+    "0", "-1", "1", "1e-300", "1e300", "nan", "inf", "true", "[]", "{}", '""', '"x"', '"auto"', '"all"', "[1]",
+    '["size"]', '["travel", "bending"]', '["belt-inertia"]', '"1 mm"', '"-1 mm"', '"1e300 m"', '"1e-300 m"',
+    '"0 N"', '"1e9 N"', '"1 kN"', '"1 N*m"', '"90 deg"', '"1e6 turn"', '"1e-9 deg"', '"100 m/s"', '"1e5 rpm"',
+    '"1 MPa"', '"1 kg"', '"1e-12 kg/m"', '"clamped"', '"pinned"', '"equal"', '"speed-ratio"', '"driver"',
+)  # fmt: skip
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+FOLDER = scratch()
+
+
+def garbled(name, edits):
+    """Return a scene's text with values replaced, scaled, moved or taken out."""
+    lines = list(TEXTS[name])
+    places = [number for number, line in enumerate(lines) if " = " in line]
+    for place, how, junk, power in edits:
+        at = places[place % len(places)]
+        key, _, value = lines[at].partition(" = ")
+        if how == "junk":
+            lines[at] = f"{key} = {junk}"
+        elif how == "gone":
+            lines[at] = ""
+        elif how == "key":
+            lines[at] = f"{key[:-1]} = {value}"
+        else:
+            found = NUMBER.search(value)
+            number = f"{float(found[0]) * 10.0**power:.6g}" if found else ""
+            lines[at] = f"{key} = {value.replace(found[0], number, 1) if found else junk}"
+    return "\n".join(lines)
+
+
+def every_number(tree):
+    if isinstance(tree, dict):
+        for value in tree.values():
+            yield from every_number(value)
+    elif isinstance(tree, list):
+        for value in tree:
+            yield from every_number(value)
+    elif isinstance(tree, float):
+        yield tree
+
+
+def check_hoist(tree):
+    assert tree["lift_force_N"] >= tree["end_tension_N"] * (1.0 - 1e-9)
+    assert tree["mu_average"] >= 0.0
+    if "std_N" in tree and tree["std_N"] is not None:
+        low, high = tree["interval_N"]
+        assert low <= tree["lift_force_N"] <= high
+
+
+def check_press(tree):
+    assert all(tension > 0.0 for tension in tree["effective_tension_N"].values())
+    for one in tree["slip"].values():
+        assert one["utilisation"] is None or one["utilisation"] >= 0.0
+
+
+def check_saw(tree):
+    for side in ("tight", "slack", "rest"):
+        frequencies = tree[side]["frequencies_Hz"]
+        assert frequencies[0] > 0.0
+        assert frequencies == sorted(frequencies)
+    assert tree["tight"]["tension_N"] >= tree["slack"]["tension_N"]
+
+
+CHECKS = {"hoist": check_hoist, "press": check_press, "bandsaw": check_saw}
+
+
+def check_scene_file(name, edits):
+    """An answer is finite, keeps the invariants of its system and its own promise; all else is refused in words."""
+    path = FOLDER / f"{name}.toml"
+    path.write_text(garbled(name, edits), encoding="utf-8")
+    problems = check_scene(path)
+    scene = answered(lambda: load_scene(path))
+    assert (scene is None) == bool(problems)
+    if scene is None:
+        return
+    solution = answered(lambda: solve_scene(scene))
+    if solution is None:
+        return
+    tree = solution.to_dict()
+    json.dumps(tree, allow_nan=False)
+    assert all(math.isfinite(number) for number in every_number(tree))
+    assert tree["error_bound"] is None or tree["error_bound"] >= 0.0
+    if scene.effects == "auto":
+        assert tree["error_bound"] is not None
+        assert tree["error_bound"] <= scene.accuracy * (1.0 + 1e-9)
+    CHECKS[scene.kind.name](tree)
+    told = explain_scene(scene).to_dict()
+    assert [one["name"] for one in told["effects"] if one["simulated"]] == tree["effects"]["simulated"]
+
+
+test_scenes, test_scenes_long = fuzzed(
+    check_scene_file,
+    short=40,
+    share=0.02,
+    examples=(
+        {"name": "fast-band-saw", "edits": [(10, "scaled", "0", -1)]},  # the bound a hair above the accuracy
+        {
+            "name": "band-saw",
+            "edits": [(11, "scaled", "0", 1)],
+        },  # a model in the comparison beyond its critical speed
+        {"name": "belt-press", "edits": [(59, "scaled", "0", 3)]},  # e^M beyond all floats
+    ),
+    name=st.sampled_from(CHEAP),
+    edits=st.lists(
+        st.tuples(
+            st.integers(0, 99),
+            st.sampled_from(["junk", "junk", "scaled", "scaled", "scaled", "gone", "key"]),
+            st.sampled_from(JUNK),
+            st.integers(-4, 4),
+        ),
+        min_size=1,
+        max_size=3,
+    ),
+)

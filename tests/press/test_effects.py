@@ -1,0 +1,480 @@
+"""Each effect of a press changes the answer by what its own formula says; what a plan leaves out stays in bounds."""
+
+import math
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from ropefric.errors import InputError, RopefricError
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.registry import Registry
+from ropefric.scenes.plan import make_plan
+from ropefric.systems.effect import assemble
+from ropefric.systems.friction import ScaleTo, WrapFriction
+from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.problem import PressProblem
+from ropefric.systems.press.system import SYSTEM
+
+STEADY = (
+    "gravity-load",
+    "squeeze-load",
+    "belt-inertia",
+    "tensioner-spring",
+    "belt-elasticity",
+    "wrap-dependence",
+    "size",
+)
+MOVING = ("belt-damping", "tensioner-damping", "arc-inertia", "transient")
+
+# One belt over a driver, a loaded roller and a tensioner: small enough to be done by hand.
+R_LOAD, R_TENS, WRAPS, THICK = 0.2, 0.1, (3.0, 2.5, 2.8), 0.005
+GRAVITY, SQUEEZE, DRAG = 12.0, 30.0, 4.0
+SPRING, TRAVEL, FORCE, ANGLES = 2e4, 0.03, 2500.0, (0.3, 0.7)
+RHO, SPEED, STIFF, LENGTHS = 12.0, 5.0, 8e5, (1.0, 1.5, 0.8)
+
+
+def small_press(friction, **operation):
+    rollers = (
+        Roller(name="drive", radius_m=0.15, wrap_angle_rad=WRAPS[0], role="driver"),
+        Roller(
+            name="load",
+            radius_m=R_LOAD,
+            wrap_angle_rad=WRAPS[1],
+            gravity_torque_N_m=GRAVITY,
+            squeeze_torque_N_m=SQUEEZE,
+        ),
+        Roller(
+            name="tensioner",
+            radius_m=R_TENS,
+            wrap_angle_rad=WRAPS[2],
+            role="tensioner",
+            gravity_torque_N_m=DRAG,
+            tensioner=Tensioner(
+                spring_N_m=SPRING,
+                travel_m=TRAVEL,
+                force_N=FORCE,
+                upstream_angle_rad=ANGLES[0],
+                downstream_angle_rad=ANGLES[1],
+            ),
+        ),
+    )
+    belt = Belt(
+        name="belt",
+        loop=("drive", "load", "tensioner"),
+        linear_density_kg_m=RHO,
+        thickness_m=THICK,
+        width_m=1.0,
+        axial_stiffness_N=STIFF,
+        span_lengths_m=LENGTHS,
+    )
+    press = Press(rollers=rollers, belts=(belt,), speed_m_s=SPEED)
+    given_ones = {"speed_m_s": SPEED, "load_factor": 1.0} | operation
+    return PressProblem(press=press, closure="share", friction=friction, **given_ones)
+
+
+def by_hand(gravity=0.0, squeeze=0.0):
+    """Tensions at rest: the tensioner's balance, then the rollers' one after the other."""
+    drag = gravity * DRAG / R_TENS
+    cos_in, cos_out = (math.cos(angle) for angle in ANGLES)
+    arriving = (SPRING * TRAVEL + FORCE - drag * cos_out) / (cos_in + cos_out)
+    load = (gravity * GRAVITY + squeeze * SQUEEZE) / R_LOAD
+    return np.array([arriving - load, arriving, arriving + drag])
+
+
+def solved(problem, effects):
+    model = assemble(SYSTEM, problem, effects)
+    return SYSTEM.solve(model, SYSTEM.method(model, 0.01))
+
+
+def tensions(problem, effects):
+    return solved(problem, effects).state.effective_tension_N[0]
+
+
+CONSTANT = WrapFriction.constant(0.8)
+
+
+@pytest.mark.parametrize("gravity", [0, 1])
+@pytest.mark.parametrize("squeeze", [0, 1])
+def test_the_loads_are_the_balances_done_by_hand(gravity, squeeze):
+    effects = ["gravity-load"] * gravity + ["squeeze-load"] * squeeze
+    found = tensions(small_press(CONSTANT), effects)
+    assert found == pytest.approx(by_hand(gravity, squeeze), rel=1e-13)
+
+
+def test_the_factor_on_the_loads_and_the_common_preload_act_on_what_is_simulated():
+    problem = small_press(CONSTANT, load_factor=0.5, preload_N=3000.0)
+    shift = (3000.0 - FORCE) / sum(math.cos(angle) for angle in ANGLES)
+    wanted = by_hand() + 0.5 * (by_hand(gravity=1) - by_hand()) + shift
+    assert tensions(problem, ["gravity-load"]) == pytest.approx(wanted, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("effects", "share"),
+    [
+        ([], 0.0),
+        (["tensioner-spring", "belt-elasticity"], 0.0),  # belts without mass need no tension to circle
+        (["belt-inertia"], 1.0),
+        (["belt-inertia", "belt-elasticity"], 1.0),
+        (["belt-inertia", "tensioner-spring"], 0.0),
+        (["belt-inertia", "tensioner-spring", "belt-elasticity"], None),
+    ],
+)
+def test_what_speed_takes_is_shared_between_belt_and_spring(effects, share):
+    """dT' = −ρAv²/(1 + s), s = (Σcos)² (EA/L)/k1: locked tensioners are s = 0, belts that do not stretch s = ∞."""
+    if share is None:
+        arcs = (
+            0.15 * WRAPS[0] + R_LOAD * WRAPS[1] + R_TENS * WRAPS[2]
+        )  # at the rollers' surface, as the page's loop
+        s = sum(math.cos(angle) for angle in ANGLES) ** 2 * STIFF / (sum(LENGTHS) + arcs) / SPRING
+        share = 1.0 / (1.0 + s)
+        assert 0.02 < share < 0.2
+    found = tensions(small_press(CONSTANT), effects)
+    assert found == pytest.approx(by_hand() - share * RHO * SPEED**2, rel=1e-12)
+
+
+def test_without_effects_the_belts_are_not_loaded_and_no_roller_needs_friction():
+    bare = solved(small_press(CONSTANT), [])
+    assert bare.state.effective_tension_N[0] == pytest.approx(np.full(3, by_hand()[1]), rel=1e-13)
+    assert bare.slip.utilisation.max() < 1e-14
+
+
+LOADS = ["gravity-load", "squeeze-load"]
+POWER = (0.9, -0.4, 0.1)  # μ(φ) = a φ^b + c
+
+
+def of_hand(exponents):
+    """U from the tensions by hand, with the exponent of each roller."""
+    by_span = by_hand(1, 1)
+    pairs = np.stack([np.roll(by_span, 1), by_span])
+    return (pairs.max(axis=0) - pairs.min(axis=0)) / (pairs.min(axis=0) * np.expm1(exponents))
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_a_law_is_integrated_over_the_wrap_from_the_angle_of_the_slack_tension(told):
+    a, b, c = POWER
+    reference = one_condition(0.2, 0.0025, 2.0, 900.0)
+    friction = WrapFriction(law=ALL_LAWS["wrap-power"], theta=np.array(POWER), reference=reference)
+
+    def mu(phi):
+        return a * phi**b + c
+
+    def exponent(wrap, slack_N):
+        start = brentq(lambda phi: a * phi ** (b + 1) / (b + 1) + c * phi - math.log(slack_N), 1e-6, 1e3)
+        return quad(mu, start, start + wrap, epsabs=0.0, epsrel=1e-12)[0]
+
+    by_span = by_hand(1, 1)
+    slack_N = np.minimum(np.roll(by_span, 1), by_span)
+    if told:
+        exponents = [exponent(wrap, one) for wrap, one in zip(WRAPS, slack_N, strict=True)]
+    else:
+        exponents = np.array(WRAPS) * exponent(2.0, 900.0) / 2.0
+    effects = [*LOADS, "wrap-dependence"] if told else LOADS
+    found = solved(small_press(friction), effects).slip.utilisation[0]
+    assert found == pytest.approx(of_hand(np.array(exponents)), rel=1e-9)
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_size_is_the_rollers_radius_over_half_the_belts_thickness(told):
+    mu_inf, a, b = 0.9, -0.03, -0.2
+    friction = WrapFriction(
+        law=ALL_LAWS["size-exponential"],
+        theta=np.array([mu_inf, a, b]),
+        reference=one_condition(0.12, 0.0025, 2.0, 900.0),
+    )
+    radii = np.array([0.15, R_LOAD, R_TENS]) if told else np.full(3, 0.12)
+    mu = mu_inf * (1.0 - np.exp(a * radii / (0.5 * THICK) + b))
+    found = solved(small_press(friction), [*LOADS, "size"] if told else LOADS).slip.utilisation[0]
+    assert found == pytest.approx(of_hand(mu * np.array(WRAPS)), rel=1e-12)
+
+
+def test_all_effects_are_the_sum_of_the_parts():
+    friction = WrapFriction.constant(0.8)
+    problem = small_press(friction)
+    base = tensions(problem, [])
+    parts = sum(tensions(problem, [load]) - base for load in LOADS)
+    moving = ["belt-inertia", "tensioner-spring", "belt-elasticity"]
+    parts = parts + tensions(problem, moving) - base
+    assert tensions(problem, STEADY) == pytest.approx(base + parts, rel=1e-13)
+
+
+@pytest.fixture(scope="module")
+def paper_problem(paper_press):
+    """The printed machine at 50 rpm."""
+    return PressProblem(
+        press=paper_press,
+        closure="share",
+        friction=WrapFriction.constant(1.2),
+        speed_m_s=paper_press.speed_m_s,
+        load_factor=1.0,
+    )
+
+
+@pytest.mark.parametrize("effect", LOADS)
+def test_each_load_alone_is_balanced_on_the_printed_machine(paper_problem, paper_data, effect):
+    """Eqs. (35), (36) for the tensioners, then roller by roller; `share` splits the press rollers' pull in halves."""
+    own = "gravity_torque_N_m" if effect == "gravity-load" else "squeeze_torque_N_m"
+    pull = {roller.name: getattr(roller, own) / roller.radius_m for roller in paper_problem.press.rollers}
+    k1, force = paper_data["tensioner_stiffness"], paper_data["tensioner_force_up"]
+    cos_b, cos_g = math.cos(paper_data["beta"]), math.cos(paper_data["gamma"])
+    T2 = (k1 * paper_data["tensioner_travel_up"] + force - pull["3"] * cos_b) / (1.0 + cos_b)
+    T13 = (k1 * paper_data["tensioner_travel_down"] + force - pull["13"]) / (1.0 + cos_g)
+    T4, T14 = T2 + pull["3"], T13 + pull["13"]
+    half = 0.5 * sum(pull[name] for name in "56789")
+    press_zone = T4 + T14 + np.cumsum([pull[name] for name in "5678"])
+    wanted = [T2 - pull["2"], T2, T4, T4, *press_zone, T4 + half, T14 + half, T13, T13, T13, T14]
+    assert tensions(paper_problem, [effect]) == pytest.approx(wanted, rel=1e-12)
+
+
+def test_belt_inertia_alone_takes_rho_A_v_squared_of_each_belt_eq_39(paper_problem):
+    two_belts = np.array([1, 1, 1, 1, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1])
+    change = tensions(paper_problem, ["belt-inertia"]) - tensions(paper_problem, [])
+    assert change / two_belts == pytest.approx(np.full(14, -12.5940), abs=5e-5)
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_what_only_a_start_up_has_asks_for_one(paper_problem, name):
+    effect = SYSTEM.effects[name]
+    missing = effect.needs(paper_problem)
+    assert missing[0] == "start_up"
+    assert {
+        "belts.upper.axial_stiffness",
+        "belts.lower.span_lengths",
+        "rollers.2.inertia",
+        "rollers.3.tensioner.mass",
+    } <= set(missing)
+    assert "rollers.1.inertia" not in missing, "a driver's speed is given"
+    assert effect.influence(paper_problem) == 0.0
+    with pytest.raises(InputError, match=f"{name} cannot be simulated without start_up"):
+        make_plan(SYSTEM, paper_problem, accuracy=0.01, effects=(name,))
+
+
+def test_what_is_left_out_is_not_evaluated(paper_problem):
+    def fail(*arguments):
+        raise AssertionError("evaluated what was left out")
+
+    plan, _ = make_plan(SYSTEM, paper_problem, accuracy=0.1, effects="auto")
+    assert "belt-inertia" in plan.left_out
+    assert "gravity-load" in plan.simulated
+    effects = [
+        replace(effect, apply=fail) if effect.name in plan.left_out else effect
+        for effect in SYSTEM.effects.values()
+    ]
+    broken = replace(SYSTEM, effects=Registry("effect", effects))
+    again, model = make_plan(broken, paper_problem, accuracy=0.1, effects="auto")
+    assert again == plan
+    assert broken.solve(model, again.method).slip.utilisation.max() > 0.0
+    with pytest.raises(AssertionError, match="left out"):
+        assemble(broken, paper_problem, plan.left_out)
+
+
+def test_a_span_that_is_slack_without_an_effect_leaves_its_bound_unknown():
+    problem = small_press(CONSTANT, speed_m_s=12.0)
+    assert by_hand(1, 1).min() - RHO * 144.0 < 0.0, "between locked tensioners the belt would lift off"
+    assert tensions(problem, STEADY).min() > 0.0
+    plan, _ = make_plan(SYSTEM, problem, accuracy=0.5, effects="auto")
+    assert "tensioner-spring" in plan.simulated
+
+
+# --- random presses ---------------------------------------------------------------------------------------------------
+
+
+def laws():
+    constant = st.tuples(st.floats(0.2, 1.5)).map(lambda theta: ("constant", theta))
+    power = st.tuples(st.floats(0.05, 1.0), st.floats(-0.8, -0.05), st.floats(0.05, 0.5)).map(
+        lambda theta: ("wrap-power", theta)
+    )
+    exponential = st.tuples(st.floats(0.05, 1.0), st.floats(-1.0, -0.02), st.floats(0.05, 0.5)).map(
+        lambda theta: ("wrap-exponential", theta)
+    )
+    size = st.tuples(st.floats(0.3, 1.2), st.floats(-0.1, -0.005), st.floats(-1.0, 0.0)).map(
+        lambda theta: ("size-exponential", theta)
+    )
+    coupled = st.tuples(
+        st.floats(0.1, 0.8),
+        st.floats(-0.1, -0.005),
+        st.floats(-1.0, 0.0),
+        st.floats(-0.7, -0.05),
+        st.floats(0.02, 0.3),
+    ).map(lambda theta: ("coupled", theta))
+    offset = st.tuples(st.floats(0.2, 1.0), st.floats(0.0, 0.3)).map(lambda theta: ("constant-offset", theta))
+    return st.one_of(constant, power, exponential, size, coupled, offset)
+
+
+@st.composite
+def frictions(draw):
+    name, theta = draw(laws())
+    scale_to = ScaleTo(mu=draw(st.floats(0.2, 1.2)), wrap_angle_rad=3.0) if draw(st.booleans()) else None
+    reference = one_condition(
+        draw(st.floats(0.05, 0.3)), 0.0025, draw(st.floats(0.3, 6.0)), draw(st.floats(200.0, 4000.0))
+    )
+    return WrapFriction(law=ALL_LAWS[name], theta=np.array(theta), reference=reference, scale_to=scale_to)
+
+
+def rollers_of(draw, names, total):
+    """Driven rollers, some of them loaded; `total` collects what their loads pull."""
+    found = []
+    for name in names:
+        radius = draw(st.floats(0.05, 0.3))
+        torques = [draw(st.one_of(st.just(0.0), st.floats(0.1, limit))) for limit in (40.0, 90.0)]
+        total.append(sum(torques) / radius)
+        found.append(
+            Roller(
+                name=name,
+                radius_m=radius,
+                wrap_angle_rad=draw(st.floats(0.3, 3.5)),
+                gravity_torque_N_m=torques[0],
+                squeeze_torque_N_m=torques[1],
+            )
+        )
+    return found
+
+
+@st.composite
+def presses(draw):
+    """One belt, or two that meet, with drivers, tensioners, supports and press rollers in any number."""
+    belts = ["a", "b"][: draw(st.integers(1, 2))]
+    total, rollers, loops = [], [], {}
+    shared = [f"m{i}" for i in range(draw(st.integers(1, 4)))]
+    rollers += rollers_of(draw, shared, total)
+    closures = ["share", "equal", "equal-torque"] if len(belts) == 2 else ["share"]
+    stretches = draw(st.booleans())
+    if stretches and len(belts) == 2:
+        closures.append("speed-ratio")
+    closure = draw(st.sampled_from(closures))
+    for belt in belts:
+        supports = [f"s{belt}{i}" for i in range(draw(st.integers(0, 2)))]
+        rollers += rollers_of(draw, supports, total)
+        loops[belt] = (*shared, f"d{belt}", *supports, f"t{belt}")
+    preload = draw(st.floats(1.5, 12.0)) * max(sum(total), 100.0)
+    for belt in belts:
+        overspeed = draw(st.floats(-1e-4, 1e-4)) if closure == "speed-ratio" else None
+        driver = Roller(
+            name=f"d{belt}",
+            radius_m=draw(st.floats(0.1, 0.3)),
+            wrap_angle_rad=draw(st.floats(1.0, 3.5)),
+            role="driver",
+            overspeed=overspeed,
+        )
+        carrier = Tensioner(
+            spring_N_m=draw(st.one_of(st.just(0.0), st.floats(1e3, 1e5))),
+            travel_m=draw(st.floats(0.0, 0.03)),
+            force_N=preload * draw(st.floats(0.7, 1.3)),
+            upstream_angle_rad=draw(st.floats(0.0, 1.0)),
+            downstream_angle_rad=draw(st.floats(0.0, 1.0)),
+        )
+        rollers += [
+            driver,
+            Roller(
+                name=f"t{belt}", radius_m=0.1, wrap_angle_rad=2.5, role="tensioner", tensioner=carrier
+            ),
+        ]
+    together = [draw(st.floats(0.3, 3.0)) for _ in shared[1:]]
+    lengths = {belt: (*together, *([1.2] * (len(loop) - len(together)))) for belt, loop in loops.items()}
+    machine = Press(
+        rollers=tuple(rollers),
+        belts=tuple(
+            Belt(
+                name=belt,
+                loop=loop,
+                linear_density_kg_m=draw(st.floats(0.5, 15.0)),
+                thickness_m=0.005,
+                width_m=1.0,
+                axial_stiffness_N=draw(st.floats(1e5, 1e7)) if stretches else None,
+                span_lengths_m=lengths[belt] if stretches else None,
+            )
+            for belt, loop in loops.items()
+        ),
+        speed_m_s=1.0,
+    )
+    return PressProblem(
+        press=machine,
+        closure=closure,
+        friction=draw(frictions()),
+        speed_m_s=draw(st.floats(0.0, 8.0)),
+        preload_N=preload if draw(st.booleans()) else None,
+        load_factor=draw(st.floats(0.3, 1.5)),
+    )
+
+
+def check_promise(examples):
+    """Return how many presses were planned, did without an effect, and without one that does change something."""
+    counts = {"planned": 0, "spared": 0, "spared with a worth": 0}
+
+    @settings(deadline=None, max_examples=examples, derandomize=True)
+    @given(problem=presses(), accuracy=st.sampled_from([0.05, 0.05, 0.05, 0.3, 0.01, 1e-3, 1e-6]))
+    def run(problem, accuracy):
+        plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
+        full_plan, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
+        try:
+            everything = SYSTEM.solve(full, full_plan.method)
+        except RopefricError:
+            assume(condition=False)
+        difference = SYSTEM.distance(SYSTEM.solve(model, plan.method), everything)
+        assert difference <= min(accuracy, plan.error_bound), plan
+        if accuracy == 0.05:
+            counts["planned"] += 1
+            left_out = [one for one in plan.decisions if one.fate == "left out"]
+            counts["spared"] += bool(left_out)
+            counts["spared with a worth"] += any(one.bound > 0.0 for one in left_out)
+
+    run()
+    return counts
+
+
+def test_the_promise_holds_for_random_presses():
+    counts = check_promise(30)
+    assert counts["spared"] > 0.9 * counts["planned"] > 5
+
+
+@pytest.mark.slow
+def test_the_promise_holds_for_thousands_of_random_presses():
+    counts = check_promise(2000)
+    assert counts["spared"] > 0.95 * counts["planned"] > 400
+    assert counts["spared with a worth"] > 0.5 * counts["planned"]
+
+
+def check_bounds(problem, keep):
+    """Every effect's worth, with whatever others are in, stays below its bound."""
+    applicable = [name for name in STEADY if not SYSTEM.effects[name].needs(problem)]
+    bounds = {name: SYSTEM.effects[name].influence(problem) for name in applicable}
+    try:
+        full = solved(problem, applicable)
+    except RopefricError:
+        assume(condition=False)
+    others = {name for name, kept in zip(applicable, keep, strict=False) if kept}
+    for name, bound in bounds.items():
+        if math.isinf(bound):
+            continue
+        with_it, without = solved(problem, others | {name}), solved(problem, others - {name})
+        change_N = np.abs(with_it.state.effective_tension_N - without.state.effective_tension_N)
+        assert (change_N <= (bound + 1e-11) * full.state.effective_tension_N).all(), name
+        change = np.abs(with_it.slip.utilisation - without.slip.utilisation)
+        assert (change <= bound * full.slip.utilisation.max() + 1e-11).all(), name
+
+
+@settings(deadline=None, max_examples=20)
+@given(problem=presses(), keep=st.lists(st.booleans(), min_size=7, max_size=7))
+def test_no_effect_is_worth_more_than_its_bound(problem, keep):
+    check_bounds(problem, keep)
+
+
+@pytest.mark.slow
+@settings(deadline=None, max_examples=500)
+@given(problem=presses(), keep=st.lists(st.booleans(), min_size=7, max_size=7))
+def test_no_effect_is_worth_more_than_its_bound_in_hundreds_of_presses(problem, keep):
+    check_bounds(problem, keep)
+
+
+def test_every_subset_of_effects_can_be_assembled_and_solved(paper_problem):
+    """No subset is special: 2⁶ of them, none of which depends on another being there."""
+    names = [name for name in STEADY if not SYSTEM.effects[name].needs(paper_problem)]
+    for chosen in product((False, True), repeat=len(names)):
+        kept = [name for name, wanted in zip(names, chosen, strict=True) if wanted]
+        assert (tensions(paper_problem, kept) > 0.0).all()

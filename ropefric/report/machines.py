@@ -152,9 +152,15 @@ def _resonance(tree: dict[str, Any]) -> list[Section]:
         for one in sorted(tree["resonance"]["crossings"], key=lambda one: abs(one["speed_margin"] or 0.0))[:5]
     )
     headings = ("side", "mode", "excitation ", "mode [Hz]", "excitation [Hz]", "margin")
+    advice = tree["resonance"]["recommended_preload"]
+    lines: tuple[str, ...] = ()
+    if advice is not None:
+        preload = f"preload {advice['preload_N']:.4g} N: " if "preload_N" in advice else ""
+        lines = (preload + advice["advice"],)
     return [
         Section(
             title="What may resonate, the nearest first",
+            lines=lines,
             table=Table(headings=headings, rows=rows, left=1),
             notes=crossings,
         )

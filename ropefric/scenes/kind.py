@@ -96,6 +96,9 @@ class Kind:
     answerable : callable
         `answerable(problem)` returns for which of many cases there is an answer, as far as that shows without
         solving them.
+    scene_key : callable
+        `scene_key(name)` returns the key of the scene behind a name that an error of the system gives; the name
+        itself where there is none.
 
     Examples
     --------
@@ -117,3 +120,4 @@ class Kind:
     with_fields: Callable[[Any, Mapping[str, FloatArray]], Any]
     in_one_call: Callable[[Any], bool]
     answerable: Callable[[Any], npt.NDArray[np.bool_]]
+    scene_key: Callable[[str], str]

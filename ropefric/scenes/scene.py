@@ -125,9 +125,10 @@ def read_scene(document: TomlDocument, folder: Path) -> Scene:
 
 def placed(error: RopefricError, document: TomlDocument) -> DataError:
     """Return an error as one of the scene file, with the lines of the keys it names."""
+    named = KINDS[document.data["system"]].scene_key
     problems = [
         document.problem(
-            tuple(problem.key.split(".")) if problem.key else (),
+            tuple(named(problem.key).split(".")) if problem.key else (),
             problem.code,
             problem.message if not problem.path else f"{problem.where}: {problem.message}",
             fix=problem.fix,

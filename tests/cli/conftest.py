@@ -22,6 +22,12 @@ def strict():
     return _strict
 
 
+@pytest.fixture(autouse=True)
+def _no_terminal(monkeypatch):
+    """Let no runner's idea of a terminal fold what goes into a pipe."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+
 @pytest.fixture
 def call(capfd):
     """Call the program; return exit code, stdout, stderr, and what `json()` reads from stdout."""

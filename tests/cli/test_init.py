@@ -25,3 +25,23 @@ def test_what_is_left_to_do_is_said_by_check(call, tmp_path):
     ]
     assert errors
     assert all("is not there" in error["message"] for error in errors)  # only the recordings are missing
+
+
+def test_scenes_can_be_solved_at_once(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = call("init", "my", "--scenes")
+    assert done.code == 0
+    assert "ropefric solve my/hoist.toml" in done.err
+    assert not (tmp_path / "my" / "campaign.toml").exists()
+    solved = call("solve", "my/hoist.toml", "--json")
+    assert solved.code == 0
+    assert 300 < solved.json()["lift_force_N"] < 340
+    assert call("init", "my", "--scenes").code == 3
+
+
+def test_single_scenes_are_asked_for_by_name(call, tmp_path):
+    done = call("init", tmp_path, "--scene", "band-saw", "--scene", "many-turns", "--json")
+    assert [path.rsplit("/", 1)[1] for path in done.json()["written"]] == ["band-saw.toml", "many-turns.toml"]
+    wrong = call("init", tmp_path, "--scene", "band-swa")
+    assert wrong.code == 3
+    assert "did you mean 'band-saw'" in wrong.err

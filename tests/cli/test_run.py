@@ -7,7 +7,7 @@ import pytest
 NOT_TRUSTED = 4
 FILES = {
     *("trials.csv", "conditions.csv", "problems.csv", "comparison.csv", "prediction.json"),
-    *("summary.txt", "summary.html"),
+    *("summary.txt", "report.html", "manifest.json", "uncertainty.json", "next_tests.csv"),
 }
 
 
@@ -81,11 +81,11 @@ def test_the_page_is_whole_and_escapes_what_it_shows(call, bench, tmp_path):
     path = tmp_path / "campaign" / "campaign.toml"
     path.write_text(path.read_text(encoding="utf-8").replace('name = "', 'name = "<b>&', 1), encoding="utf-8")
     call("run", tmp_path / "campaign", "--out", tmp_path / "out", "--no-figures")
-    page = (tmp_path / "out" / "summary.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert "<title>&lt;b&gt;&amp;" in page
     assert "<b>&" not in page
-    for foreign in ("http:", "https:", "src=", "href="):
+    for foreign in ("http:", "https:", "src=", "<script", "@import"):
         assert foreign not in page
 
 

@@ -57,8 +57,17 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
             )
             for one in table.measured
         ),
+        margin_wanted=None if table.excitation is None else table.excitation.margin,
+        preload_range_N=_range_N(table),
         **arrays,
     )
+
+
+def _range_N(table: SawScene) -> tuple[float, float] | None:
+    if table.excitation is None or table.excitation.preload_range is None:
+        return None
+    low, high = table.excitation.preload_range
+    return low, high
 
 
 def _with_friction(problem: SawProblem, friction: WrapFriction) -> SawProblem:
@@ -112,6 +121,24 @@ def _answerable(problem: SawProblem) -> npt.NDArray[np.bool_]:
     return np.asarray((slack_N > 0.0) & (slack_N - inertia_N + stiff_N > 0.0))
 
 
+_SCENE_KEYS = {
+    "free_span_m": "blade.free_span",
+    "linear_density_kg_m": "blade.linear_density",
+    "bending_stiffness_N_m2": "blade.bending_stiffness",
+    "n_modes": "blade.modes",
+    "preload_N": "tension.preload",
+    "mounting_factor": "tension.mounting_factor",
+    "tension_difference_N": "drive",
+    "wheel_radius_m": "wheel",
+    "wheel_speed_rad_s": "wheel.speed",
+    "travel_speed_m_s": "wheel.speed",
+}
+
+
+def _scene_key(name: str) -> str:
+    return _SCENE_KEYS.get(name, name)
+
+
 KIND = Kind(
     name="bandsaw",
     schema=SawScene,
@@ -132,4 +159,5 @@ KIND = Kind(
     with_fields=_with_fields,
     in_one_call=_in_one_call,
     answerable=_answerable,
+    scene_key=_scene_key,
 )

@@ -143,6 +143,23 @@ def _in_one_call(model: object) -> bool:
     return True
 
 
+_SCENE_KEYS = {
+    "wheel_radius_m": "wheel.radius",
+    "rope_radius_m": "rope.diameter",
+    "wrap_angle_rad": "wheel.wrap",
+    "end_tension_N": "load.end_tension",
+    "speed_m_s": "wheel.speed",
+    "linear_density_kg_m": "rope.linear_density",
+    "hanging_length_m": "rope.hanging_length",
+    "bending_stiffness_N_m2": "rope.bending_stiffness",
+    "payload_kg": "load.payload",
+}
+
+
+def _scene_key(name: str) -> str:
+    return _SCENE_KEYS.get(name, name)
+
+
 KIND = Kind(
     name="hoist",
     schema=HoistScene,
@@ -167,4 +184,5 @@ KIND = Kind(
     with_fields=_with_fields,
     in_one_call=_in_one_call,
     answerable=answerable,
+    scene_key=_scene_key,
 )

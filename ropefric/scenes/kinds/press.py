@@ -71,6 +71,41 @@ def _answerable(problem: PressProblem) -> npt.NDArray[np.bool_]:
     return np.asarray(~still.slack)
 
 
+_SCENE_KEYS = {
+    "mu": "friction.mu",
+    "speed_m_s": "press.speed",
+    "preload_N": "press.preload",
+    "load_factor": "press.load_factor",
+    "wrap_angle_rad": "wrap",
+    "radius_m": "radius",
+    "inertia_kg_m2": "inertia",
+    "gravity_torque_N_m": "gravity_torque",
+    "squeeze_torque_N_m": "squeeze_torque",
+    "spring_N_m": "spring",
+    "travel_m": "travel",
+    "force_N": "force",
+    "damping_N_s_m": "damping",
+    "mass_kg": "mass",
+    "upstream_angle_rad": "upstream_angle",
+    "downstream_angle_rad": "downstream_angle",
+    "linear_density_kg_m": "linear_density",
+    "thickness_m": "thickness",
+    "width_m": "width",
+    "damping_s": "damping",
+    "axial_stiffness_N": "axial_stiffness",
+    "span_lengths_m": "span_lengths",
+}
+
+
+def _scene_key(name: str) -> str:
+    kind, _, which = name.partition(" ")
+    if kind in {"span", "roller"} and which:
+        # A span goes slack for want of preload; a roller has a table of its own.
+        return "press.preload" if kind == "span" else f"rollers.{which}"
+    table, dot, last = name.rpartition(".")
+    return table + dot + _SCENE_KEYS.get(last, last)
+
+
 KIND = Kind(
     name="press",
     schema=PressScene,
@@ -89,4 +124,5 @@ KIND = Kind(
     with_fields=_with_fields,
     in_one_call=_in_one_call,
     answerable=_answerable,
+    scene_key=_scene_key,
 )

@@ -16,6 +16,7 @@ from ropefric.systems.press.loads import (
 from ropefric.systems.press.machine import Belt, Press, Role, Roller, Tensioner
 from ropefric.systems.press.problem import PressProblem, StartUpTask
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.press.transient.integrators import Settings
 
 __all__ = ["press_problem"]
 
@@ -135,4 +136,6 @@ def _task(table: StartUpTable, speed_m_s: float) -> StartUpTask:
         time_s=np.linspace(0.0, table.simulate, table.points),
         slip=table.slip,
         loads=table.loads,
+        integrator=table.integrator,
+        settings=Settings(tolerance=table.tolerance, step_s=table.step),
     )

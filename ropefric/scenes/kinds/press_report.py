@@ -9,7 +9,9 @@ import numpy as np
 from ropefric.scenes.kind import Quantity
 from ropefric.systems.press.answer import PressAnswer, as_operated
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
+from ropefric.systems.press.machine import Press
 from ropefric.systems.press.problem import PressProblem
+from ropefric.systems.press.response import Parts
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import drive_power_W
@@ -81,20 +83,16 @@ def _loads(answer: PressAnswer) -> dict[str, Any]:
 def _first(answer: PressAnswer) -> dict[str, Any]:
     """Return which roller is nearest to slip, and what would make the first one slip."""
     model = answer.model
-    press = as_operated(model)
-    if model.parts.keeps_tension:
-        # Speed leaves T' alone, as it does with belts that weigh nothing.
-        light = tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts)
-        press = replace(press, belts=light)
-    statics = solve_statics(press, closure=model.closure)
     use = answer.slip.utilisation[0]
     critical: dict[str, Any] = {}
     for change in CHANGES:
+        # What a higher speed does is the belts' mass, whether or not it matters at this one.
+        parts = replace(model.parts, mass=model.parts.mass or change == "speed")
         values = critical_values(
-            statics,
+            solve_statics(_answering_to_speed(as_operated(model), parts), closure=model.closure),
             model.friction,
             change,  # type: ignore[arg-type]
-            tensioner=model.parts.tensioner,
+            tensioner=parts.tensioner,
             told=model.told,
         )
         first = first_to_slip(values, change)  # type: ignore[arg-type]
@@ -109,6 +107,13 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
         "slips": [name for name, share in zip(answer.slip.rollers, use, strict=True) if share > 1.0],
         "critical": critical,
     }
+
+
+def _answering_to_speed(press: Press, parts: Parts) -> Press:
+    """Return a press whose T' answers to the speed as with these parts: not at all where its belts weigh nothing."""
+    if not parts.keeps_tension:
+        return press
+    return replace(press, belts=tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts))
 
 
 def _finite(value: float) -> float | None:

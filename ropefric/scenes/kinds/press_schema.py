@@ -7,6 +7,7 @@ from pydantic import Field, PlainValidator, model_validator
 from ropefric.scenes.schema import FrictionTable, SceneTable, number, optional, positive
 from ropefric.systems.press.closures import CLOSURES
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
 
 __all__ = ["BeltTable", "PressScene", "RollerTable", "SludgeTable", "StartUpTable", "TensionerTable"]
@@ -167,6 +168,20 @@ class StartUpTable(StrictTable):
     points: Annotated[int, PlainValidator(whole_number(2, 1_000_000))] = 2001
     slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
+    integrator: Annotated[str, PlainValidator(choice(lambda: INTEGRATORS))] = "exact"
+    step: Annotated[float | None, optional("s", "1 ms", above=0)] = None
+    tolerance: Annotated[float, PlainValidator(positive)] = 1e-6
+
+    @model_validator(mode="after")
+    def _integrates_what_it_can(self) -> Self:
+        if self.slip and self.integrator != "exact":
+            reject(
+                "RF111",
+                f"{self.integrator} solves a start-up without slip only",
+                fix='write slip = false, or integrator = "exact"',
+                key="integrator",
+            )
+        return self
 
     @model_validator(mode="after")
     def _gives_what_its_law_takes(self) -> Self:

@@ -15,6 +15,7 @@ from ropefric.systems.bandsaw.models import MODELS
 from ropefric.systems.bandsaw.problem import SawProblem
 from ropefric.systems.bandsaw.resonance import find_crossings, margins
 from ropefric.systems.bandsaw.saw import Saw, Side
+from ropefric.systems.bandsaw.strain import recommend_preload
 
 __all__ = ["planned_saw", "saw_of", "saw_tree", "speeds_m_s"]
 
@@ -94,6 +95,7 @@ def _finite(value: float) -> float | None:
 def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
     near = margins(saw, (Side.TIGHT, Side.SLACK), problem.excitations, problem.n_modes)
     return {
+        "recommended_preload": _recommended(saw, problem),
         "nearest": [
             {
                 "side": one.side.value,
@@ -119,6 +121,29 @@ def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
             for side in (Side.TIGHT, Side.SLACK)
             for one in find_crossings(saw, side, problem.excitations, speeds_m_s(saw, side), problem.n_modes)
         ],
+    }
+
+
+def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
+    """Return the preload that keeps the margin wanted, where one was."""
+    if problem.margin_wanted is None or problem.preload_range_N is None:
+        return None
+    try:
+        found = recommend_preload(
+            saw,
+            problem.excitations,
+            margin=problem.margin_wanted,
+            range_N=problem.preload_range_N,
+            n_modes=problem.n_modes,
+        )
+    except RopefricError as error:
+        return {"status": "not possible", "advice": error.problem.message}
+    return {
+        "preload_N": found.preload_N,
+        "margin": found.margin,
+        "forbidden_N": [list(interval) for interval in found.forbidden_N],
+        "status": found.status.value,
+        "advice": found.status.advice,
     }
 
 

@@ -147,12 +147,35 @@ class DriveTable(StrictTable):
         return self
 
 
+def _margin(value: object) -> float:
+    found = number(value)
+    if not 0.0 < found < 1.0:
+        reject("RF110", f"a margin of {got(value)} is not between 0 and 1", fix="write 0.1 for 10 %")
+    return found
+
+
 class ExcitationTable(StrictTable):
     """`[excitation]`."""
 
     wheel_harmonics: Annotated[int, PlainValidator(whole_number(0, 50))] = 3
     tooth_pitch: Annotated[float | None, optional("m", "22 mm", above=0)] = None
     frequencies: list[Annotated[float, optional("Hz", "50 Hz", above=0)]] = Field(default_factory=list)
+    margin: Annotated[float | None, PlainValidator(_margin)] = None
+    preload_range: list[Annotated[float, optional("N", "3000 N", above=0)]] | None = None
+
+    @model_validator(mode="after")
+    def _wants_a_margin_over_a_range(self) -> Self:
+        if (self.margin is None) != (self.preload_range is None):
+            reject(
+                "RF121",
+                "a recommended preload needs both the margin wanted and the range of preloads",
+                fix='add margin = 0.1 and preload_range = ["2000 N", "6000 N"]',
+            )
+        if self.preload_range is not None and (
+            len(self.preload_range) != 2 or not self.preload_range[0] < self.preload_range[1]
+        ):
+            reject("RF110", "a range is two preloads, the lower first", key="preload_range")
+        return self
 
 
 class MeasuredTable(StrictTable):

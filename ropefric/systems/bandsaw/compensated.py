@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["Pair", "add", "as_pair", "divide", "multiply", "total"]
+__all__ = ["Pair", "add", "as_pair", "divide", "multiply", "negative", "total"]
 
 Pair = tuple[FloatArray, FloatArray]
 """An unevaluated sum of a float and what it lacks."""
@@ -72,6 +72,17 @@ def divide(a: Pair, b: Pair) -> Pair:
     left = add(left, multiply(as_pair(-second), b))
     high, low = _quick_two_sum(first, second)
     return _quick_two_sum(high, low + left[0] / b[0])
+
+
+def negative(a: Pair) -> Pair:
+    """Return −a.
+
+    Examples
+    --------
+    >>> [float(part) for part in negative(as_pair(2.0))]
+    [-2.0, -0.0]
+    """
+    return np.negative(a[0]), np.negative(a[1])
 
 
 def total(a: Pair) -> FloatArray:

@@ -60,8 +60,7 @@ def _changed(
 ) -> SawModel:
     """Return the model with parts added to the spans of some of its sides."""
     spans = {
-        side: replace(span, **parts(side)) if side in sides else span
-        for side, span in model.spans.items()
+        side: replace(span, **parts(side)) if side in sides else span for side, span in model.spans.items()
     }
     return replace(model, spans=spans)
 

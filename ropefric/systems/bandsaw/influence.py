@@ -1,9 +1,12 @@
-"""How much each effect of a saw can change a frequency at most, before anything is simulated.
+"""How much each effect of a saw can change an answer at most, before anything is simulated.
 
 For a string ln f = ln(F − ρA v²) − ½ ln F and what does not depend on the effects, so the largest change over the
 corners (each tension with or without the torque's and the wheels' part, each speed with or without the travel) bounds
 every effect but the stiffness. A stiff blade is less sensitive to tension and speed than a string, as part of its
 restoring force depends on neither.
+
+Where the scene asks for the wheel's grip as well, its utilisation U = ΔF/((F_slack − ρA v²)(e^M − 1)) is bounded over
+the same corners: without the difference there is none, and the stiffness has no part in it.
 """
 
 import math
@@ -12,6 +15,7 @@ from itertools import product
 
 import numpy as np
 
+from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import CLAMPED
 from ropefric.systems.bandsaw.problem import SawProblem
@@ -27,8 +31,12 @@ def bounded(bound: Bound) -> Callable[[SawProblem], float]:
     """Return an `influence`: the largest bound of all cases, `inf` where a blade is slack or too fast."""
 
     def influence(problem: SawProblem) -> float:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            worst = float(np.max(bound(problem)))
+        try:
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                worst = float(np.max(bound(problem)))
+        except InputError:
+            # The law has no answer to the wheel in one of the corners.
+            return math.inf
         if math.isnan(worst):
             return math.inf
         return worst * (1.0 + _ROUNDING) + (_ROUNDING if worst > 0.0 else 0.0)
@@ -72,9 +80,33 @@ def _tensions(problem: SawProblem) -> Iterator[FloatArray]:
         yield problem.preload_N + pull * _pull_N(problem) + wheels * _wheels_N(problem)
 
 
+def _asks_for_grip(problem: SawProblem) -> bool:
+    """Return whether the answer says how much of the wheel's friction the drive needs."""
+    known = (
+        problem.friction is not None and problem.wheel_radius_m is not None and problem.section is not None
+    )
+    return known and bool(_pull_N(problem).any())
+
+
+def _log_grip(problem: SawProblem, wheels: float, travels: float) -> FloatArray:
+    """Return ln of what U varies with, −ln((F_slack − ρA v²)(e^M − 1)); NaN where the slack side presses nothing."""
+    assert problem.friction is not None  # noqa: S101  (`_asks_for_grip` has made sure of all three)
+    assert problem.wheel_radius_m is not None  # noqa: S101
+    assert problem.section is not None  # noqa: S101
+    slack_N = problem.preload_N - _pull_N(problem) + wheels * _wheels_N(problem)
+    pressing_N = slack_N - travels * _inertia_N(problem)
+    exponent = problem.friction.exponent(
+        wheel_radius_m=problem.wheel_radius_m,
+        rope_radius_m=0.5 * problem.section.thickness_m,
+        wrap_angle_rad=problem.wheel_wrap_rad,
+        slack_tension_N=np.where(pressing_N > 0.0, pressing_N, 1.0),
+    )
+    return -np.log(pressing_N) - np.log(np.expm1(exponent))
+
+
 def difference_bound(problem: SawProblem) -> FloatArray:
     """Return the largest change of ln f by ±ΔF/2."""
-    changes = [_zeros(problem)]
+    changes = [np.where(_pull_N(problem) > 0.0, np.inf, 0.0) if _asks_for_grip(problem) else _zeros(problem)]
     for wheels, inertia_N, sign in product((0.0, 1.0), _travels(problem), (-1.0, 1.0)):
         base_N = problem.preload_N + wheels * _wheels_N(problem)
         changes.append(
@@ -94,18 +126,20 @@ def wheels_bound(problem: SawProblem) -> FloatArray:
         changes.append(
             np.abs(_log_frequency(base_N + _wheels_N(problem), inertia_N) - _log_frequency(base_N, inertia_N))
         )
+    if _asks_for_grip(problem):
+        for travels in (0.0, 1.0):
+            changes.append(np.abs(_log_grip(problem, 1.0, travels) - _log_grip(problem, 0.0, travels)))
     return np.asarray(np.max(changes, axis=0))
 
 
 def travel_bound(problem: SawProblem) -> FloatArray:
     """Return the largest change of ln f by the travel, −ln(1 − v²/c²)."""
     inertia_N = _inertia_N(problem)
-    return np.asarray(
-        np.max(
-            [_log_frequency(F, _zeros(problem)) - _log_frequency(F, inertia_N) for F in _tensions(problem)],
-            axis=0,
-        )
-    )
+    changes = [_log_frequency(F, _zeros(problem)) - _log_frequency(F, inertia_N) for F in _tensions(problem)]
+    if _asks_for_grip(problem):
+        for wheels in (0.0, 1.0):
+            changes.append(np.abs(_log_grip(problem, wheels, 1.0) - _log_grip(problem, wheels, 0.0)))
+    return np.asarray(np.max(changes, axis=0))
 
 
 def bending_bound(problem: SawProblem) -> FloatArray:

@@ -17,6 +17,8 @@ MAX_ORDER = 400
 _LAYER_REACH = 0.8
 # The middle part is no shorter than the layers.
 _WIDEST_LAYER = 1.0 / 3.0
+# A layer thinner than the inverse of this takes nothing that a float could show, and its powers stay floats.
+_STEEPEST_RATE = 1e60
 # Eigenvalues err with the square of the best approximation; how much more was found by experiment.
 _SAFETY = {True: 10.0, False: 40.0}
 
@@ -30,7 +32,7 @@ class Waves:
     longest, shortest : float
         The two real wave numbers q − m, q + m in amount [-].
     layer_rate : float
-        κ [-], the inverse of the boundary layer's thickness.
+        κ [-], the inverse of the boundary layer's thickness, at most 1e60.
     """
 
     longest: float
@@ -81,7 +83,8 @@ def _waves_between(beam: ScaledBeam, q: float) -> Waves:
         low, high = (middle, high) if surplus(middle) > 0.0 else (low, middle)
     m = math.sqrt(high)
     rate_squared = lifted / beam.stiffness + 2.0 * m**2
-    return Waves(longest=q - m, shortest=q + m, layer_rate=math.sqrt(max(rate_squared, 0.0)))
+    rate = min(math.sqrt(max(rate_squared, 0.0)), _STEEPEST_RATE)
+    return Waves(longest=q - m, shortest=q + m, layer_rate=rate)
 
 
 def widths_for(beam: ScaledBeam, order: int) -> tuple[float, ...]:

@@ -49,6 +49,10 @@ class SawProblem:
         What may shake the blade.
     measurements : tuple of Measurement
         What was measured on the saw.
+    margin_wanted : float, optional
+        |mode/excitation − 1| that a recommended preload is to keep [-].
+    preload_range_N : tuple of float, optional
+        Lowest and highest preload to recommend [N].
 
     Raises
     ------
@@ -77,6 +81,8 @@ class SawProblem:
     wheel_wrap_rad: float = np.pi
     excitations: tuple[Excitation, ...] = ()
     measurements: tuple[Measurement, ...] = ()
+    margin_wanted: float | None = None
+    preload_range_N: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         given = {

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
-from ropefric.systems.bandsaw.compensated import Pair, add, as_pair, divide, multiply, total
+from ropefric.systems.bandsaw.compensated import Pair, add, as_pair, divide, multiply, negative, total
 from ropefric.systems.bandsaw.ends import Ends
 
 __all__ = ["Span", "refuse_overspeed"]
@@ -46,8 +46,8 @@ class Span:
     Raises
     ------
     InputError
-        If the lengths disagree, a value is not finite or not in its range, κ is above 1, or a tension is not
-        positive: a slack blade has no frequency.
+        If the lengths disagree, a value is not finite or not in its range, κ is above 1, the numbers together are
+        beyond floating point, or a tension is not positive: a slack blade has no frequency.
 
     Examples
     --------
@@ -86,6 +86,7 @@ class Span:
             spread = np.broadcast_to(array, shape)
             spread.flags.writeable = False
             object.__setattr__(self, name, spread)
+        self._refuse_beyond_floats()
         slack = self.tension_N <= 0.0
         if slack.any():
             first = int(np.argmax(slack))
@@ -103,9 +104,10 @@ class Span:
 
     @property
     def tension_N(self) -> FloatArray:
-        """Return F = F_0 ± ΔF/2 + κ ρA v_w² [N], shape (m,)."""
-        inertia_N = self.mounting_factor * self.linear_density_kg_m * self.wheel_speed_m_s**2
-        return np.asarray(self.preload_N + self.pull_N + inertia_N)
+        """Return F = F_0 ± ΔF/2 + κ ρA v_w² [N], shape (m,), to full relative precision."""
+        wheels = multiply(as_pair(self.wheel_speed_m_s), as_pair(self.wheel_speed_m_s))
+        density, held = as_pair(self.linear_density_kg_m), multiply(as_pair(self.mounting_factor), wheels)
+        return total(add(self._static(), multiply(density, held)))
 
     @property
     def wave_speed_m_s(self) -> FloatArray:
@@ -169,13 +171,41 @@ class Span:
         """Return ` at case i` for messages, nothing where there is only one."""
         return f" at case {index}" if self.m > 1 else ""
 
+    def _refuse_beyond_floats(self) -> None:
+        with np.errstate(all="ignore"):
+            squared = self.free_span_m**2
+            parts = {
+                "tension": self.tension_N,
+                "tension less the inertia": self.net_tension_N,
+                "square of the wave speed": self.tension_N / self.linear_density_kg_m,
+                "buckling load": self.bending_stiffness_N_m2 / squared,
+            }
+        for name, values in parts.items():
+            fine = np.isfinite(values)
+            if not fine.all():
+                raise InputError(
+                    f"the {name}{self.place(int(np.argmin(fine)))} is beyond the range of floating point",
+                    fix="check the units of the numbers given",
+                )
+
     def _net(self) -> Pair:
-        # κ ρA v² and ρA v² nearly cancel for κ near 1, as F and ρA v² do near the critical speed.
-        wheels = multiply(as_pair(self.wheel_speed_m_s), as_pair(self.wheel_speed_m_s))
-        travel = multiply(as_pair(self.travel_speed_m_s), as_pair(-self.travel_speed_m_s))
-        through = add(multiply(as_pair(self.mounting_factor), wheels), travel)
-        static = add(as_pair(self.preload_N), as_pair(self.pull_N))
-        return add(static, multiply(as_pair(self.linear_density_kg_m), through))
+        # κ v_w² − v² cancels for κ near 1, where (v_w² − v²) − (1 − κ) v_w² does not; F and ρA v² do as v nears c.
+        wheel_speed, travel, mounting = (
+            as_pair(value) for value in (self.wheel_speed_m_s, self.travel_speed_m_s, self.mounting_factor)
+        )
+        wheels, loose = multiply(wheel_speed, wheel_speed), add(as_pair(1.0), negative(mounting))
+        ahead = multiply(add(wheel_speed, negative(travel)), add(wheel_speed, travel))
+        by_loose = add(ahead, negative(multiply(loose, wheels)))
+        by_mounting = add(multiply(mounting, wheels), negative(multiply(travel, travel)))
+        near_one = self.mounting_factor >= 0.5
+        through = (
+            np.where(near_one, by_loose[0], by_mounting[0]),
+            np.where(near_one, by_loose[1], by_mounting[1]),
+        )
+        return add(self._static(), multiply(as_pair(self.linear_density_kg_m), through))
+
+    def _static(self) -> Pair:
+        return add(as_pair(self.preload_N), as_pair(self.pull_N))
 
 
 def refuse_overspeed(span: Span, ends: Ends) -> FloatArray:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, solve_saw
 from ropefric.systems.bandsaw.effects import EFFECTS, bare
 from ropefric.systems.bandsaw.problem import SawProblem
@@ -33,10 +34,20 @@ def _solve(model: SawModel, method: Method) -> SawAnswer:
 
 
 def _distance(answer: SawAnswer, reference: SawAnswer) -> float:
-    return max(
+    found = [
         float(np.max(np.abs(answer.sides[side].frequencies_Hz / other.frequencies_Hz - 1.0)))
         for side, other in reference.sides.items()
-    )
+    ]
+    if answer.wheel_utilisation is not None and reference.wheel_utilisation is not None:
+        found.append(_relative(answer.wheel_utilisation, reference.wheel_utilisation))
+    return max(found)
+
+
+def _relative(values: FloatArray, reference: FloatArray) -> float:
+    """Return the largest relative difference where there is one: a wheel that pulls nothing needs no grip."""
+    differs = values != reference
+    share = np.divide(values, reference, out=np.full_like(values, np.inf), where=differs & (reference != 0.0))
+    return float(np.max(np.where(differs, np.abs(share - 1.0), 0.0)))
 
 
 SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(

@@ -141,6 +141,8 @@ def _started(model: PressModel, task: StartUpTask) -> StartUp:
         slip=task.slip,
         loads="constant" if task.loads == "constant" else "with-speed",
         ingredients=model.ingredients,
+        integrator=task.integrator,
+        settings=task.settings,
     )
 
 

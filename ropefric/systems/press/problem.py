@@ -1,6 +1,6 @@
 """What is known of a belt press and its operation, for one operating point or many at once."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
+from ropefric.systems.press.transient.integrators.integrator import Settings
 from ropefric.systems.press.transient.polynomial import PiecewisePolynomial
 
 __all__ = ["PressProblem", "StartUpTask"]
@@ -27,12 +28,18 @@ class StartUpTask:
         Whether rollers may slip and belts go slack.
     loads : {"with-speed", "constant"}
         Whether the load torques grow with the speed or act from the start.
+    integrator : str
+        A member of `INTEGRATORS`; slip needs "exact".
+    settings : Settings
+        Its step or tolerance.
     """
 
     speed: PiecewisePolynomial
     time_s: FloatArray
     slip: bool
     loads: str
+    integrator: str = "exact"
+    settings: Settings = field(default_factory=Settings)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

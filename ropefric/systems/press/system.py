@@ -24,7 +24,18 @@ _EXACT = Method(
 
 
 def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the signature of `System.method`)
-    return _DIRECT if model.start_up is None else _EXACT
+    if model.start_up is None:
+        return _DIRECT
+    task = model.start_up
+    if task.integrator == "exact":
+        return _EXACT
+    return Method(
+        name=f"direct solution and {task.integrator}",
+        settings={"tolerance": task.settings.tolerance}
+        | ({} if task.settings.step_s is None else {"step_s": task.settings.step_s}),
+        error=np.inf,
+        why="asked for by name; its error is not bounded beforehand",
+    )
 
 
 def _solve(model: PressModel, method: Method) -> PressAnswer:  # noqa: ARG001  (the signature of `System.solve`)
@@ -35,7 +46,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
     found = [
         _relative(answer.state.effective_tension_N, reference.state.effective_tension_N),
         _of_largest(answer.slip.utilisation, reference.slip.utilisation),
-        _of_largest(drive_power_W(answer.state), drive_power_W(reference.state)),
+        _of_largest(*(drive_power_W(one.state)[..., np.newaxis] for one in (answer, reference))),
     ]
     if reference.start_up is not None:
         if answer.start_up is None:
@@ -58,7 +69,6 @@ def _relative(values: FloatArray, reference: FloatArray) -> float:
 
 def _of_largest(values: FloatArray, reference: FloatArray) -> float:
     """Return the largest difference, as a share of the largest reference: a roller without torque has none itself."""
-    values, reference = np.atleast_1d(values), np.atleast_1d(reference)
     largest = np.max(np.abs(reference), axis=-1, keepdims=True)
     difference = np.abs(values - reference)
     share = np.divide(difference, largest, out=np.zeros_like(difference), where=difference > 0.0)

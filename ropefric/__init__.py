@@ -12,14 +12,19 @@ __version__ = "0.1.0"
 
 __all__ = [
     "__version__",
+    "budget",
     "compare",
     "design",
     "diagnose",
+    "explain",
     "extract",
     "find_breakaway",
     "fit",
     "load_campaign",
     "load_fit",
+    "load_scene",
+    "measured_budgets",
+    "plan_tests",
     "predict",
     "read_trace",
     "read_trial",
@@ -27,19 +32,27 @@ __all__ = [
     "run",
     "save_fit",
     "smooth",
+    "solve",
+    "sweep",
     "trial_table",
+    "write_scenes",
 ]
 
 
 _WHERE = {
+    "budget": "ropefric.api.uncertainty",
     "compare": "ropefric.api.fits",
     "design": "ropefric.api.wheels",
     "diagnose": "ropefric.api.fits",
+    "explain": "ropefric.api.scenes",
     "extract": "ropefric.api.recordings",
     "find_breakaway": "ropefric.api.recordings",
     "fit": "ropefric.api.fits",
     "load_campaign": "ropefric.trials.campaign",
     "load_fit": "ropefric.fitting.store",
+    "load_scene": "ropefric.scenes.scene",
+    "measured_budgets": "ropefric.api.uncertainty",
+    "plan_tests": "ropefric.api.uncertainty",
     "predict": "ropefric.api.wheels",
     "read_trace": "ropefric.api.recordings",
     "read_trial": "ropefric.api.recordings",
@@ -47,7 +60,10 @@ _WHERE = {
     "run": "ropefric.api.wheels",
     "save_fit": "ropefric.fitting.store",
     "smooth": "ropefric.api.recordings",
+    "solve": "ropefric.api.scenes",
+    "sweep": "ropefric.api.scenes",
     "trial_table": "ropefric.api.inputs",
+    "write_scenes": "ropefric.scenes.scene_templates",
 }
 
 

@@ -11,18 +11,24 @@ import pandas as pd
 import pytest
 
 import ropefric as rf
-from ropefric.errors import DataError, InputError
+from ropefric.errors import DataError, InputError, UnknownNameError
+from ropefric.fitting.predict import new_rope_std
 from ropefric.traces.trace import ForceTrace
 
 ROOT = Path(__file__).parents[1]
 TRIALS = ROOT / "fits" / "prth-trials.csv"
 COUPLED = ROOT / "fits" / "prth-coupled.json"
+HOIST = ROOT / "data" / "scenes" / "hoist.toml"
 
 SIGNATURES = {
+    "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
+    "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
+    "seed=0)",
     "compare": "(trials, laws=None, *, progress=None)",
     "design": "(fit, *, lift_N, solve_for='wrap', wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
     "rope_radius_m=None, probability=0.95)",
     "diagnose": "(trials, comparison=None)",
+    "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
     "find_breakaway": "(trace, *, window_s=None, peak='smoothed', start_s=None, stop_s=None, min_step_N=None, "
     "ending='sliding')",
@@ -30,6 +36,12 @@ SIGNATURES = {
     "n_starts=4, seed=0, intervals='covariance')",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
+    "load_scene": "(path)",
+    "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
+    "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
+    "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "
+    "rope_radius_m=None, largest_force_N=inf, n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, "
+    "seed=0)",
     "predict": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, level=0.95, "
     "method='linear', linear_density_kg_m=None, speed_m_s=None)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
@@ -38,7 +50,10 @@ SIGNATURES = {
     "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None)",
     "save_fit": "(fit, path)",
     "smooth": "(trace, window_s=None)",
+    "solve": "(scene, *, level=0.95)",
+    "sweep": "(scene, *axes, progress=None)",
     "trial_table": "(trials)",
+    "write_scenes": "(folder, names=(), *, overwrite=False)",
 }
 
 
@@ -72,7 +87,7 @@ def test_names_load_late_and_unknown_ones_are_attribute_errors():
     code = (
         "import sys, ropefric as rf\n"
         "assert 'numpy' not in sys.modules\n"
-        "rf.read_trace, rf.reject, rf.extract\n"
+        "rf.read_trace, rf.reject, rf.extract, rf.load_scene, rf.solve, rf.explain, rf.sweep, rf.budget\n"
         "heavy = {'pandas', 'lmfit', 'matplotlib', 'typer'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
     )
@@ -115,6 +130,10 @@ def test_an_extraction_is_a_table(tmp_path):
     assert table.peak_N.tolist() == [trial.peak_N for trial in extraction.trials]
     fit = rf.fit(extraction, "constant")
     assert fit.statistics.n == 8
+    stated = rf.measured_budgets(extraction, draws=20_000)
+    assert [one.budget.estimate for one in stated] == pytest.approx(
+        [one.mean_kept_N for one in extraction.conditions], rel=1e-12
+    )
     trace = rf.read_trial(campaign, "c01-r02")
     assert rf.find_breakaway(trace).peak_N == pytest.approx(extraction.trials[1].peak_N, rel=1e-12)
     assert rf.smooth(trace).window_s == pytest.approx(extraction.trials[1].breakaway.window_s, rel=0.01)
@@ -159,3 +178,59 @@ def test_side_by_side_recordings_need_a_name(tmp_path):
     assert rf.read_trace(path, profile, sample="B").force_N.tolist() == [2.0, 3.0, 4.0]
     with pytest.raises(DataError, match="names 2 of them"):
         rf.read_trace(path, profile)
+
+
+def test_a_scene_is_solved_explained_and_swept_from_its_file_or_loaded():
+    scene = rf.load_scene(HOIST)
+    solved, loaded = rf.solve(HOIST), rf.solve(scene)
+    assert solved.to_dict() == loaded.to_dict()
+    assert rf.explain(scene).plan.simulated == solved.plan.simulated
+    found = rf.sweep(scene, "wheel.radius=40mm,20mm", "wheel.wrap=540deg,720deg")
+    assert found.shape == (2, 2)
+    lift_N = found.columns["lift_force_N"]
+    assert lift_N[0] == pytest.approx(solved.to_dict()["lift_force_N"], rel=1e-12)
+    again = rf.sweep(str(HOIST), *found.axes)
+    np.testing.assert_array_equal(again.columns["lift_force_N"], lift_N)
+    with pytest.raises(InputError, match="at least one key"):
+        rf.sweep(scene)
+    with pytest.raises(UnknownNameError, match="did you mean"):
+        rf.sweep(scene, "wheel.warp=1turn,2turn")
+
+
+def test_a_budget_of_exact_settings_is_the_standard_error_of_the_prediction():
+    wheel = {"wheel_radius_m": 0.035, "wrap_angle_rad": 7.0, "end_tension_N": 60.0}
+    predicted = rf.predict(COUPLED, **wheel)
+    exact = rf.budget(COUPLED, **wheel, draws=20_000)
+    assert exact.budget.estimate == pytest.approx(predicted.lift_force_N[0], rel=1e-12)
+    assert exact.budget.combined == pytest.approx(predicted.std_N[0], rel=1e-6)
+    # F_A is not far from proportional to F_B, so 1 % of F_B is worth about 1 % of F_A: far more than the law.
+    loose = rf.budget(COUPLED, **wheel, u_end_tension_N=0.6, draws=20_000)
+    assert max(loose.budget.lines, key=lambda line: line.share).name == "end tension"
+    rope = new_rope_std(rf.load_fit(COUPLED)) * predicted.lift_force_N[0]
+    one_pull = rf.budget(COUPLED, **wheel, one_pull=True, draws=20_000)
+    assert one_pull.budget.combined == pytest.approx(np.hypot(predicted.std_N[0], rope), rel=1e-6)
+
+
+def test_measured_budgets_know_every_condition():
+    table = rf.trial_table(TRIALS)
+    forces = rf.measured_budgets(TRIALS, draws=20_000)
+    mu = rf.measured_budgets(table, "mu", u_wrap_angle_rad=0.035, draws=20_000)
+    assert len(forces) == len(mu) == rf.fit(table, "constant").statistics.n_conditions
+    first = forces[0].model
+    assert (first.symbol, first.unit, mu[0].model.unit) == ("F_A", "N", "-")
+    with pytest.raises(InputError, match="neither 'force' nor 'mu'"):
+        rf.measured_budgets(table, "mü")
+
+
+def test_tests_are_planned_from_a_fit():
+    rig = {"wheels_m": [0.015, 0.06], "wraps_rad": [3.0, 6.0, 12.0, 18.0], "end_tensions_N": [5.0, 50.0]}
+    wanted = {"wheel_radius_m": 0.1, "wrap_angle_rad": 12.0, "end_tension_N": 80.0}
+    plan = rf.plan_tests(COUPLED, **rig, **wanted, largest_force_N=800.0, n_conditions=4, repeats=6)
+    assert len(plan) == 4
+    assert plan.after.std_log[0] < plan.before.std_log[0]
+    from ropefric.fitting.planning.precision import MeanScatter, planned_guess
+    from ropefric.friction.laws import LAWS
+
+    guessed = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
+    with pytest.raises(InputError, match="does not know its rope"):
+        rf.plan_tests(guessed, **rig, **wanted)

@@ -1,4 +1,4 @@
-"""`ropefric init`: a commented campaign to fill in."""
+"""`ropefric init`: a commented campaign, or commented scenes, to fill in."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,16 +14,38 @@ if TYPE_CHECKING:
 __all__ = ["COMMAND"]
 
 Folder = Annotated[Path, typer.Argument(help="Where to write them; made where it is missing.")]
+Scenes = Annotated[bool, typer.Option("--scenes", help="Write all scenes instead of a campaign.")]
+SceneName = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--scene",
+        metavar="NAME",
+        help="Write this scene: hoist, climbing-hoist, belt-press, press-start-up, band-saw, …; repeatable.",
+    ),
+]
 Force = Annotated[bool, typer.Option("--force", help="Write over files that are already there.")]
 
 
-def init(out: Output, *, folder: Folder = Path(), force: Force = False) -> Answer:
-    """Write commented templates of campaign.toml and trials.csv, to be filled in with your campaign."""
-    from ropefric.trials.campaign_templates import write_templates  # noqa: PLC0415  (quick start-up)
+def init(
+    out: Output,
+    *,
+    folder: Folder = Path(),
+    scenes: Scenes = False,
+    scene: SceneName = None,
+    force: Force = False,
+) -> Answer:
+    """Write commented templates to fill in: a campaign, or with --scenes hoists, presses and band saws to solve."""
+    if scenes or scene:
+        from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
 
-    written = write_templates(folder, overwrite=force)
-    campaign = next((path for path in written if path.suffix == ".toml"), folder / "campaign.toml")
-    out.note(f"next: fill them in, then  ropefric check {campaign}")
+        written = write_scenes(folder, () if scenes else scene or (), overwrite=force)
+        first = folder / "hoist.toml"
+        out.note(f"next: ropefric solve {first if first in written else written[0]}")
+    else:
+        from ropefric.trials.campaign_templates import write_templates  # noqa: PLC0415  (quick start-up)
+
+        written = write_templates(folder, overwrite=force)
+        out.note(f"next: fill them in, then  ropefric check {written[0]}")
 
     def show(console: "Console") -> None:
         for path in written:
@@ -32,4 +54,4 @@ def init(out: Output, *, folder: Folder = Path(), force: Force = False) -> Answe
     return Answer(data={"written": written}, show=show)
 
 
-COMMAND = Command(name="init", run=init, example="ropefric init my-campaign", order=10)
+COMMAND = Command(name="init", run=init, example="ropefric init my-scenes --scene hoist", order=10)

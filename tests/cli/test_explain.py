@@ -1,0 +1,67 @@
+"""`ropefric explain`: which effects are simulated, why, and what they turn out to be worth."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
+KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth", "time_share"}
+EFFECTS = {
+    "climbing-hoist": ["wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal", "bending-stiffness"],
+    "fast-belt-press": [
+        *("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity"),
+        *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia", "transient"),
+    ],
+    "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion"],
+}
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_every_effect_is_told_of(call, name):
+    done = call("explain", SCENES / f"{name}.toml", "--json")
+    assert done.code == 0, done.err
+    tree = done.json()
+    assert sorted(one["name"] for one in tree["effects"]) == sorted(EFFECTS[name])
+    assert all(set(one) == KEYS for one in tree["effects"])
+    assert tree["measured"] is None
+    assert done.out == json.dumps(tree, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_what_is_measured_is_within_what_was_promised(call, name):
+    tree = call("explain", SCENES / f"{name}.toml", "--measure", "--json").json()
+    rounding = 1e-9 + tree["method"]["error"]
+    for one in tree["effects"]:
+        if one["fate"] == "not applicable":
+            assert one["worth"] is None
+            assert one["missing"]
+        elif one["bound"] is not None and one["worth"] is not None:
+            # A worth counted from the planned answer is e^bound − 1 at most, either way round.
+            assert one["worth"] <= one["bound"] + rounding, one["name"]
+    assert tree["measured"]["difference"] <= min(tree["accuracy"], tree["error_bound"])
+    assert tree["measured"]["planned_s"] > 0.0
+    assert tree["measured"]["all_effects_s"] > 0.0
+
+
+def test_words_say_fate_worth_and_reason(call):
+    done = call("explain", SCENES / "climbing-hoist.toml", "--measure", "--quiet")
+    flat = " ".join(done.out.split())
+    assert "centrifugal left out" in flat
+    assert "the scene does not give rope.bending_stiffness" in flat
+    assert "as planned" in flat
+    assert done.err == ""
+
+
+def test_without_measuring_no_clock_is_read(call):
+    texts = {call("explain", SCENES / "fast-belt-press.toml").out for _ in range(2)}
+    assert len(texts) == 1
+
+
+def test_a_bad_scene_is_refused(call, tmp_path):
+    path = tmp_path / "scene.toml"
+    text = (SCENES / "hoist.toml").read_text(encoding="utf-8")
+    path.write_text(text.replace("540 deg", "540 mm"), encoding="utf-8")
+    done = call("explain", path, "--json")
+    assert done.code == 3
+    assert done.json()["error"]["where"].startswith(f"{path}:8 wheel.wrap")

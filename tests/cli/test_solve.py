@@ -1,0 +1,218 @@
+"""`ropefric solve`: answers and sweeps of all systems, as text, JSON and files."""
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCENES = ROOT / "data" / "scenes"
+
+
+@pytest.fixture(autouse=True)
+def at_home(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """A function: a bundled scene with some of its text replaced."""
+
+    def write(name, **changes):
+        text = (SCENES / f"{name}.toml").read_text(encoding="utf-8")
+        text = text.replace("../../fits", (ROOT / "fits").as_posix())
+        for pattern, new in changes.values():
+            text, n = re.subn(pattern, new, text, count=1)
+            assert n == 1, pattern
+        path = tmp_path / f"{name}.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("hoist", ["Lift force [N]", "95 % interval", "effects: wrap-dependence, size, end-tension"]),
+        ("climbing-hoist", ["left out: centrifugal"]),
+        ("belt-press", ["closure share", "first to slip"]),
+        ("band-saw", ["Natural frequencies", "critical speed", "mounting factor of 2.21"]),
+    ],
+)
+def test_the_answer_in_words(call, name, words):
+    done = call("solve", SCENES / f"{name}.toml")
+    assert done.code == 0, done.err
+    flat = " ".join(done.out.split())
+    for one in words:
+        assert one.lower() in flat.lower()
+
+
+@pytest.mark.parametrize("name", ["hoist", "belt-press", "band-saw", "fast-band-saw"])
+def test_json_is_one_document_with_sorted_keys_and_nothing_else(call, name):
+    done = call("solve", SCENES / f"{name}.toml", "--json")
+    assert done.code == 0, done.err
+    tree = done.json()
+    assert done.out == json.dumps(tree, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+    assert set(tree["effects"]) == {"simulated", "left_out", "not_applicable"}
+    assert 0.0 <= tree["error_bound"]
+
+
+def test_the_same_input_gives_the_same_bytes(call, tmp_path):
+    outputs = []
+    for place in ("a", "b"):
+        assert call("solve", SCENES / "fast-belt-press.toml", "--out", tmp_path / place, "--quiet").code == 0
+        outputs.append((tmp_path / place / "answer.json").read_bytes())
+    assert outputs[0] == outputs[1]
+
+
+def test_out_writes_the_answer(call, tmp_path):
+    done = call("solve", SCENES / "hoist.toml", "--out", tmp_path / "deep" / "out", "--json")
+    path = tmp_path / "deep" / "out" / "answer.json"
+    tree = done.json()
+    assert str(path) in [str(one) for one in tree["files"]]
+    written = json.loads(path.read_text(encoding="utf-8"))
+    assert {key: tree[key] for key in written if key != "files"} == {
+        key: value for key, value in written.items() if key != "files"
+    }
+    assert "wrote" in done.err
+
+
+def test_quiet_keeps_the_answer_and_drops_the_notes(call, tmp_path):
+    done = call("solve", SCENES / "hoist.toml", "--out", tmp_path / "out", "--quiet")
+    assert done.code == 0
+    assert "Lift force" in done.out
+    assert done.err == ""
+
+
+def test_a_sweep_of_two_axes_is_a_table_a_figure_and_a_summary(call, tmp_path):
+    done = call(
+        "solve",
+        SCENES / "hoist.toml",
+        *("--sweep", "wheel.wrap=90deg:1440deg:4:log"),
+        *("--sweep", "load.end_tension=10N, 20 N, 40 N"),
+        *("--out", tmp_path / "out", "--json"),
+    )
+    assert done.code == 0, done.err
+    tree = done.json()
+    assert [axis["key"] for axis in tree["axes"]] == ["wheel.wrap", "load.end_tension"]
+    wraps = tree["axes"][0]["values"]
+    assert [b / a for a, b in zip(wraps, wraps[1:], strict=False)] == pytest.approx([16.0 ** (1 / 3)] * 3)
+    assert tree["points"] == 12 == len(tree["columns"]["lift_force_N"])
+    with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 12
+    assert [row["load.end_tension [N]"] for row in rows[:3]] == ["10", "20", "40"]
+    lifts = [float(row["lift_force_N"]) for row in rows]
+    assert lifts == pytest.approx(tree["columns"]["lift_force_N"], rel=1e-8)
+    figures = [path for path in (tmp_path / "out").iterdir() if path.name.startswith("sweep_figure")]
+    assert any(path.suffix == ".png" and path.stat().st_size > 10_000 for path in figures)
+    assert {Path(one).name for one in tree["files"]} == {path.name for path in (tmp_path / "out").iterdir()}
+
+
+def test_a_sweep_of_three_axes_has_a_table_and_no_figure(call, tmp_path):
+    done = call(
+        "solve",
+        SCENES / "hoist.toml",
+        *("--sweep", "wheel.wrap=1turn,2turn"),
+        *("--sweep", "load.end_tension=10N,20N,30N"),
+        *("--sweep", "wheel.radius=30mm,60mm"),
+        *("--out", tmp_path / "out", "--json"),
+    )
+    assert done.json()["points"] == 12
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["sweep.csv"]
+    with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.reader(stream))
+    assert rows[0][:3] == ["wheel.wrap [turn]", "load.end_tension [N]", "wheel.radius [mm]"]
+    assert [tuple(row[:3]) for row in rows[1:4]] == [("1", "10", "30"), ("1", "10", "60"), ("1", "20", "30")]
+
+
+@pytest.mark.parametrize(("points", "listed"), [(1000, True), (1001, False)])
+def test_json_lists_up_to_a_thousand_points(call, points, listed):
+    done = call("solve", SCENES / "hoist.toml", "--sweep", f"wheel.wrap=90deg:1440deg:{points}", "--json")
+    tree = done.json()
+    assert tree["points"] == points
+    values = tree["columns"]["lift_force_N"]
+    assert (len(values) == points) if listed else (values is None)
+
+
+def test_presses_and_saws_are_swept_too(call):
+    press = call("solve", SCENES / "belt-press.toml", "--sweep", "press.preload=1300N:3000N:5", "--json").json()
+    use = press["columns"]["slip.2.utilisation"]
+    assert use == sorted(use, reverse=True)
+    assert use[0] < 1.0, "roller 2 slips below 1276.6 N only"
+    saw = call(
+        "solve", SCENES / "band-saw-fixed-axles.toml", "--sweep", "wheel.speed=500rpm:2500rpm:5", "--json"
+    ).json()
+    first = saw["columns"]["slack.first_frequency_Hz"]
+    assert first[:4] == sorted(first[:4], reverse=True)
+    assert first[4] is None, "above the critical speed of the slack side, 2031 rpm"
+    assert saw["failed"] == 1
+
+
+def test_points_without_answer_are_null_and_counted(call, scene):
+    path = scene("hoist", speed=(r"\[rope\]", 'speed = "1 m/s"\n[rope]'), effects=('"auto"', '"all"'))
+    tree = call("solve", path, "--sweep", "wheel.speed=1m/s,2m/s,60m/s", "--json").json()
+    assert tree["failed"] == 1
+    assert tree["columns"]["lift_force_N"][2] is None
+    assert "lifts off" in tree["first_failure"]
+
+
+def test_an_unknown_bound_is_null_and_said(call, scene):
+    """With the centrifugal effect, which is not asked for, the rope would lift off."""
+    path = scene(
+        "hoist", speed=(r"\[rope\]", 'speed = "60 m/s"\n[rope]'), effects=('"auto"', '["wrap-dependence"]')
+    )
+    tree = call("solve", path, "--json").json()
+    assert tree["error_bound"] is None
+    assert any("not known" in one for one in tree["warnings"])
+    swept = call("solve", path, "--sweep", "wheel.wrap=1turn,2turn", "--json").json()
+    assert swept["error_bound"] is None
+
+
+MISTAKES = [
+    ("hoist", {"a": (r"accuracy = [\d.]+", "accuracy = 0")}, "RF501", "accuracy"),
+    ("belt-press", {"a": ('"2000 N"', '"20 N"')}, "RF523", "press.preload"),
+    ("belt-press", {"a": ('"belt-inertia"', '"transient"')}, "RF502", "effects"),
+    ("band-saw-fixed-axles", {"a": ('"970 rpm"', '"2100 rpm"')}, "RF530", "wheel.speed"),
+    ("band-saw", {"a": ("mounting_factor = 1.0", "mounting_factor = 2")}, "RF110", "tension.mounting_factor"),
+]
+
+
+@pytest.mark.parametrize(("name", "changes", "code", "key"), MISTAKES)
+def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene, name, changes, code, key):
+    path = scene(name, **changes)
+    done = call("solve", path, "--json")
+    assert done.code == 3
+    tree = done.json()
+    assert set(tree) == {"error"}
+    assert {"code", "message", "where", "fix"} <= set(tree["error"])
+    assert tree["error"]["code"] == code
+    assert re.fullmatch(rf"{re.escape(str(path))}:\d+ {re.escape(key)}", tree["error"]["where"])
+    assert tree["error"]["fix"]
+    told = call("solve", path)
+    assert (told.code, told.out) == (3, "")
+    assert tree["error"]["message"][:40] in " ".join(told.err.split())
+
+
+def test_all_mistakes_of_a_scene_are_told_at_once(call, scene):
+    path = scene("band-saw", a=('"1.6 m"', "1.6"), b=("modes = 6", "modes = 0"), c=('"0.7 m"', '"0.7 N"'))
+    done = call("solve", path)
+    assert done.code == 3
+    for key in ("blade.free_span", "blade.modes", "wheel.diameter"):
+        assert key in done.err
+
+
+@pytest.mark.parametrize("sweep", ["wheel.warp=1turn,2turn", "wheel.wrap", "wheel.wrap=1:2:3", "accuracy=0.1,0.2"])
+def test_a_sweep_that_is_none_is_refused(call, sweep):
+    done = call("solve", SCENES / "hoist.toml", "--sweep", sweep, "--json")
+    assert done.code == 3
+    assert done.json()["error"]["fix"]
+
+
+def test_a_scene_that_is_not_there(call, tmp_path):
+    done = call("solve", tmp_path / "nothing.toml", "--json")
+    assert done.code == 3
+    assert "nothing.toml" in done.json()["error"]["where"] + done.json()["error"]["message"]

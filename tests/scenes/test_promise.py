@@ -1,0 +1,139 @@
+"""The promise of a plan, on random hoists: it stays within the accuracy, and within the error bound that it states."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.scenes.plan import make_plan
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.hoist.influence import answerable
+from ropefric.systems.hoist.problem import HoistProblem
+from ropefric.systems.hoist.system import SYSTEM
+
+LAWS = {
+    "constant": [(0.05, 0.4)],
+    "constant-offset": [(0.05, 0.4), (0.0, 0.2)],
+    "size-exponential": [(0.1, 0.4), (-0.4, -0.05), (-1.0, 0.0)],
+    "wrap-power": [(0.01, 0.4), (-0.9, -0.05), (0.02, 0.2)],
+    "wrap-exponential": [(0.01, 0.4), (-1.0, -0.02), (0.02, 0.2)],
+    "coupled": [(0.1, 0.5), (-0.5, -0.05), (-1.0, 0.0), (-0.9, -0.05), (0.02, 0.15)],
+    "howell": [(0.1, 0.5), (0.7, 0.99)],
+}
+
+
+@st.composite
+def hoists(draw):
+    """Ropes from thread to hawser; each optional datum is there or not."""
+    name = draw(st.sampled_from(sorted(LAWS)))
+    theta = np.array([draw(st.floats(low, high)) for low, high in LAWS[name]])
+    wheel_m, rope_m = draw(st.floats(0.02, 0.2)), draw(st.floats(0.002, 0.008))
+    wrap, end_N = draw(st.floats(0.5, 20.0)), draw(st.floats(5.0, 800.0))
+    near = st.floats(0.8, 1.25)
+    reference = one_condition(
+        wheel_m * draw(near), rope_m * draw(near), wrap * draw(near), end_N * draw(near)
+    )
+    optional = {
+        "speed_m_s": st.floats(0.0, 8.0),
+        "linear_density_kg_m": st.floats(0.01, 0.3),
+        "hanging_length_m": st.floats(0.1, 20.0),
+        "bending_stiffness_N_m2": st.floats(1e-7, 2e-3),
+    }
+    return HoistProblem(
+        friction=WrapFriction(law=ALL_LAWS[name], theta=theta, reference=reference),
+        wheel_radius_m=wheel_m,
+        rope_radius_m=rope_m,
+        wrap_angle_rad=wrap,
+        end_tension_N=end_N,
+        **{key: draw(values) for key, values in optional.items() if draw(st.booleans())},
+    )
+
+
+def check_promise(examples):
+    """Return how many hoists were planned, did without an effect, and without one that does change something."""
+    counts = {"planned": 0, "spared": 0, "spared with a worth": 0}
+
+    @settings(deadline=None, max_examples=examples, derandomize=True)
+    @given(problem=hoists(), accuracy=st.sampled_from([0.05, 0.05, 0.05, 0.3, 0.01, 1e-3, 1e-6]))
+    def run(problem, accuracy):
+        if not answerable(problem).all():
+            return
+        plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
+        full_plan, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
+        difference = SYSTEM.distance(SYSTEM.solve(model, plan.method), SYSTEM.solve(full, full_plan.method))
+        assert difference <= min(accuracy, plan.error_bound), plan
+        assert plan.keeps_accuracy
+        if accuracy == 0.05:
+            counts["planned"] += 1
+            left_out = [one for one in plan.decisions if one.fate == "left out"]
+            counts["spared"] += bool(left_out)
+            counts["spared with a worth"] += any(one.bound > 0.0 for one in left_out)
+
+    run()
+    return counts
+
+
+def test_the_promise_holds_for_random_hoists():
+    counts = check_promise(30)
+    assert counts["spared"] > 0.5 * counts["planned"] > 3
+
+
+@pytest.mark.slow
+def test_the_promise_holds_for_thousands_of_random_hoists():
+    counts = check_promise(2000)
+    assert counts["spared"] > 0.8 * counts["planned"] > 400
+    assert counts["spared with a worth"] > 0.5 * counts["planned"]
+
+
+@pytest.mark.parametrize("accuracy", [0.3, 0.05, 0.01, 1e-3])
+@pytest.mark.parametrize("name", ["belt-press", "fast-belt-press", "band-saw", "fast-band-saw"])
+def test_the_promise_holds_for_the_bundled_machines(loaded, name, accuracy):
+    scene = loaded(name)
+    system = scene.kind.system
+    plan, model = make_plan(system, scene.problem, accuracy=accuracy, effects="auto")
+    full_plan, full = make_plan(system, scene.problem, accuracy=accuracy, effects="all")
+    everything = system.solve(full, system.method(full, 1e-10))
+    difference = system.distance(system.solve(model, plan.method), everything)
+    assert difference <= min(accuracy, plan.error_bound)
+    assert plan.keeps_accuracy
+    assert full_plan.left_out == ()
+
+
+def test_a_start_up_has_no_bounds_so_nothing_of_it_is_left_out(loaded):
+    scene = loaded("press-start-up")
+    decisions = {
+        one.name: one
+        for one in make_plan(scene.kind.system, scene.problem, accuracy=1.0, effects="auto")[0].decisions
+    }
+    assert decisions["transient"].fate == "simulated"
+    assert math.isinf(decisions["gravity-load"].bound)
+    assert {name for name, one in decisions.items() if one.fate == "left out"} == {"wrap-dependence", "size"}
+
+
+def test_the_power_of_a_press_does_not_depend_on_what_is_left_out(loaded, scene_of):
+    """Belts without mass still run: the drivers do the work of the loads at the speed asked for."""
+    scene = loaded("belt-press")
+    problem, system = scene.problem, scene.kind.system
+    plan, model = make_plan(system, problem, accuracy=0.1, effects="auto")
+    assert "belt-inertia" in plan.left_out
+    answer = system.solve(model, plan.method)
+    numbers = {one.name: one.value[0] for one in scene.kind.quantities(answer, problem)}
+    assert numbers["power_W"] == pytest.approx(1673.8, abs=0.05)
+    tree = scene.kind.tree(answer, problem)
+    assert tree["speed_m_s"] == pytest.approx(0.916298, abs=1e-6)
+    assert tree["critical"]["friction"]["by_roller"]["2"] == pytest.approx(
+        tree["slip"]["2"]["mu_required"], rel=1e-9
+    )
+    assert tree["critical"]["speed"]["value"] > 1.0, "a higher speed would still lift the belt"
+
+
+def test_a_load_is_worth_its_share_of_the_power_at_least(loaded):
+    """Squeezing does 1008 N of the 1826.667 N that the drivers pull, whatever it does to slip."""
+    scene = loaded("belt-press")
+    squeeze_N = sum(one.squeeze_torque_N_m / one.radius_m for one in scene.problem.press.rollers)
+    bound = scene.kind.system.effects["squeeze-load"].influence(scene.problem)
+    assert bound >= squeeze_N / 1826.667

@@ -1,0 +1,133 @@
+"""The bundled scenes of the papers give the papers' numbers."""
+
+import pytest
+
+from ropefric.scenes.solve import solve_scene
+
+# Steady tensions at v = 0 with the closure "share" [N].
+AT_REST = {
+    "1": 821.382, "2": 1170.716, "3": 1520.049, "4": 1520.049, "5": 3615.793, "6": 3783.793, "7": 3951.793,
+    "8": 4119.793, "9": 2054.05, "10": 2233.74, "11": 1639.743, "12": 1639.743, "13": 1639.743, "14": 1699.743,
+}  # fmt: skip
+BOTH_BELTS = {"5", "6", "7", "8"}
+# Slip at 50 rpm, 2000 N and mu = 1.2: as_printed, as_plotted, utilisation, log, mu_required.
+SLIP = {
+    "1": (0.0627, 0.0098, 0.03787, 0.24892, 0.2987),
+    "2": (0.8715, 1.7869, 0.53901, 0.61003, 0.7320),
+    "3": (0.0260, 0.0440, 0.01020, 0.07708, 0.0925),
+    "4": (1.2479, 1.2479, 0.0, 0.0, 0.0),
+    "5": (0.3904, 0.4932, 0.05439, 0.09840, 0.1181),
+    "6": (0.0645, 0.0707, 0.00316, 0.01657, 0.0199),
+    "7": (0.0371, 0.0405, 0.00173, 0.01330, 0.0160),
+    "8": (0.0461, 0.0501, 0.00205, 0.01359, 0.0163),
+    "9": (0.1674, 0.1814, 0.00715, 0.02107, 0.0253),
+    "10": (0.3033, 0.1628, 0.08111, 0.18254, 0.2190),
+    "11": (0.2327, 0.2327, 0.0, 0.0, 0.0),
+    "12": (0.3535, 0.3535, 0.0, 0.0, 0.0),
+    "13": (0.0740, 0.0796, 0.00283, 0.01371, 0.0165),
+}
+HALF_DIGIT = {"as_printed": 5e-5, "as_plotted": 5e-5, "utilisation": 5e-6, "log": 5e-6, "mu_required": 5e-5}
+
+
+@pytest.fixture(scope="module")
+def press(loaded):
+    return solve_scene(loaded("belt-press")).to_dict()
+
+
+def test_tensions_at_rest_and_at_50_rpm(press):
+    assert set(press["tension_N"]) == set(AT_REST)
+    for name, wanted in AT_REST.items():
+        printed = 5e-3 if name in {"9", "10"} else 5e-4  # half of the last digit there is
+        assert press["tension_N"][name] == pytest.approx(wanted, abs=printed + 1e-9)
+        fallen = press["tension_N"][name] - press["effective_tension_N"][name]
+        belts = 2 if name in BOTH_BELTS else 1
+        assert fallen / belts == pytest.approx(12.5940, abs=5e-5)
+
+
+@pytest.mark.parametrize("roller", SLIP)
+def test_slip_by_every_measure(press, roller):
+    for (measure, tolerance), wanted in zip(HALF_DIGIT.items(), SLIP[roller], strict=True):
+        assert press["slip"][roller][measure] == pytest.approx(wanted, abs=tolerance * 1.001), measure
+
+
+def test_roller_2_is_first_to_slip_and_what_makes_it(press):
+    assert press["first_to_slip"] == "2"
+    assert press["slips"] == []
+    assert press["critical"]["preload"]["roller"] == "2"
+    assert press["critical"]["preload"]["value"] == pytest.approx(1276.6, abs=0.05)
+    assert press["critical"]["friction"]["value"] == pytest.approx(0.732, abs=5e-4)
+    assert press["rank"] == 13
+    assert len(press["undetermined"]) == 1
+    assert press["power_W"] == pytest.approx(1673.8, abs=0.05)
+    assert press["loads"]["total_N"] == pytest.approx(1826.667, abs=5e-4)
+
+
+EXACT_F1 = {  # of the page's last row: at rest, tight and slack
+    "band-saw-fixed-axles": {"rest": 23.6307, "tight": 18.8486, "slack": 17.9564},
+    "band-saw": {"rest": 23.6307, "tight": 21.7723, "slack": 20.9914},
+}
+PRINTED = {  # running columns of tables 2 and 3, without the misprints: 19.0 for 18.85 and 108.0 for 109.0
+    ("band-saw-fixed-axles", "tight"): [18.85 * n for n in range(1, 7)],
+    ("band-saw-fixed-axles", "slack"): [17.9, 35.8, 53.7, 71.6, 89.5, 107.4],
+    ("band-saw", "tight"): [21.8, 43.6, 65.4, 87.2, 109.0, 130.8],
+    ("band-saw", "slack"): [21.0, 42.0, 63.0, 84.0, 105.0, 126.0],
+}
+CUT_F1 = 0.1
+"""The paper multiplies an f1 of one decimal, rounded or cut off."""
+
+
+@pytest.mark.parametrize("name", EXACT_F1)
+def test_all_modes_of_the_blade(loaded, name):
+    tree = solve_scene(loaded(name)).to_dict()
+    for side, first in EXACT_F1[name].items():
+        found = tree[side]["frequencies_Hz"]
+        assert len(found) == 6
+        assert [found[n] / (n + 1) for n in range(6)] == pytest.approx([first] * 6, abs=1e-4)
+        assert tree[side]["first_frequency_Hz"] == found[0]
+
+
+@pytest.mark.parametrize(("name", "side"), PRINTED)
+def test_the_printed_columns_within_their_rounding(loaded, name, side):
+    found = solve_scene(loaded(name)).to_dict()[side]["frequencies_Hz"]
+    for n, (value, printed) in enumerate(zip(found, PRINTED[name, side], strict=True), start=1):
+        assert abs(value - printed) < n * CUT_F1
+
+
+def test_deviations_and_mountings_that_measurement_asks_for(loaded):
+    tree = solve_scene(loaded("band-saw")).to_dict()["comparison"]
+    relative = {(one["model"], one["side"]): one["relative"] for one in tree["deviations"]}
+    assert relative["string-constant-force", "tight"] == pytest.approx(-0.126, abs=5e-4)
+    assert relative["string-constant-force", "slack"] == pytest.approx(-0.028, abs=5e-4)
+    assert relative["string-fixed-axles", "tight"] == pytest.approx(-0.243, abs=5e-4)
+    assert relative["string-fixed-axles", "slack"] == pytest.approx(-0.169, abs=5e-4)
+    mounting = {one["side"]: one for one in tree["mounting"]}
+    assert mounting["tight"]["mounting_factor"] == pytest.approx(2.21, abs=5e-3)
+    assert mounting["slack"]["mounting_factor"] == pytest.approx(1.22, abs=5e-3)
+    assert mounting["tight"]["status"] == "too-high"
+
+
+def test_the_critical_speeds(loaded):
+    fixed, sprung = (solve_scene(loaded(name)).to_dict() for name in ("band-saw-fixed-axles", "band-saw"))
+    assert fixed["rest"]["critical_speed_m_s"] == pytest.approx((3412.0 / 0.5967) ** 0.5, rel=1e-12)
+    assert sprung["tight"]["critical_speed_m_s"] is None, "a constant force follows any speed"
+
+
+# The contract of the JSON shape: fields may be added, not renamed.
+SHARED = {"system", "effects", "error_bound", "extrapolated", "method", "accuracy", "warnings", "level"}
+CONTRACT = {
+    "hoist": {"lift_force_N", "std_N", "interval_N"},
+    "belt-press": {"tension_N", "effective_tension_N", "slip", "first_to_slip"},
+    "band-saw": {"tight", "slack", "rest"},
+}
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_the_fields_of_the_contract(loaded, name):
+    tree = solve_scene(loaded(name)).to_dict()
+    assert SHARED | CONTRACT[name] <= set(tree)
+    assert {"simulated", "left_out"} <= set(tree["effects"])
+    if name == "belt-press":
+        assert {"as_printed", "as_plotted", "utilisation", "log", "mu_required"} <= set(tree["slip"]["2"])
+    if name == "band-saw":
+        for side in ("tight", "slack", "rest"):
+            assert {"frequencies_Hz", "critical_speed_m_s"} <= set(tree[side])

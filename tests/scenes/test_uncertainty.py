@@ -1,0 +1,94 @@
+"""What a fit's covariance does to a press and to a saw, against drawing the parameters at random."""
+
+import numpy as np
+import pytest
+
+from ropefric.errors import RopefricError
+from ropefric.scenes.scene import load_scene
+from ropefric.scenes.solve import solve_scene
+from ropefric.systems.effect import assemble
+
+DRAWS = 300
+
+
+@pytest.fixture(scope="module")
+def saw(scenes_folder, tmp_path_factory):
+    """The fast saw with a law of the rope laboratory on its wheel."""
+    folder = tmp_path_factory.mktemp("a") / "b" / "c"
+    folder.mkdir(parents=True)
+    text = (scenes_folder / "fast-band-saw.toml").read_text(encoding="utf-8")
+    head, _, _ = text.partition("[friction]")
+    fit = (scenes_folder / ".." / ".." / "fits" / "prth-coupled.json").resolve()
+    path = folder / "saw.toml"
+    path.write_text(head + f'[friction]\nfit = "{fit.as_posix()}"\n', encoding="utf-8")
+    return load_scene(path)
+
+
+def drawn(scene, solution):
+    """The numbers of the answer for parameters drawn from the fit's covariance, by the same plan; seed 1."""
+    source, system = scene.source, scene.kind.system
+    rng = np.random.default_rng(1)
+    simulated = set(solution.plan.simulated) - {"bending"}  # which takes its time and has no part in friction
+    found = []
+    for theta in rng.multivariate_normal(source.friction.theta, source.covariance, size=DRAWS):
+        problem = scene.kind.with_friction(scene.problem, source.with_theta(theta))
+        try:
+            answer = system.solve(assemble(system, problem, simulated), solution.plan.method)
+        except RopefricError:
+            continue
+        found.append({one.name: one.value[0] for one in scene.kind.quantities(answer, problem)})
+    assert len(found) > 0.98 * DRAWS
+    return {name: np.array([one[name] for one in found]) for name in found[0]}
+
+
+def check(solution, samples, names):
+    """A std from N draws scatters by 1/√(2N); 4 of these, and a tenth for what is not linear."""
+    by_name = {one.name: one for one in solution.quantities}
+    for name in names:
+        one = by_name[name]
+        assert one.std[0] == pytest.approx(samples[name].std(ddof=1), rel=4.0 / np.sqrt(2 * DRAWS) + 0.1), name
+        low, high = one.interval[0]
+        assert low < one.value[0] < high
+        inside = np.mean((samples[name] > low) & (samples[name] < high))
+        assert 0.89 < inside <= 1.0, name
+
+
+def test_the_press_s_utilisation_is_as_uncertain_as_drawn_parameters_make_it(loaded):
+    scene = loaded("fast-belt-press")
+    solution = solve_scene(scene)
+    samples = drawn(scene, solution)
+    check(solution, samples, ["slip.2.utilisation", "slip.5.utilisation", "slip.10.utilisation"])
+
+
+def test_the_saw_s_grip_is_as_uncertain_as_drawn_parameters_make_it(saw):
+    solution = solve_scene(saw)
+    check(solution, drawn(saw, solution), ["wheel.utilisation"])
+
+
+def test_what_friction_has_no_part_in_is_not_uncertain(loaded, saw):
+    for scene, exact in ((loaded("fast-belt-press"), "effective_tension_N.9"), (saw, "tight.first_frequency_Hz")):
+        one = next(one for one in solve_scene(scene).quantities if one.name == exact)
+        assert one.std[0] == pytest.approx(0.0, abs=1e-9 * one.value[0])
+
+
+def test_the_uncertainty_stands_beside_the_number(loaded, saw):
+    press = solve_scene(loaded("fast-belt-press")).to_dict()["slip"]["2"]
+    low, high = press["utilisation_interval"]
+    assert low < press["utilisation"] < high
+    assert press["utilisation_std"] > 0.0
+    wheel = solve_scene(saw).to_dict()["wheel"]
+    assert {"utilisation", "utilisation_std", "utilisation_interval"} == set(wheel)
+
+
+def test_a_belt_and_a_blade_are_outside_what_a_rope_was_tested_for(loaded, saw):
+    for scene in (loaded("fast-belt-press"), saw):
+        solution = solve_scene(scene)
+        assert solution.to_dict()["extrapolated"] is True
+        assert any(warning.startswith("extrapolated: ") for warning in solution.warnings)
+
+
+def test_a_bare_coefficient_extrapolates_nothing(loaded):
+    for name in ("belt-press", "fast-band-saw"):
+        tree = solve_scene(loaded(name)).to_dict()
+        assert tree["extrapolated"] is False
+        assert not any("extrapolated" in warning for warning in tree["warnings"])

@@ -18,7 +18,7 @@ def test_there_are_two_commands_of_one_line_that_make_their_own_environment():
         assert "\n" not in line
         assert line.startswith("python3 -m venv .venv && .venv/bin/python -m pip install ")
     assert "data/prth-bench" in found["main"]
-    assert found["test"].endswith("-m pytest -q")
+    assert found["test"].endswith("-m pytest -q -n 2 --dist loadfile")
 
 
 def test_the_gate_runs_the_readmes_test_command():

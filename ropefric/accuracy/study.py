@@ -98,6 +98,8 @@ class Study:
         What `Outcome.evaluations` counts.
     cases : tuple of Case
         The first is the ordinary one.
+    used : str
+        What the tool itself does, in a few words.
     findings : callable
         Returns sentences that are particular to this study from what was measured.
 
@@ -114,6 +116,7 @@ class Study:
     reference: str
     counted: str
     cases: tuple[Case, ...]
+    used: str = ""
     findings: Callable[[tuple[Measured, ...]], tuple[str, ...]] = lambda _points: ()
 
     def case(self, name: str = "") -> Case:

@@ -70,8 +70,14 @@ def averaged_prediction(comparison: Comparison, conditions: Conditions) -> Model
     Raises
     ------
     InputError
-        If no counted law has an answer for all conditions.
+        If the comparison has no weights, or no counted law has an answer for all conditions.
     """
+    if not comparison.conclusive:
+        raise InputError(
+            "the laws of this comparison could not be weighed against each other",
+            code="RF420",
+            fix="measure more conditions, or predict with one law",
+        )
     parts, left_out = [], {}
     for entry in comparison.ranking:
         if entry.fit is None or entry.weight < _LEAST_WEIGHT:

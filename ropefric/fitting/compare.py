@@ -9,9 +9,10 @@ import numpy as np
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.comparison import Comparison, ComparisonEntry, Unit
+from ropefric.fitting.comparison_notes import comparison_notes
 from ropefric.fitting.criteria import ConditionMeans, FTest, akaike_weights, condition_means, scatter_fit
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.measured import Measured, measured_force, measured_residual
+from ropefric.fitting.measured import measured_force, measured_residual
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.standing import NESTED, Standing, leave_one_out, nested_test, standing
@@ -28,6 +29,7 @@ ALWAYS = ("constant", "constant-offset")
 REFUSED = "refused"
 """Status of a law that has no answer on the data."""
 
+_NO_ANSWER = frozenset({FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS})
 # Laws whose ln F_A agree to this at every condition are one law on these data.
 _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
@@ -67,7 +69,8 @@ def compare_laws(
     Returns
     -------
     Comparison
-        A law that cannot be fitted stands in it with its status and no weight.
+        A law that cannot be fitted stands in it with its status and no weight. Where one law only can be ranked, or
+        the constant ones only because the data are too few for any other, no weight says anything and all are NaN.
 
     Raises
     ------
@@ -116,15 +119,15 @@ def compare_laws(
         for name, fit in fits.items()
         if isinstance(fit, FitResult)
     }
-    ranking = _ranking(fits, standings, means)
+    ranking, tests = _ranking(fits, standings, means), _tests(standings)
     return Comparison(
         ranking=ranking,
-        tests=_tests(standings),
+        tests=tests,
         unit=unit,
         n=len(means),
         n_trials=constant.n_points,
         scatter_within=means.scatter_within,
-        notes=_notes(ranking, means, unit, measured),
+        notes=comparison_notes(ranking, tests, means, unit, measured),
     )
 
 
@@ -161,12 +164,27 @@ def _ranking(
     counted = [name for name in fits if not notes[name]]
     best = min((standings[name].aicc for name in counted), default=math.nan)
     shares = akaike_weights([standings[name].aicc for name in counted])
+    if not _weighable(counted, fits, standings):
+        shares = np.full_like(shares, math.nan)
     weights = dict(zip(counted, shares.tolist(), strict=True))
     entries = [
         _entry(name, fit, standings.get(name), means, best=best, weight=weights.get(name), note=notes[name])
         for name, fit in fits.items()
     ]
     return tuple(sorted(entries, key=lambda e: (not e.counted, math.inf if math.isnan(e.aicc) else e.aicc)))
+
+
+def _weighable(
+    counted: list[str], fits: Mapping[str, FitResult | RopefricError], standings: Mapping[str, Standing]
+) -> bool:
+    """Return whether weights say anything: not of one law, nor of the constant ones where others went unjudged."""
+    if len(counted) < 2 or not set(counted) <= set(ALWAYS):
+        return len(counted) > 1
+    # A law that the data show to be a simpler one was judged; one without an answer, or with too few data, was not.
+    return all(
+        isinstance(fit, FitResult) and fit.status not in _NO_ANSWER and standings[name].aicc < math.inf
+        for name, fit in fits.items()
+    )
 
 
 def _entry(
@@ -208,7 +226,7 @@ def _why_not(fit: FitResult | RopefricError) -> str:
     """Return why a fit has no say in the weights; empty if it has."""
     if isinstance(fit, RopefricError):
         return str(fit)
-    if fit.status in {FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS}:
+    if fit.status in _NO_ANSWER:
         return fit.status.advice
     if fit.identifiability.unseen:
         named = ", ".join(fit.identifiability.unseen)
@@ -254,25 +272,3 @@ def _tests(standings: Mapping[str, Standing]) -> tuple[FTest, ...]:
                 F, dof, p_value = found
                 tests.append(FTest(simpler=simpler, fuller=fuller, f=F, dof=dof, p_value=p_value))
     return tuple(tests)
-
-
-def _notes(
-    ranking: tuple[ComparisonEntry, ...], means: ConditionMeans, unit: Unit, measured: Measured
-) -> tuple[str, ...]:
-    notes = [
-        f"AICc counts {len(means)} {unit}, not repeats" if unit == "conditions" else "AICc counts every trial"
-    ]
-    if not means.repeated and unit == "conditions":
-        notes.append("no condition was repeated, so every trial is a condition of its own")
-    if measured == "end-tension":
-        notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
-    rivals = [e.law for e in ranking if e.counted and e.delta_aicc <= 2.0]
-    if len(rivals) > 1:
-        notes.append(f"within 2 of the best AICc, so not told apart: {', '.join(rivals)}")
-    wraps = [law for law in rivals if "wrap-dependence" in LAWS.get(law, ALL_LAWS[law]).effects]
-    if wraps and "constant-offset" in rivals:
-        notes.append(
-            f"a constant μ with an offset looks like a wrap effect, and these data do not tell constant-offset from "
-            f"{', '.join(wraps)}: measure the offset at a wrap near zero"
-        )
-    return tuple(notes)

@@ -33,7 +33,7 @@ class ComparisonEntry:
     delta_aicc : float
         AICc less that of the best law counted.
     weight : float
-        Akaike weight among the laws counted; 0 for the others.
+        Akaike weight among the laws counted; 0 for the others. NaN where the counted laws leave no choice.
     loco_error : float
         Leave-one-condition-out error, RMS of ln F_A: the relative error at conditions the law has not seen.
         NaN for a law that is not counted.
@@ -108,6 +108,11 @@ class Comparison:
         """Return the entry that won."""
         return self.ranking[0]
 
+    @property
+    def conclusive(self) -> bool:
+        """Return whether laws could be weighed against each other, so that the first of the ranking was chosen."""
+        return self.best.counted and not math.isnan(self.best.weight)
+
     def __getitem__(self, law: str) -> ComparisonEntry:
         for entry in self.ranking:
             if entry.law == law:
@@ -116,7 +121,7 @@ class Comparison:
         raise UnknownNameError(f"{law!r} is not in this comparison", fix=did_you_mean(law, known))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the JSON shape: `ranking` best first, F-tests and notes."""
+        """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
         return {
             "ranking": [entry.to_dict() for entry in self.ranking],
             "f_tests": [
@@ -128,5 +133,6 @@ class Comparison:
             "n": self.n,
             "n_trials": self.n_trials,
             "scatter_within": self.scatter_within if math.isfinite(self.scatter_within) else None,
+            "conclusive": self.conclusive,
             "notes": list(self.notes),
         }  # fmt: skip

@@ -98,7 +98,7 @@ def predict(
         raise InputError(
             f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows",
             code="RF420",
-            fix="use law.log_lift, which stays finite",
+            fix="use a smaller wrap; in Python, law.log_lift stays finite",
         )
     dof = degrees_of_freedom(fit)
     std = linear_std(model, theta, covariance, conditions)

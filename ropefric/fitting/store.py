@@ -29,7 +29,7 @@ _FIELDS = {
     "provenance": dict,
     "trials": dict,
 }
-_AGAIN = "fit again and save the result with save_fit"
+_AGAIN = "fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python"
 
 
 def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:

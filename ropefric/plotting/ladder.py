@@ -86,7 +86,14 @@ def _draw_entry(axes: "Axes", row: int, entry: "ComparisonEntry") -> None:
     best = entry.delta_aicc == 0.0
     axes.plot([0.0, entry.delta_aicc], [row, row], color=BLUE, linewidth=1.4)
     axes.plot([entry.delta_aicc], [row], "D" if best else "o", color=INK if best else BLUE, markersize=8)
-    axes.text(1.02, row, f"{entry.weight:.3f}", transform=beside, va="center", fontsize=9)
+    axes.text(
+        1.02,
+        row,
+        "–" if math.isnan(entry.weight) else f"{entry.weight:.3f}",
+        transform=beside,
+        va="center",
+        fontsize=9,
+    )
     error = f"{100 * entry.loco_error:.2g} %" if math.isfinite(entry.loco_error) else "–"
     axes.text(1.12, row, error, transform=beside, va="center", fontsize=9)
 
@@ -105,7 +112,11 @@ def _alt(comparison: "Comparison") -> str:
     if not ranked:
         return f"{counted(len(comparison.ranking), 'law')} compared; none can be counted."
     text = f"{counted(len(comparison.ranking), 'law')} on {counted(comparison.n_trials, 'trial')} by AICc: "
-    text += f"{ranked[0].law} is best with a weight of {shown(ranked[0].weight, digits=3)}"
+    text += f"{ranked[0].law} is best "
+    weighed = comparison.conclusive
+    text += (
+        f"with a weight of {shown(ranked[0].weight, digits=3)}" if weighed else "of too few to choose from"
+    )
     if len(ranked) > 1:
         text += f", then {ranked[1].law}, {shown(ranked[1].delta_aicc, digits=3)} behind"
     return f"{text}."

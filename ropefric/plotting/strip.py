@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ropefric.plotting.labels import figure_label
 from ropefric.plotting.legend import legend_below
-from ropefric.plotting.style import BLUE, GREY, ORANGE
+from ropefric.plotting.style import BLUE, DARK_ORANGE, GREY, ORANGE
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
 
@@ -132,7 +132,7 @@ def _draw_flag(axes: "Axes", order: int, trial: "TrialResult") -> None:
         0.03,
         "x",
         markersize=7,
-        color=ORANGE,
+        color=DARK_ORANGE,
         markeredgewidth=1.6,
         clip_on=False,
         transform=on_axis,
@@ -145,7 +145,7 @@ def _draw_flag(axes: "Axes", order: int, trial: "TrialResult") -> None:
         status,
         rotation=90,
         fontsize=8,
-        color=ORANGE,
+        color=DARK_ORANGE,
         ha="center",
         va="bottom",
         transform=on_axis,

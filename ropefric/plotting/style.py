@@ -8,6 +8,7 @@ import matplotlib.style
 
 __all__ = [
     "BLUE",
+    "DARK_ORANGE",
     "GREY",
     "INK",
     "LINE_STYLES",
@@ -18,9 +19,10 @@ __all__ = [
     "line_look",
 ]
 
-# Okabe and Ito's palette, chosen so that the three also differ in lightness.
+# Okabe and Ito's palette, chosen so that the three also differ in lightness; the darker orange is for words.
 BLUE = "#0072B2"
 ORANGE = "#D55E00"
+DARK_ORANGE = "#A34700"
 GREY = "#6E6E6E"
 INK = "#1A1A1A"
 _GREEN = "#009E73"

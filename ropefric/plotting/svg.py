@@ -104,7 +104,12 @@ def _strip(root: ET.Element) -> None:
     for parent in list(root.iter()):
         children = list(parent)
         for child, following in pairwise(children):
-            if _is_comment(child) and "$" in (child.text or ""):
+            # Only symbols are known here; a number such as 2 × 10³ stays as matplotlib has placed it.
+            if (
+                _is_comment(child)
+                and TYPESET.search(child.text or "")
+                and "$" not in TYPESET.sub("", child.text)
+            ):
                 _write_as_words(following, str(child.text).strip())
         for child in children:
             if _is_comment(child) or child.tag in {"metadata", "style"}:

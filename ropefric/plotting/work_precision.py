@@ -1,6 +1,7 @@
 """What accuracy costs in time: one panel a case, a line a method, and the settings that no other beats."""
 
 import math
+import re
 import textwrap
 from typing import TYPE_CHECKING, Any
 
@@ -134,7 +135,8 @@ def _few_decades(axes: "Axes", points: list[Measured]) -> None:
 
 
 def _folded(title: str, width: int = 62) -> str:
-    return "\n".join(textwrap.wrap(title, width))
+    """Return a title in lines, none of which ends between a number and its unit."""
+    return "\n".join(textwrap.wrap(re.sub(r"(?<=\d) (?=\S)", "\u00a0", title), width))
 
 
 def _table(result: StudyResult) -> DataTable:

@@ -1,5 +1,6 @@
 """What accuracy costs, on one page: a figure, the cheapest method for each accuracy, and what was found."""
 
+import re
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -18,6 +19,11 @@ __all__ = ["cost_markdown", "cost_sections", "write_cost"]
 TITLE = "What accuracy costs in time"
 
 _WORTH_A_NOTE = 0.05
+_OVERVIEW = (
+    "first the cheapest way to an accuracy in the ordinary case of each study; where ropefric does something dearer, "
+    "it is for the sake of the other cases, which follow"
+)
+_ASKED = (1e-2, 1e-4, 1e-8, 1e-12)
 
 
 def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Section, ...]:
@@ -41,8 +47,22 @@ def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Sec
     )
     if any(result.quick for result in results):
         how += "; a quick look: some settings only, and little time for each"
-    head = Section(title="", lines=(f"measured on {machine.line}", how))
+    lines = (f"measured on {machine.line}", how, *((_OVERVIEW,) if results else ()))
+    head = Section(title="", lines=lines, table=_overview(results))
     return (head, *(_study_section(result) for result in results))
+
+
+def _overview(results: Sequence[StudyResult]) -> Table | None:
+    """Return which method is cheapest at each of a few accuracies, in the ordinary case of each study."""
+    if not results:
+        return None
+    rows = []
+    for result in results:
+        found = dict(result.cheapest(result.study.cases[0].name))
+        best = (point and f"{point.name}: {time_text(point.seconds)}" for point in map(found.get, _ASKED))
+        rows.append((result.study.name, result.study.used or "–", *(cell or "–" for cell in best)))
+    headings = ("study", "what ropefric does", *(f"cheapest to {_power(one)} " for one in _ASKED))
+    return Table(headings=headings, rows=tuple(rows), left=2)
 
 
 def _study_section(result: StudyResult) -> Section:
@@ -77,8 +97,12 @@ def _cheapest_table(result: StudyResult) -> Table:
 
 
 def _span(accuracies: list[float]) -> str:
-    first, last = (f"{accuracy:.0e}".replace("e-0", "e-") for accuracy in (accuracies[0], accuracies[-1]))
+    first, last = _power(accuracies[0]), _power(accuracies[-1])
     return first if len(accuracies) == 1 else f"{first} to {last}"
+
+
+def _power(accuracy: float) -> str:
+    return f"{accuracy:.0e}".replace("e-0", "e-")
 
 
 def _cell(point: Measured | None) -> str:
@@ -97,7 +121,8 @@ def cost_markdown(results: Sequence[StudyResult], machine: Machine) -> str:
     '# What accuracy costs in time'
     """
     head, *studies = cost_sections(results, machine)
-    parts = [f"# {TITLE}\n\n" + "\n\n".join(head.lines) + "\n"]
+    overview = () if head.table is None else (_markdown_table(head.table),)
+    parts = [f"# {TITLE}\n\n" + "\n\n".join((*head.lines, *overview)) + "\n"]
     for result, section in zip(results, studies, strict=True):
         name = result.study.name
         blocks = [
@@ -124,6 +149,11 @@ def _markdown_table(table: Table) -> str:
     return "\n".join([head, rule, *("| " + " | ".join(row) + " |" for row in table.rows)])
 
 
+def _unbroken(page: str) -> str:
+    """Return a page whose powers of ten no line ends within: a word joiner behind each minus."""
+    return re.sub(r"(?<=\de)-(?=\d)", "-\u2060", page)
+
+
 def write_cost(results: Sequence[StudyResult], machine: Machine, folder: Path) -> tuple[Path, ...]:
     """Write a figure and a CSV for each study, and cost.md and cost.html; return their paths.
 
@@ -137,7 +167,7 @@ def write_cost(results: Sequence[StudyResult], machine: Machine, folder: Path) -
         Made where it is missing.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    page = as_page(TITLE, cost_sections(results, machine))
+    page = _unbroken(as_page(TITLE, cost_sections(results, machine)))
     paths: list[Path] = []
     for result in results:
         drawn = draw_work_precision(result)

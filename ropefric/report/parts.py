@@ -7,7 +7,7 @@ from ropefric.fitting.diagnosis import Diagnosis
 from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.prediction import Prediction
 from ropefric.fitting.result import FitResult
-from ropefric.report.numbers import interval, plain
+from ropefric.report.numbers import interval, plain, tested_range
 from ropefric.report.section import Section, Table
 
 __all__ = [
@@ -59,12 +59,7 @@ def notes_sections(fit: FitResult) -> tuple[Section, Section]:
 def origin_section(fit: FitResult) -> Section:
     """Return what a fit was made from, and the range of the conditions it holds for."""
     source, versions = fit.provenance.get("input", {}), fit.provenance.get("versions", {})
-    ranges = tuple(
-        f"{title} {plain(factor * low)} to {plain(factor * high)} {unit}"
-        for name, (title, unit, factor) in REGRESSORS.items()
-        if name in fit.validity
-        for low, high in [fit.validity[name]]
-    )
+    ranges = tuple(tested_range(name, fit.validity[name]) for name in REGRESSORS if name in fit.validity)
     made = ", ".join(f"{name} {number}" for name, number in sorted(versions.items()))
     lines = (f"from {source.get('path') or 'no file'}, with {made or 'unknown versions'}", "tested:")
     return Section(title="Where it comes from, and where it holds", lines=lines, notes=ranges)

@@ -1,14 +1,11 @@
-"""A campaign's result on one page."""
-
-from pathlib import Path
+"""A campaign's result in a page of text."""
 
 from ropefric.pipeline.run import CampaignRun, count_trials
-from ropefric.report.page import as_page
 from ropefric.report.parts import comparison_section, diagnosis_section, fit_section, prediction_section
 from ropefric.report.section import Section
 from ropefric.report.text import as_text
 
-__all__ = ["summary_sections", "summary_text", "write_summary"]
+__all__ = ["summary_sections", "summary_text"]
 
 
 def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
@@ -36,17 +33,6 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
 def summary_text(run: CampaignRun) -> str:
     """Return the summary as plain text."""
     return as_text(summary_sections(run))
-
-
-def write_summary(run: CampaignRun, folder: Path) -> tuple[Path, ...]:
-    """Write summary.txt and summary.html into a folder; return their paths."""
-    sections = summary_sections(run)
-    texts = {"summary.txt": as_text(sections), "summary.html": as_page(run.campaign.name, sections)}
-    paths = []
-    for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
-        paths.append(folder / name)
-    return tuple(paths)
 
 
 def _campaign(run: CampaignRun) -> Section:

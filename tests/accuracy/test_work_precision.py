@@ -98,6 +98,21 @@ def test_the_page_answers_for_each_accuracy(result):
     assert section.notes == ("9 points.",)
 
 
+def test_the_page_begins_with_the_cheapest_of_the_ordinary_cases(result):
+    used = replace(result, study=replace(result.study, used="by hand, with care"))
+    (row,) = cost_sections([used], MACHINE)[0].table.rows
+    assert row[:2] == ("made-up", "by hand, with care")
+    assert row[3].startswith("slow, n = 5: 500 µs")
+    assert cost_sections([], MACHINE)[0].table is None
+
+
+def test_no_power_of_ten_is_broken_between_lines(result, tmp_path):
+    write_cost([result], MACHINE, tmp_path)
+    page = (tmp_path / "cost.html").read_text(encoding="utf-8").partition("<body>")[2]
+    assert "cheapest to 1e-\u206012" in page
+    assert "1e-\u20602 to 1e-\u20603" in page
+
+
 def test_markdown_and_html_say_the_same_and_stand_beside_their_figures(result, tmp_path):
     names = {path.name for path in write_cost([result], MACHINE, tmp_path / "new" / "folder")}
     assert names == {"made-up.png", "made-up.csv", "cost.md", "cost.html"}

@@ -8,7 +8,14 @@ import pytest
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth", "time_share"}
 EFFECTS = {
-    "climbing-hoist": ["wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal", "bending-stiffness"],
+    "climbing-hoist": [
+        "wrap-dependence",
+        "size",
+        "end-tension",
+        "rope-weight",
+        "centrifugal",
+        "bending-stiffness",
+    ],
     "fast-belt-press": [
         *("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity"),
         *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia", "transient"),

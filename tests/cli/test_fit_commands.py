@@ -390,3 +390,22 @@ def test_changed_data_and_changed_fits_are_found(call, tmp_path):
 def test_a_folder_without_fits_is_3(call, tmp_path):
     assert call("verify", tmp_path).code == 3
     assert call("verify", tmp_path / "nowhere").code == 3
+
+
+def test_a_comparison_that_leaves_no_choice_is_4_and_gives_no_weight(call, tmp_path):
+    """Two pulls at each of four wraps can rank the constant law alone, whatever they look like."""
+    rows = [
+        f"t{wrap}{i},40,10,{wrap},20,{20 * math.exp(0.2 * wrap) * (1 + 0.01 * i)}"
+        for wrap in (3, 6, 9, 12)
+        for i in (0, 1)
+    ]
+    table = tmp_path / "trials.csv"
+    header = "trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_rad,end_tension_N,peak_N"
+    table.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    done = call("compare", table, "--quiet")
+    assert done.code == NOT_TRUSTED
+    assert "1.000" not in done.out
+    assert "only constant could be ranked on 4 conditions" in " ".join(done.out.split())
+    tree = call("compare", table, "--json", "--quiet").json()
+    assert tree["conclusive"] is False
+    assert {row["weight"] for row in tree["ranking"] if row["counted"]} == {None}

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -38,7 +39,10 @@ def scene(tmp_path):
     [
         ("hoist", ["Lift force [N]", "95 % interval", "effects: wrap-dependence, size, end-tension"]),
         ("climbing-hoist", ["left out: centrifugal"]),
-        ("belt-press", ["closure share", "first to slip"]),
+        (
+            "belt-press",
+            ["no roller slips; nearest to it is roller 2", "falls to 1277 N", "Power [W] 1673.77"],
+        ),
         ("band-saw", ["Natural frequencies", "critical speed", "mounting factor of 2.21"]),
     ],
 )
@@ -57,7 +61,7 @@ def test_json_is_one_document_with_sorted_keys_and_nothing_else(call, name):
     tree = done.json()
     assert done.out == json.dumps(tree, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
     assert set(tree["effects"]) == {"simulated", "left_out", "not_applicable"}
-    assert 0.0 <= tree["error_bound"]
+    assert tree["error_bound"] >= 0.0
 
 
 def test_the_same_input_gives_the_same_bytes(call, tmp_path):
@@ -99,8 +103,8 @@ def test_a_sweep_of_two_axes_is_a_table_a_figure_and_a_summary(call, tmp_path):
     tree = done.json()
     assert [axis["key"] for axis in tree["axes"]] == ["wheel.wrap", "load.end_tension"]
     wraps = tree["axes"][0]["values"]
-    assert [b / a for a, b in zip(wraps, wraps[1:], strict=False)] == pytest.approx([16.0 ** (1 / 3)] * 3)
-    assert tree["points"] == 12 == len(tree["columns"]["lift_force_N"])
+    assert [b / a for a, b in pairwise(wraps)] == pytest.approx([16.0 ** (1 / 3)] * 3)
+    assert tree["points"] == len(tree["columns"]["lift_force_N"]) == 12
     with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == 12
@@ -139,7 +143,9 @@ def test_json_lists_up_to_a_thousand_points(call, points, listed):
 
 
 def test_presses_and_saws_are_swept_too(call):
-    press = call("solve", SCENES / "belt-press.toml", "--sweep", "press.preload=1300N:3000N:5", "--json").json()
+    press = call(
+        "solve", SCENES / "belt-press.toml", "--sweep", "press.preload=1300N:3000N:5", "--json"
+    ).json()
     use = press["columns"]["slip.2.utilisation"]
     assert use == sorted(use, reverse=True)
     assert use[0] < 1.0, "roller 2 slips below 1276.6 N only"
@@ -182,7 +188,9 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("name", "changes", "code", "key"), MISTAKES)
-def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene, name, changes, code, key):
+def test_a_bad_scene_is_an_error_with_file_line_and_key(  # noqa: PLR0917  (pytest hands them over by name)
+    call, scene, name, changes, code, key
+):
     path = scene(name, **changes)
     done = call("solve", path, "--json")
     assert done.code == 3
@@ -205,7 +213,9 @@ def test_all_mistakes_of_a_scene_are_told_at_once(call, scene):
         assert key in done.err
 
 
-@pytest.mark.parametrize("sweep", ["wheel.warp=1turn,2turn", "wheel.wrap", "wheel.wrap=1:2:3", "accuracy=0.1,0.2"])
+@pytest.mark.parametrize(
+    "sweep", ["wheel.warp=1turn,2turn", "wheel.wrap", "wheel.wrap=1:2:3", "accuracy=0.1,0.2"]
+)
 def test_a_sweep_that_is_none_is_refused(call, sweep):
     done = call("solve", SCENES / "hoist.toml", "--sweep", sweep, "--json")
     assert done.code == 3

@@ -7,6 +7,7 @@ from ropefric.accuracy.studies import (
     integral,
     peak,
     press_transient,
+    scenes,
     uncertainty,
 )
 from ropefric.accuracy.study import Study
@@ -24,6 +25,7 @@ STUDIES: Registry[Study] = Registry(
         fit.STUDY,
         press_transient.STUDY,
         blade_modes.STUDY,
+        scenes.STUDY,
     ],
 )
 """The studies, in the order of a campaign's way from the traces to a design."""

@@ -89,6 +89,7 @@ STUDY = Study(
     question="When is the string enough, and which order does the beam need where its ends have boundary layers?",
     reference="root of the determinant of the end conditions in 50-digit arithmetic (mpmath)",
     counted="unknowns",
+    used="Galerkin, the order raised until a coarser solution agrees",
     cases=(
         Case(
             name="moderate",

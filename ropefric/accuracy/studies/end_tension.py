@@ -263,6 +263,7 @@ STUDY = Study(
     question="Which iteration finds φ0, also where it is smaller than any number a computer holds?",
     reference="root in 50-digit arithmetic (mpmath)",
     counted="evaluations of G and its slope, each for all loads at once",
+    used="Newton in ln φ from a start that is near at both ends; Wright omega for the exponential law",
     cases=(
         _power_case("power", -0.5, ""),
         _power_case("power-steep", -0.95, ": φ0 from 1e-24 to 14 rad"),

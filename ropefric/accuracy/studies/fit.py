@@ -139,6 +139,7 @@ STUDY = Study(
     question="What does an analytic Jacobian save, and how tight must the tolerance be for the digits wanted?",
     reference="minimiser of the same sum of squares in 50-digit arithmetic (mpmath)",
     counted="evaluations of the law or of its slopes at all pulls",
+    used="analytic Jacobian, one fit by one or batched",
     cases=(
         Case(
             name="wide",

@@ -219,6 +219,7 @@ STUDY = Study(
     question="Is the closed form worth its formulas, or would the paper's segments or a quadrature rule do?",
     reference="closed form in 50-digit arithmetic (mpmath)",
     counted="evaluations of μ(φ)",
+    used="closed form, in its stable form; a hoist's plan takes it at every accuracy",
     cases=(
         Case(
             name="regular",

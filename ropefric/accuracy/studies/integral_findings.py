@@ -10,6 +10,7 @@ CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 
 _DEMANDING = tuple(accuracy for accuracy in ACCURACIES if accuracy < 2e-6)
 _TIGHTEST = ACCURACIES[-1]
+_ASKED = (1e-2, 1e-6, 1e-12)
 _MANY = 10_000
 
 
@@ -23,7 +24,7 @@ def integral_findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     """
     cases = [case for case in dict.fromkeys(point.case for point in points) if _closed(in_case(points, case))]
     sentences = tuple(_of_case(case, in_case(points, case)) for case in cases)
-    return (*sentences, *_where_textbook_fails(points), *_one_against_many(points))
+    return (*sentences, *_where_textbook_fails(points), *_one_against_many(points), *_of_the_hoist(points))
 
 
 def _closed(points: tuple[Measured, ...]) -> tuple[Measured, ...]:
@@ -87,3 +88,19 @@ def _one_against_many(points: tuple[Measured, ...]) -> tuple[str, ...]:
         + ". Alone, the calls of numpy are paid for, and a rule with "
         "fewer of them wins; in a batch, the arithmetic is.",
     )
+
+
+def _of_the_hoist(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    """Return what the plan of a hoist does with all this: it takes the closed form, and what that costs it."""
+    parts = []
+    for case, what in (("regular", "one condition"), ("many", f"{_MANY:,} conditions".replace(",", " "))):
+        here = in_case(points, case)
+        own = next((point for point in here if point.method == CLOSED[0]), None)
+        rules = [point for point in here if point.method not in CLOSED]
+        pairs = [(a, rule) for a in _ASKED if (rule := cheapest(rules, a)) is not None]
+        if own is not None and pairs:
+            rivals = ", ".join(f"{time_text(rule.seconds)} to {a:.0e} ({rule.name})" for a, rule in pairs)
+            parts.append(f"for {what} {time_text(own.seconds)} to {own.shown_error:.0e}, against {rivals}")
+    if not parts:
+        return ()
+    return (f"A hoist's plan takes the closed form at every accuracy: {'; '.join(parts)}.",)

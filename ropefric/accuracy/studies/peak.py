@@ -23,6 +23,8 @@ N_RECORDINGS = 40
 IDLE_S = 0.25
 
 _SAMPLES = (3, 5, 7, 11, 15, 21, 31, 61, 121, 301)
+_ONE_SIDED = 0.5
+"""Of the scatter: a bias beyond it is no chance of forty recordings."""
 _QUICK_SAMPLES = {5, 15, 31, 121}
 
 
@@ -114,7 +116,20 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
             + "; ".join(f"{point.method} {_percent(point)}" for point in others)
             + "."
         )
-    return tuple(lines)
+    return (*lines, *_of_two_lines(points))
+
+
+def _of_two_lines(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    """Return on which side two fitted lines err, where that is no chance of a few recordings."""
+    found = [
+        point
+        for point in points
+        if point.method == "two lines" and abs(point.bias) > _ONE_SIDED * point.noise
+    ]
+    if not found:
+        return ()
+    where = ", ".join(f"{100 * point.bias:+.2g} % ({point.case})" for point in found)
+    return (f"Two lines do not average the noise away, they err to one side: {where}.",)
 
 
 def _percent(point: Measured) -> str:
@@ -127,6 +142,7 @@ STUDY = Study(
     question="How long may the smoothing window be, and what does it cost to let the tool choose it?",
     reference=f"known truth of {N_RECORDINGS} recordings of the virtual rig; error: root mean square",
     counted="samples of a recording",
+    used="window chosen from the trace",
     cases=(
         Case(
             name="bench",

@@ -175,6 +175,7 @@ STUDY = Study(
     question="When is the covariance enough, and how many resamples does an interval need?",
     reference="exact interval, through an exponent per radian that is estimated linearly",
     counted="fits or draws",
+    used="covariance; profile or bootstrap where they are asked for",
     cases=(
         Case(
             name="linear",

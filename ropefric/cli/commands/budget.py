@@ -250,5 +250,5 @@ COMMAND = Command(
     run=budget,
     example='ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
-    order=75,
+    order=130,
 )

@@ -1,8 +1,11 @@
-"""`ropefric check`: everything that is wrong with a campaign, before an hour of work."""
+"""`ropefric check`: everything that is wrong with a campaign or a scene, before an hour of work."""
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-from ropefric.cli.campaign_file import CampaignArgument, campaign_file
+import typer
+
+from ropefric.cli.campaign_file import campaign_file
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.holdings import count_holdings, show_holdings
 from ropefric.cli.output import Output
@@ -16,15 +19,22 @@ if TYPE_CHECKING:
 __all__ = ["COMMAND"]
 
 
-def check(out: Output, campaign: CampaignArgument) -> Answer:
+CheckedFile = Annotated[
+    Path,
+    typer.Argument(metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."),
+]
+
+
+def check(out: Output, campaign: CheckedFile) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
-    Nothing is extracted or written. Exit code 3 if there are errors; warnings alone leave it at 0.
+    A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone leave it at 0.
     """
     from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415  (quick start-up)
 
     campaign = campaign_file(campaign)
-    problems = check_campaign(campaign)
+    scene = _is_scene(campaign)
+    problems = _scene_problems(campaign) if scene else check_campaign(campaign)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -39,6 +49,8 @@ def check(out: Output, campaign: CampaignArgument) -> Answer:
             show=lambda console: _say(console, f"{campaign}: {tally}"),
             exit_code=DataError.exit_code,
         )
+    if scene:
+        return Answer(data=data, show=lambda console: _say(console, f"{campaign}: {tally}"))
     holdings = count_holdings(load_campaign(campaign))
     data["campaign"] = holdings
 
@@ -47,6 +59,23 @@ def check(out: Output, campaign: CampaignArgument) -> Answer:
         show_holdings(holdings, console)
 
     return Answer(data=data, show=show)
+
+
+def _is_scene(path: Path) -> bool:
+    """Return whether a file is a scene; one that cannot be read is for the check of campaigns to tell of."""
+    from ropefric.trials.file_kind import is_scene  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.trials.toml_document import read_toml  # noqa: PLC0415
+
+    try:
+        return is_scene(read_toml(path).data)
+    except DataError:
+        return False
+
+
+def _scene_problems(path: Path) -> "tuple[Problem, ...]":
+    from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (quick start-up)
+
+    return check_scene(path)
 
 
 def _say(console: "Console", text: str) -> None:

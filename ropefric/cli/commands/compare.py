@@ -20,7 +20,8 @@ Laws = Annotated[
 def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
 
-    The two constant laws always stand in the comparison. Exits with 4 when the best law's fit is not to be trusted.
+    The two constant laws always stand in the comparison. Exits with 4 when the best law's fit is not to be
+    trusted, or when the data leave no choice of law.
     """
     from ropefric.fitting.compare import compare_laws  # noqa: PLC0415  (quick start-up)
     from ropefric.report.parts import comparison_section  # noqa: PLC0415
@@ -32,7 +33,7 @@ def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
         )
     best = found.best
-    trusted = best.counted and best.fit is not None and best.fit.trustworthy
+    trusted = found.conclusive and best.fit is not None and best.fit.trustworthy
     return Answer(
         data=found.to_dict(),
         show=lambda console: show_sections([comparison_section(found)], console),
@@ -40,4 +41,4 @@ def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
     )
 
 
-COMMAND = Command(name="compare", run=compare, example="ropefric compare fits/prth-trials.csv", order=60)
+COMMAND = Command(name="compare", run=compare, example="ropefric compare fits/prth-trials.csv", order=100)

@@ -25,7 +25,9 @@ Quick = Annotated[bool, typer.Option("--quick", help="Some settings only, and li
 def cost(
     out: Output, studies: Names = None, *, folder: OutFolder = Path("cost"), quick: Quick = False
 ) -> Answer:
-    """Measure what accuracy costs in time on this machine: integral, root, peak, intervals, fit, press, blade.
+    """Measure what accuracy costs in time on this machine.
+
+    Of the lift-force integral, the end tension's root, break-away peaks, intervals, fits, press, blade and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
     cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
@@ -58,4 +60,4 @@ def cost(
     return Answer(data=data, show=show)
 
 
-COMMAND = Command(name="cost", run=cost, example="ropefric cost integral --out cost --quick", order=85)
+COMMAND = Command(name="cost", run=cost, example="ropefric cost integral --out cost --quick", order=180)

@@ -148,5 +148,5 @@ COMMAND = Command(
     run=design,
     example='ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
     '--end-tension "80 N"',
-    order=80,
+    order=140,
 )

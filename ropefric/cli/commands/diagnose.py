@@ -17,4 +17,4 @@ def diagnose(out: Output, trials: TableArgument) -> Answer:
     return Answer(data=found.to_dict(), show=lambda console: show_sections([section], console))
 
 
-COMMAND = Command(name="diagnose", run=diagnose, example="ropefric diagnose fits/prth-trials.csv", order=65)
+COMMAND = Command(name="diagnose", run=diagnose, example="ropefric diagnose fits/prth-trials.csv", order=110)

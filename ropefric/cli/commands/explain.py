@@ -30,5 +30,5 @@ def explain(out: Output, scene: SceneFile, *, measure: Measure = False) -> Answe
 
 
 COMMAND = Command(
-    name="explain", run=explain, example="ropefric explain data/scenes/hoist.toml --measure", order=86
+    name="explain", run=explain, example="ropefric explain data/scenes/hoist.toml --measure", order=170
 )

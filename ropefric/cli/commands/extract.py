@@ -85,5 +85,5 @@ def _verdict(extraction: "Extraction", campaign: Path, out: Output) -> Answer:
 
 
 COMMAND = Command(
-    name="extract", run=extract, example="ropefric extract data/prth-bench/campaign.toml --out out", order=40
+    name="extract", run=extract, example="ropefric extract data/prth-bench/campaign.toml --out out", order=50
 )

@@ -79,5 +79,5 @@ COMMAND = Command(
     name="fit",
     run=fit,
     example="ropefric fit fits/prth-trials.csv --law coupled --out coupled.json",
-    order=50,
+    order=80,
 )

@@ -44,6 +44,8 @@ def inspect(
     from ropefric.traces.readers.profile import ImportProfile  # noqa: PLC0415  (quick start-up)
     from ropefric.traces.readers.sniff import inspect_file, profile_to_toml  # noqa: PLC0415
 
+    if file.is_dir():
+        raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
     if not file.is_file():
         raise DataError("there is no such file", path=file, fix="check the path")
     found = inspect_file(file, ImportProfile(format=file_format))
@@ -58,6 +60,14 @@ def inspect(
         console.print(profile.rstrip(), markup=False, soft_wrap=True)
 
     return Answer(data=found.to_dict(), show=show)
+
+
+def _fix_of_folder(folder: Path) -> str:
+    """Return what to name instead of a folder; a campaign's recordings are looked at by other commands."""
+    if (folder / "campaign.toml").is_file():
+        return f"name one file of it; `ropefric check {folder}` looks at the campaign"
+    names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
 
 
 def _write(profile: str, path: Path, *, force: bool) -> None:

@@ -200,5 +200,5 @@ COMMAND = Command(
     example='ropefric plan-tests --fit fits/prth-coupled.json --wheels "15 mm, 30 mm, 60 mm" '
     '--wraps "90 deg .. 1080 deg" --end-tensions "5 N .. 200 N" --max-force "800 N" --wheel-radius "100 mm" '
     '--wrap "720 deg" --end-tension "80 N"',
-    order=82,
+    order=150,
 )

@@ -87,5 +87,5 @@ COMMAND = Command(
     run=predict,
     example='ropefric predict --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N"',
-    order=70,
+    order=120,
 )

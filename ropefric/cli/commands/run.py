@@ -18,14 +18,18 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ropefric.pipeline.run import CampaignRun
+    from ropefric.trials.campaign_model import Campaign
     from ropefric.trials.result import Extraction
 
-__all__ = ["COMMAND"]
+__all__ = ["COMMAND", "work_through"]
 
 OutFolder = Annotated[Path, typer.Option("--out", "-o", help="Where everything is written.")]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins.")]
 Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
-Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw one figure per condition.")]
+Figures = Annotated[
+    bool,
+    typer.Option("--figures/--no-figures", help="Draw figures: one per condition, and those of the report."),
+]
 Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
 
 
@@ -41,16 +45,50 @@ def run(
 ) -> Answer:
     """Do everything: extract the forces, reject outliers, fit and compare all laws, predict the campaign's wheel.
 
-    Writes trials.csv, conditions.csv, problems.csv, figures/, fits/ (a file a law), comparison.csv, prediction.json,
-    summary.txt and summary.html. Exits with 4 when the law that is used is not to be trusted.
+    Writes report.html, summary.txt, trials.csv, conditions.csv, problems.csv, figures/, fits/ (a file a law),
+    comparison.csv, prediction.json, uncertainty.json, next_tests.csv and manifest.json. Exits with 4 when the
+    law that is used is not to be trusted.
+    """
+    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (quick start-up)
+
+    loaded = load_campaign(campaign_file(campaign))
+    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    drawing = frozenset({"conditions", "report"}) if figures else frozenset()
+    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing)
+
+
+def work_through(
+    out: Output,
+    campaign: "Campaign",
+    folder: Path,
+    *,
+    law: str = "",
+    n_jobs: int = 1,
+    cache: bool = True,
+    drawing: frozenset[str] = frozenset({"report"}),
+) -> Answer:
+    """Return the answer to a campaign, and write everything into a folder.
+
+    Parameters
+    ----------
+    out : Output
+        Where progress is told.
+    campaign : Campaign
+        From `load_campaign`.
+    folder : Path
+        Where to write.
+    law : str
+        The law to use; "" for the best.
+    n_jobs : int
+        Processes.
+    cache : bool
+        Whether recordings that have not changed are skipped.
+    drawing : frozenset of str
+        Which figures are drawn: those of the "report", and one of each of the "conditions".
     """
     from ropefric.pipeline.run import run_campaign  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.report.summary import write_summary  # noqa: PLC0415
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
+    from ropefric.report.write import write_report  # noqa: PLC0415
 
-    campaign = campaign_file(campaign)
-    loaded = load_campaign(campaign)
-    n_jobs = parse_jobs(jobs, len(loaded.trials))
     # Before the work, so that a folder that cannot be made and a law that is not known cost nothing.
     folder.mkdir(parents=True, exist_ok=True)
     _check_law(law)
@@ -59,13 +97,13 @@ def run(
     def draw(extraction: "Extraction") -> None:
         out.problems(other_problems(extraction))
         out.note(end_line(extraction, folder / "problems.csv"))
-        if figures:
+        if "conditions" in drawing:
             draw_figures(extraction, folder / "figures", n_jobs, out)
 
     try:
         with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
             result = run_campaign(
-                loaded,
+                campaign,
                 folder,
                 law=law,
                 jobs=n_jobs,
@@ -74,12 +112,13 @@ def run(
                 fit_progress=lambda name, done, total: fitting.update(done, total, name),
                 on_extracted=draw,
             )
+        with Progress(out, "report") as reporting:
+            pages = write_report(result, folder, figures="report" in drawing, progress=reporting.update)
     except KeyboardInterrupt:
         out.note(what_was_kept(cache_dir))
         raise
-    written = [*result.written, *write_summary(result, folder)]
     return Answer(
-        data=result.to_dict() | {"written": written},
+        data=result.to_dict() | {"written": [*result.written, *pages]},
         show=lambda console: _show(result, folder, console),
         exit_code=exit_code_of(result.answer.fit),
     )
@@ -96,10 +135,10 @@ def _show(result: "CampaignRun", folder: Path, console: "Console") -> None:
     from ropefric.report.summary import summary_sections  # noqa: PLC0415  (quick start-up)
 
     show_sections(summary_sections(result), console)
-    console.print(f"\nwritten to {folder}: summary.html, trials.csv, fits/, comparison.csv, …", markup=False,
+    console.print(f"\nwritten to {folder}: report.html, trials.csv, fits/, comparison.csv, …", markup=False,
                   soft_wrap=True)  # fmt: skip
 
 
 COMMAND = Command(
-    name="run", run=run, example="ropefric run data/prth-bench/campaign.toml --out out", order=5
+    name="run", run=run, example="ropefric run data/prth-bench/campaign.toml --out out", order=60
 )

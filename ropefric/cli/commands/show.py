@@ -28,4 +28,4 @@ def show(out: Output, file: FitFile) -> Answer:
     )
 
 
-COMMAND = Command(name="show", run=show, example="ropefric show fits/prth-coupled.json", order=55)
+COMMAND = Command(name="show", run=show, example="ropefric show fits/prth-coupled.json", order=90)

@@ -121,5 +121,5 @@ def _changed(
 
 
 COMMAND = Command(
-    name="simulate", run=simulate, example="ropefric simulate my-bench --seed 7 --repeats 6", order=90
+    name="simulate", run=simulate, example="ropefric simulate my-bench --seed 7 --repeats 6", order=40
 )

@@ -30,13 +30,20 @@ OutFolder = Annotated[
     Path | None, typer.Option("--out", "-o", help="Write the answer (and a sweep's CSV and figure) there.")
 ]
 Plot = Annotated[str, typer.Option(help="Which number of a sweep the figure shows; by default the first.")]
+Level = Annotated[float, typer.Option(help="Coverage of the intervals, between 0 and 1; a sweep has none.")]
 
 NOT_TRUSTED = 4
 _LISTED_POINTS = 1000
 
 
 def solve(
-    out: Output, scene: SceneFile, *, sweep: SweepOption = None, folder: OutFolder = None, plot: Plot = ""
+    out: Output,
+    scene: SceneFile,
+    *,
+    sweep: SweepOption = None,
+    level: Level = 0.95,
+    folder: OutFolder = None,
+    plot: Plot = "",
 ) -> Answer:
     """Solve a scene: a hoist, a belt press or a band saw, with the effects that its accuracy calls for.
 
@@ -50,7 +57,7 @@ def solve(
     from ropefric.report.scene import solution_sections  # noqa: PLC0415
     from ropefric.scenes.solve import solve_scene  # noqa: PLC0415
 
-    solution = solve_scene(loaded)
+    solution = solve_scene(loaded, level=level)
     tree = solution.to_dict()
     files = [] if folder is None else _write(out, solution, tree, folder)
     trusted = loaded.source is None or not loaded.source.warnings
@@ -130,5 +137,5 @@ COMMAND = Command(
     name="solve",
     run=solve,
     example="ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/",
-    order=85,
+    order=160,
 )

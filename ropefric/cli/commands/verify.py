@@ -49,4 +49,4 @@ def verify(out: Output, folder: FitFolder = Path("fits")) -> Answer:
     )
 
 
-COMMAND = Command(name="verify", run=verify, example="ropefric verify fits/", order=85)
+COMMAND = Command(name="verify", run=verify, example="ropefric verify fits/", order=190)

@@ -11,7 +11,7 @@ from ropefric.systems.bandsaw.ends import CLAMPED, Ends
 from ropefric.systems.bandsaw.galerkin import galerkin_frequencies
 from ropefric.systems.bandsaw.layout import MAX_ORDER, order_for, widths_for
 from ropefric.systems.bandsaw.scaled import ScaledBeam
-from ropefric.systems.bandsaw.span import Span, refuse_overspeed
+from ropefric.systems.bandsaw.span import Span, refuse_overspeed, speed_that_uses_up
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 
 __all__ = [
@@ -181,13 +181,10 @@ def critical_speeds_m_s(span: Span, ends: Ends, n_modes: int = 1) -> FloatArray:
     >>> critical_speeds_m_s(span, CLAMPED, 2).round(3).tolist()
     [[75.8, 75.989]]
     """
-    held = span.linear_density_kg_m * (1.0 - span.mounting_factor)
     load_N = np.multiply.outer(
-        span.bending_stiffness_N_m2 / span.free_span_m**2, ends.buckling_loads(n_modes)
+        ends.buckling_loads(n_modes), span.bending_stiffness_N_m2 / span.free_span_m**2
     )
-    static_N = (span.preload_N + span.pull_N)[:, np.newaxis]
-    with np.errstate(divide="ignore"):
-        return np.sqrt((static_N + load_N) / held[:, np.newaxis])
+    return speed_that_uses_up(span.preload_N + span.pull_N + load_N, span).T
 
 
 def clamped_at_rest_Hz(span: Span, n_modes: int = 6) -> FloatArray:

@@ -127,8 +127,10 @@ def wheels_bound(problem: SawProblem) -> FloatArray:
             np.abs(_log_frequency(base_N + _wheels_N(problem), inertia_N) - _log_frequency(base_N, inertia_N))
         )
     if _asks_for_grip(problem):
-        for travels in (0.0, 1.0):
-            changes.append(np.abs(_log_grip(problem, 1.0, travels) - _log_grip(problem, 0.0, travels)))
+        changes += [
+            np.abs(_log_grip(problem, 1.0, travels) - _log_grip(problem, 0.0, travels))
+            for travels in (0.0, 1.0)
+        ]
     return np.asarray(np.max(changes, axis=0))
 
 
@@ -137,8 +139,9 @@ def travel_bound(problem: SawProblem) -> FloatArray:
     inertia_N = _inertia_N(problem)
     changes = [_log_frequency(F, _zeros(problem)) - _log_frequency(F, inertia_N) for F in _tensions(problem)]
     if _asks_for_grip(problem):
-        for wheels in (0.0, 1.0):
-            changes.append(np.abs(_log_grip(problem, wheels, 1.0) - _log_grip(problem, wheels, 0.0)))
+        changes += [
+            np.abs(_log_grip(problem, wheels, 1.0) - _log_grip(problem, wheels, 0.0)) for wheels in (0.0, 1.0)
+        ]
     return np.asarray(np.max(changes, axis=0))
 
 
@@ -147,9 +150,9 @@ def bending_bound(problem: SawProblem) -> FloatArray:
 
     Held ends shorten the string by a layer of δ = e/√(1 − V²) at each end, e = √(EI/F l²) and V = v/c; for ends that
     may turn δ = 0. Along what is left, mode n is the string's own e^(iκVx) sin κx, κ = nπ/(1 − 2δ), whose stiffness
-    raises its frequency by ½κ²e² (1 + 6V² + V⁴)/(1 − V²) of itself, to first order. The mode yields to more stiffness
-    by taking a softer shape, so a first order that starts from the string's shape is never exceeded; both terms are
-    exact as e → 0.
+    raises its frequency by ½κ²e² (1 + 6V² + V⁴)/(1 − V²) of itself, to first order. A mode yields to more stiffness
+    by taking a softer shape, so a first order taken at the string's shape is too much: for mode 1 because it has
+    the least of Rayleigh's quotients, for the others by trial. Both terms are exact as e → 0.
     """
     if problem.bending_stiffness_N_m2 is None:
         return _zeros(problem)

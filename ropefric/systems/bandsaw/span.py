@@ -9,8 +9,9 @@ from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.compensated import Pair, add, as_pair, divide, multiply, negative, total
 from ropefric.systems.bandsaw.ends import Ends
+from ropefric.systems.reach import refuse_beyond_reach
 
-__all__ = ["Span", "refuse_overspeed"]
+__all__ = ["Span", "refuse_overspeed", "speed_that_uses_up"]
 
 _POSITIVE = {"free_span_m", "linear_density_kg_m"}
 _ZERO_OR_MORE = {"bending_stiffness_N_m2", "mounting_factor"}
@@ -46,8 +47,9 @@ class Span:
     Raises
     ------
     InputError
-        If the lengths disagree, a value is not finite or not in its range, κ is above 1, the numbers together are
-        beyond floating point, or a tension is not positive: a slack blade has no frequency.
+        If the lengths disagree, a value is not finite or not in its range, κ is above 1, or a tension is not
+        positive: a slack blade has no frequency. Numbers above 1e30 are refused, and lengths, masses and tensions
+        below 1e-30.
 
     Examples
     --------
@@ -83,10 +85,10 @@ class Span:
             raise InputError(f"the parts have {len(shape)} axes; a span has one, its cases")
         for name, array in arrays.items():
             _check(name, array)
+            refuse_beyond_reach(name, array, may_vanish=name not in _POSITIVE)
             spread = np.broadcast_to(array, shape)
             spread.flags.writeable = False
             object.__setattr__(self, name, spread)
-        self._refuse_beyond_floats()
         slack = self.tension_N <= 0.0
         if slack.any():
             first = int(np.argmax(slack))
@@ -96,6 +98,7 @@ class Span:
                 key="preload_N",
                 fix=f"raise the preload above {self.preload_N[first] - self.tension_N[first]:.6g} N",
             )
+        refuse_beyond_reach("tension_N", self.tension_N, may_vanish=False)
 
     @property
     def m(self) -> int:
@@ -140,7 +143,7 @@ class Span:
         """Return the speed at which the first frequency vanishes, shape (m,); infinite for κ = 1.
 
         v_c² (1 − κ) ρA = F_0 ± ΔF/2 + β EI/l². The mounting counts whether or not the wheels turn, because they
-        would at that speed.
+        would at that speed. Where the right side is not positive, only inertia tightens the blade and v_c is zero.
 
         Examples
         --------
@@ -150,10 +153,7 @@ class Span:
         [20.0, 40.0, inf]
         """
         load_N = ends.buckling * self.bending_stiffness_N_m2 / self.free_span_m**2
-        held = self.linear_density_kg_m * (1.0 - self.mounting_factor)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            speed = np.sqrt((self.preload_N + self.pull_N + load_N) / held)
-        return np.where(held > 0.0, speed, np.inf)
+        return speed_that_uses_up(self.preload_N + self.pull_N + load_N, self)
 
     def select(self, index: npt.ArrayLike) -> "Span":
         """Return the cases at an index array or boolean mask, in that order.
@@ -170,23 +170,6 @@ class Span:
     def place(self, index: int) -> str:
         """Return ` at case i` for messages, nothing where there is only one."""
         return f" at case {index}" if self.m > 1 else ""
-
-    def _refuse_beyond_floats(self) -> None:
-        with np.errstate(all="ignore"):
-            squared = self.free_span_m**2
-            parts = {
-                "tension": self.tension_N,
-                "tension less the inertia": self.net_tension_N,
-                "square of the wave speed": self.tension_N / self.linear_density_kg_m,
-                "buckling load": self.bending_stiffness_N_m2 / squared,
-            }
-        for name, values in parts.items():
-            fine = np.isfinite(values)
-            if not fine.all():
-                raise InputError(
-                    f"the {name}{self.place(int(np.argmin(fine)))} is beyond the range of floating point",
-                    fix="check the units of the numbers given",
-                )
 
     def _net(self) -> Pair:
         # κ v_w² − v² cancels for κ near 1, where (v_w² − v²) − (1 − κ) v_w² does not; F and ρA v² do as v nears c.
@@ -206,6 +189,28 @@ class Span:
 
     def _static(self) -> Pair:
         return add(as_pair(self.preload_N), as_pair(self.pull_N))
+
+
+def speed_that_uses_up(force_N: FloatArray, span: Span) -> FloatArray:
+    """Return the speed whose ρA v² takes up a force and the wheels' inertia, √(force/((1 − κ) ρA)) [m/s].
+
+    Parameters
+    ----------
+    force_N : ndarray, shape (m,) or (k, m)
+        What holds the blade, the wheels' inertia apart [N]; where it is not positive the speed is zero.
+    span : Span
+        m cases; infinite for κ = 1.
+
+    Examples
+    --------
+    >>> span = Span(free_span_m=1.0, linear_density_kg_m=0.25, preload_N=100.0, mounting_factor=[0, 1])
+    >>> speed_that_uses_up(span.preload_N, span).tolist()
+    [20.0, inf]
+    """
+    held = np.broadcast_to(span.linear_density_kg_m * (1.0 - span.mounting_factor), force_N.shape)
+    some = force_N > 0.0
+    limited = np.divide(force_N, held, out=np.full(force_N.shape, np.inf), where=some & (held > 0.0))
+    return np.where(some, np.sqrt(limited), 0.0)
 
 
 def refuse_overspeed(span: Span, ends: Ends) -> FloatArray:

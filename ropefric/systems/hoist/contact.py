@@ -80,7 +80,7 @@ class Lift:
             raise InputError(
                 f"ln F_A = {self.log_lift[beyond][0]:.6g}: a force above e^{_LARGEST:.1f} N is no number",
                 code="RF420",
-                fix="use fewer turns; log_lift stays finite",
+                fix="use fewer turns; in Python, log_lift stays finite",
             )
         return np.exp(self.log_lift)
 
@@ -134,7 +134,8 @@ def solve_lift(model: HoistModel) -> Lift:
     [147.78]
     """
     idle_N = np.asarray(model.circling_N + model.bending_N)
-    pressing_N = model.end_tension_N - idle_N
+    # In this order, because their sum would round away a small E beside a large c.
+    pressing_N = np.asarray((model.end_tension_N - model.circling_N) - model.bending_N)
     _refuse_floating(model, pressing_N)
     contact = _contact_arc(model, pressing_N) if np.any(model.bending_N) else model.wrap_angle_rad
     exponent = _exponent(model, contact, pressing_N)

@@ -9,6 +9,7 @@ not rise along the wrap, unless it is told the tension and not the wrap; what it
 
 import math
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -90,15 +91,19 @@ def _wraps(problem: HoistProblem) -> FloatArray:
     return np.stack([problem.wrap_angle_rad, _shortest_contact(problem)])
 
 
-def _exponents(
-    problem: HoistProblem, told: frozenset[str], pressing_N: FloatArray | None = None
-) -> FloatArray:
-    """Return M at every corner, shape (k, 1 or 2, n)."""
+@lru_cache(maxsize=16)
+def _at_corners(problem: HoistProblem, told: frozenset[str]) -> FloatArray:
+    """Return M at every corner, shape (k, 1 or 2, n); the bounds of all effects look at the same ones."""
+    return _exponents(problem, told, _pressing_N(problem))
+
+
+def _exponents(problem: HoistProblem, told: frozenset[str], pressing_N: FloatArray) -> FloatArray:
+    """Return M for every contact and every force that presses, shape (k, 1 or 2, n)."""
     return problem.friction.exponent(
         wheel_radius_m=problem.wheel_radius_m,
         rope_radius_m=problem.rope_radius_m,
         wrap_angle_rad=_wraps(problem),
-        slack_tension_N=_pressing_N(problem) if pressing_N is None else pressing_N,
+        slack_tension_N=pressing_N,
         told=told,
     )
 
@@ -165,7 +170,7 @@ def told_bound(what: str) -> Bound:
 
     def bound(problem: HoistProblem) -> FloatArray:
         changes = [
-            np.abs(_exponents(problem, told | {what}) - _exponents(problem, told))
+            np.abs(_at_corners(problem, told | {what}) - _at_corners(problem, told))
             for told in _subsets(EVERYTHING - {what})
         ]
         return np.asarray(np.max(changes, axis=(0, 1, 2)) * _feedback(problem))
@@ -192,13 +197,14 @@ def _subsets(names: frozenset[str]) -> Iterator[frozenset[str]]:
         yield frozenset(name for name, wanted in zip(sorted(names), chosen, strict=True) if wanted)
 
 
+@lru_cache(maxsize=2)
 def _steepest(problem: HoistProblem) -> FloatArray:
     """Return the largest ΔM/Δφ where the contact shortens, whatever the law is told, shape (n,)."""
     wraps = _wraps(problem)
     lost = wraps[0] - wraps[-1]
     worst = np.zeros(problem.n)
     for told in _subsets(EVERYTHING):
-        exponents = _exponents(problem, told)
+        exponents = _at_corners(problem, told)
         # A concave M is steeper near its start than over the lost arc; a law with an offset is not concave.
         average = np.max(exponents / wraps, axis=(0, 1))
         change = np.max(np.abs(exponents[:, 0] - exponents[:, -1]), axis=0)

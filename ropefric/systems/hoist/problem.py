@@ -7,6 +7,7 @@ import numpy as np
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.reach import refuse_beyond_reach
 
 __all__ = ["GRAVITY_M_S2", "HoistProblem"]
 
@@ -42,7 +43,8 @@ class HoistProblem:
     Raises
     ------
     InputError
-        If the lengths disagree or a value is not finite or not in its range.
+        If the lengths disagree or a value is not finite or not in its range. Numbers above 1e30 are refused, and
+        radii and tensions below 1e-30.
 
     Examples
     --------
@@ -88,6 +90,7 @@ class HoistProblem:
                 )
             if not np.isfinite(array).all():
                 raise InputError(f"{name} is not finite", key=name, fix="correct this value")
+            refuse_beyond_reach(name, array, may_vanish=name not in _DIVIDES)
             object.__setattr__(self, name, np.broadcast_to(array, shape))
 
     @property
@@ -101,4 +104,5 @@ class HoistProblem:
         return self.wheel_radius_m + self.rope_radius_m
 
 
+_DIVIDES = {"wheel_radius_m", "rope_radius_m", "end_tension_N"}
 _POSITIVE = {"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "payload_kg"}

@@ -53,7 +53,10 @@ def _start_up(problem: PressProblem) -> tuple[str, ...]:
 
 
 def _moving_masses(problem: PressProblem) -> tuple[str, ...]:
-    missing = [*_start_up(problem), *_elastic_belts(problem)]
+    # What a start-up needs besides is no news to somebody who asks for none.
+    if problem.start_up is None:
+        return _start_up(problem)
+    missing = [*_elastic_belts(problem)]
     for roller in problem.press.rollers:
         if roller.inertia_kg_m2 is None and roller.role != "driver":
             missing.append(f"rollers.{roller.name}.inertia")

@@ -2,8 +2,8 @@
 
 Tensions are linear: each load, the preload and the speed have their own share, got by one small linear solution each.
 So the tensions of every subset of effects are sums of the same few columns, and the largest change that an effect
-makes among all subsets bounds it. What is bounded is |ΔT'| of each span over its T' with everything in, and |ΔU| of
-each roller over the largest U with everything in, and the drivers' |ΔP| over their P; leaving out several effects adds
+makes among all subsets bounds it. What is bounded is |ΔT'| of each span over its T' with everything in, |ΔU| of each
+roller over the largest U with everything in, and |ΔP| of the drivers over their P; leaving out several effects adds
 their bounds up at most.
 """
 

@@ -1,0 +1,184 @@
+"""Scenes: what leaving effects out saves and costs, against simulating all of them."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from ropefric.accuracy.measured import Measured, in_case
+from ropefric.accuracy.studies.scene_problems import PROBLEMS
+from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.accuracy.words import time_text
+from ropefric.scenes.plan import Plan, make_plan
+
+__all__ = ["ACCURACIES_WANTED", "STUDY", "planned"]
+
+ACCURACIES_WANTED = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+
+_QUICK = {0.3, 1e-2, 1e-6}
+_QUICK_PLANS = {("hoist", 1e-2), ("saw", 1e-2), ("saw-sweep", 0.1), ("press", 1e-2)}
+_REFERENCE_BUDGET = 1e-14
+_NO_ERROR = 1e-15
+_A_SAVING = 0.25
+"""Of the time with all effects: a busy machine's clock cannot tell less."""
+_PLAN, _KEPT, _ALL, _NONE = "plan and solve", "plan at hand", "all effects", "no effects"
+
+
+@cache
+def planned(case: str, accuracy: float, effects: str = "auto") -> tuple[Plan, Any]:
+    """Return the plan of a case and the model assembled to it.
+
+    Parameters
+    ----------
+    case : str
+        A name in `PROBLEMS`.
+    accuracy : float
+        Relative error wanted.
+    effects : {"auto", "all"}
+        What to simulate.
+
+    Examples
+    --------
+    >>> planned("saw", 0.1)[0].simulated
+    ('travel',)
+    """
+    return make_plan(PROBLEMS[case].system, _problem(case), accuracy=accuracy, effects=effects)
+
+
+@cache
+def _problem(case: str) -> Any:
+    return PROBLEMS[case].problem()
+
+
+@cache
+def _reference(case: str) -> Any:
+    """Return the answer with all effects by the finest method of the system."""
+    system = PROBLEMS[case].system
+    _, model = planned(case, 1.0, "all")
+    return system.solve(model, system.method(model, _REFERENCE_BUDGET))
+
+
+def _settings(case: str) -> tuple[Setting, ...]:
+    system, problem = PROBLEMS[case].system, _problem(case)
+
+    def setting(
+        method: str, wanted: float, call: Callable[[], object], n_effects: Callable[[], int], *, quick: bool
+    ) -> Setting:
+        def assess() -> Outcome:
+            error = float(system.distance(call(), _reference(case)))
+            return Outcome(error=error, evaluations=float(n_effects()))
+
+        text = f"accuracy {wanted:g}" if wanted else ""
+        return Setting(method=method, setting=text, call=call, assess=assess, quick=quick)
+
+    def solve(accuracy: float, effects: str) -> Callable[[], object]:
+        def call() -> object:
+            plan, model = planned(case, accuracy, effects)
+            return system.solve(model, plan.method)
+
+        return call
+
+    def plan_and_solve(accuracy: float) -> Callable[[], object]:
+        def call() -> object:
+            plan, model = make_plan(system, problem, accuracy=accuracy, effects="auto")
+            return system.solve(model, plan.method)
+
+        return call
+
+    def effects_of(accuracy: float, effects: str) -> Callable[[], int]:
+        return lambda: len(planned(case, accuracy, effects)[0].simulated)
+
+    bare = system.bare(problem)
+    made = [setting(_NONE, 0.0, lambda: system.solve(bare, system.method(bare, 1.0)), lambda: 0, quick=True)]
+    for wanted in ACCURACIES_WANTED:
+        count = effects_of(wanted, "auto")
+        made += [
+            setting(_KEPT, wanted, solve(wanted, "auto"), count, quick=wanted in _QUICK),
+            setting(_PLAN, wanted, plan_and_solve(wanted), count, quick=(case, wanted) in _QUICK_PLANS),
+        ]
+    roughest = _roughest(case)
+    for place, wanted in enumerate(roughest):
+        text = wanted if len(roughest) > 1 else 0.0
+        made.append(
+            setting(_ALL, text, solve(wanted, "all"), effects_of(wanted, "all"), quick=place in {0, 2})
+        )
+    return tuple(made)
+
+
+def _roughest(case: str) -> tuple[float, ...]:
+    """Return the accuracies at which all effects are solved by another method than at any rougher one."""
+    found: dict[tuple[object, ...], float] = {}
+    for wanted in ACCURACIES_WANTED:
+        method = planned(case, wanted, "all")[0].method
+        found.setdefault((method.name, *method.settings.items()), wanted)
+    return tuple(found.values())
+
+
+def _case(name: str) -> Case:
+    return Case(name=name, title=PROBLEMS[name].title, settings=lambda: _settings(name))
+
+
+def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    return tuple(
+        sentence
+        for case in dict.fromkeys(point.case for point in points)
+        for sentence in (_left_out(case, in_case(points, case)), _worth(case, in_case(points, case)))
+        if sentence
+    )
+
+
+def _left_out(case: str, points: tuple[Measured, ...]) -> str:
+    """Return which effects a plan does without at each accuracy, and by how much the answer is then off."""
+    groups: dict[tuple[str, ...], list[tuple[float, float]]] = {}
+    for point in points:
+        if point.method == _KEPT:
+            wanted = _wanted(point)
+            groups.setdefault(planned(case, wanted)[0].left_out, []).append((wanted, point.error))
+    parts = []
+    for names, found in groups.items():
+        worst = max(error for _, error in found)
+        span = f"{found[0][0]:g}" if len(found) == 1 else f"{found[0][0]:g} to {found[-1][0]:g}"
+        off = f"off by {worst:.1e}" if worst > _NO_ERROR else "not off"
+        without = f"without {', '.join(names)}" if names else "with everything"
+        parts.append(f"at {span} {without} ({off})")
+    return f"{case}: planned {'; '.join(parts)}." if parts else ""
+
+
+def _wanted(point: Measured) -> float:
+    return float(point.setting.removeprefix("accuracy "))
+
+
+def _worth(case: str, points: tuple[Measured, ...]) -> str:
+    """Return at which accuracies a plan saves time, and after how many solutions its making has paid for itself."""
+    kept = {_wanted(point): point.seconds for point in points if point.method == _KEPT}
+    made = {_wanted(point): point.seconds for point in points if point.method == _PLAN}
+    found = []
+    for wanted in (one for one in kept if one in made):
+        whole_s = min((p.seconds for p in points if p.method == _ALL and p.error <= wanted), default=0.0)
+        found.append((wanted, made[wanted] - kept[wanted], whole_s - kept[wanted], whole_s))
+    if not found:
+        return ""
+    making_s = max(0.0, *(plan_s for _, plan_s, _, _ in found))
+    worth = [one for one in found if one[2] > _A_SAVING * one[3]]
+    head = f"{case}: to make a plan takes {time_text(making_s)}"
+    if not worth:
+        return f"{head}, and what it leaves out saves no time that shows."
+    wanted, _, saved_s, whole_s = max(worth, key=lambda one: one[2])
+    count = max(1, round(making_s / saved_s))
+    solutions = "the first solution" if count == 1 else f"{count} solutions"
+    where = ", ".join(f"{one[0]:g}" for one in worth)
+    return (
+        f"{head}; what it leaves out saves time at an accuracy of {where}, most at {wanted:g}: "
+        f"{time_text(saved_s)} of {time_text(whole_s)} a solution, so that it has paid for itself after {solutions}."
+    )
+
+
+STUDY = Study(
+    name="scenes",
+    title="Effects that the plan of a scene leaves out, against all effects",
+    question="What does it save to simulate only the effects a scene calls for, and how far is the answer then off?",
+    reference="all effects, by the system's finest method; the tests hold it against other solutions",
+    counted="effects in the model",
+    used="plan and solve",
+    cases=tuple(_case(name) for name in PROBLEMS),
+    findings=_findings,
+)

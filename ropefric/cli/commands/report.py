@@ -1,0 +1,66 @@
+"""`ropefric report`: the report of a campaign made again, from its folder of results or from the campaign."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ropefric.cli.command import Answer, Command
+from ropefric.cli.commands.run import work_through
+from ropefric.cli.jobs import parse_jobs
+from ropefric.cli.output import Output
+
+__all__ = ["COMMAND"]
+
+Source = Annotated[
+    Path,
+    typer.Argument(
+        metavar="OUT_DIR|CAMPAIGN.toml",
+        help="A folder that `run` wrote, or a campaign: its file or its folder.",
+    ),
+]
+OutFolder = Annotated[
+    Path | None,
+    typer.Option("--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."),
+]
+Law = Annotated[str, typer.Option(help="Use this law, whichever wins; by default as in the run before.")]
+Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
+Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures of the report.")]
+
+
+def report(
+    out: Output,
+    source: Source,
+    *,
+    folder: OutFolder = None,
+    law: Law = "",
+    jobs: Jobs = "auto",
+    figures: Figures = True,
+) -> Answer:
+    """Make report.html again, without extracting again what the cache holds.
+
+    The tables, fits and numbers beside it are brought up to date with it; pictures of single conditions are left as
+    they are. Exits with 4 when the law that is used is not to be trusted.
+    """
+    from ropefric.pipeline.provenance import MANIFEST, recorded_run  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
+
+    if source.is_dir() and not (source / "campaign.toml").is_file():
+        if folder is not None:
+            raise typer.BadParameter("a folder of results is written to itself", param_hint="--out")
+        folder, (campaign, law_before) = source, recorded_run(source)
+        law = law or law_before
+    else:
+        campaign = source / "campaign.toml" if source.is_dir() else source
+        folder = folder or Path("out")
+        if not law and (folder / MANIFEST).is_file():
+            before, law_before = recorded_run(folder)
+            law = law_before if before.resolve() == campaign.resolve() else ""
+    loaded = load_campaign(campaign)
+    drawing = frozenset({"report"} if figures else ())
+    return work_through(
+        out, loaded, folder, law=law, n_jobs=parse_jobs(jobs, len(loaded.trials)), drawing=drawing
+    )
+
+
+COMMAND = Command(name="report", run=report, example="ropefric report out", order=70)

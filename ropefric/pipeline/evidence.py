@@ -1,0 +1,169 @@
+"""What a report shows beyond the answer: budgets, what the design is sensitive to, what to measure next."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ropefric.errors import RopefricError
+from ropefric.fitting.design import DesignChart
+from ropefric.fitting.gum.budget import LinearBudget, linear_budget
+from ropefric.fitting.gum.forces import force_model
+from ropefric.fitting.gum.from_extraction import conditions_of_extraction
+from ropefric.fitting.gum.measured import MeasuredCondition
+from ropefric.fitting.gum.statement import Statement, state_uncertainty
+from ropefric.fitting.hand import hand_calculation
+from ropefric.fitting.planning.result import LabPlan
+from ropefric.pipeline.design_views import chart_of_design, plan_for_design, state_design, swings_of_design
+from ropefric.pipeline.run import CampaignRun
+
+__all__ = ["Evidence", "MeasuredBudget", "gather_evidence", "write_evidence"]
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredBudget:
+    """The uncertainty of one condition's measured force, by its budget alone.
+
+    Attributes
+    ----------
+    condition : MeasuredCondition
+        The condition; its number counts those of the extraction from 1.
+    budget : LinearBudget
+        Of the force that was measured [N].
+    """
+
+    condition: MeasuredCondition
+    budget: LinearBudget
+
+    @property
+    def relative(self) -> float:
+        """Return u_c over the force [-]."""
+        return self.budget.combined / abs(self.budget.estimate)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Evidence:
+    """What stands behind a campaign's answer; None where there is no design, or where it could not be made.
+
+    Attributes
+    ----------
+    measured : tuple of MeasuredBudget
+        A budget for each condition with a force.
+    typical : Statement, optional
+        The whole statement for the one of them whose relative uncertainty is the median.
+    typical_number : int
+        Its number; 0 for none.
+    lift : Statement, optional
+        Budget of the lift force of the design: of one pull with a new rope where the fit knows its scatter, else of
+        the mean law.
+    swings : tuple of (str, float, float, float)
+        What each input does to that lift force: name, force at its low and high value, force as designed [N].
+    chart : DesignChart, optional
+        Lift force over wheel and wrap at the end tension of the design.
+    plan : LabPlan, optional
+        What to test next to know that lift force better.
+    hand : tuple of str
+        The lift force as lines of arithmetic.
+    missing : tuple of str
+        What could not be made, and why.
+    """
+
+    measured: tuple[MeasuredBudget, ...] = ()
+    typical: Statement | None = None
+    typical_number: int = 0
+    lift: Statement | None = None
+    swings: tuple[tuple[str, float, float, float], ...] = ()
+    chart: DesignChart | None = None
+    plan: LabPlan | None = None
+    hand: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+
+
+def gather_evidence(run: CampaignRun) -> Evidence:
+    """Return what a report shows beyond the answer of a campaign.
+
+    Parameters
+    ----------
+    run : CampaignRun
+        The campaign's result.
+    """
+    missing: list[str] = []
+
+    def attempt(name: str, make: Callable[[], T]) -> T | None:
+        try:
+            return make()
+        except RopefricError as error:
+            missing.append(f"no {name}: {error.problem.message}")
+            return None
+
+    measured = attempt("budgets of the measured forces", lambda: _measured(run)) or ()
+    middle = sorted(measured, key=lambda item: item.relative)[len(measured) // 2] if measured else None
+    typical = None
+    if middle is not None:
+        model, notes = force_model(middle.condition.measured), middle.condition.notes
+        typical = attempt("budget of a typical force", lambda: state_uncertainty(model, notes=notes))
+    found = Evidence(
+        measured=measured,
+        typical=typical,
+        typical_number=0 if middle is None else middle.condition.number,
+        missing=tuple(missing),
+    )
+    prediction = run.answer.prediction
+    if prediction is None:
+        return found
+    fit, wheel = run.answer.fit, prediction.conditions
+    # Arguments are evaluated in their order, so `missing` is complete when it is read.
+    return replace(
+        found,
+        lift=attempt("uncertainty budget of the lift force", lambda: state_design(fit, wheel)),
+        swings=attempt("sensitivities", lambda: swings_of_design(fit, prediction)) or (),
+        chart=attempt("design chart", lambda: chart_of_design(fit, wheel)),
+        plan=attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
+        hand=attempt("hand calculation", lambda: hand_calculation(fit, wheel)) or (),
+        missing=tuple(missing),
+    )
+
+
+def _measured(run: CampaignRun) -> tuple[MeasuredBudget, ...]:
+    conditions = conditions_of_extraction(run.extraction, weights_tolerance=run.campaign.weights_tolerance)
+    return tuple(
+        MeasuredBudget(condition=item, budget=linear_budget(force_model(item.measured)))
+        for item in conditions
+    )
+
+
+def write_evidence(evidence: Evidence, folder: Path) -> tuple[Path, ...]:
+    """Write uncertainty.json and next_tests.csv; return the paths. What an earlier run left and this one lacks goes.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        What to write.
+    folder : Path
+        Where.
+
+    Examples
+    --------
+    >>> write_evidence(Evidence(), Path("nowhere"))
+    ()
+    """
+    texts = {
+        "uncertainty.json": None if evidence.lift is None else _json(evidence.lift.to_dict()),
+        "next_tests.csv": None if evidence.plan is None else evidence.plan.to_csv(),
+    }
+    written = []
+    for name, text in texts.items():
+        target = folder / name
+        if text is None:
+            target.unlink(missing_ok=True)
+        else:
+            target.write_text(text, encoding="utf-8", newline="\n")
+            written.append(target)
+    return tuple(written)
+
+
+def _json(tree: dict[str, Any]) -> str:
+    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

@@ -1,0 +1,225 @@
+"""Where a campaign's result comes from: inputs with their hashes, versions, seeds, settings, and the command."""
+
+import hashlib
+import json
+import os
+import shlex
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from ropefric.errors import DataError
+from ropefric.pipeline.evidence import Evidence
+from ropefric.pipeline.run import CampaignRun
+
+__all__ = [
+    "MANIFEST",
+    "SCHEMA",
+    "InputFile",
+    "Provenance",
+    "recorded_run",
+    "trace_provenance",
+    "write_manifest",
+]
+
+SCHEMA = "ropefric.run/1"
+MANIFEST = "manifest.json"
+"""Name of the file in a folder of results that says what they were made from."""
+
+_DRAWN_WITH = ("matplotlib", "jinja2")
+_NO_SETTINGS = frozenset({"trials", "warnings", "path", "folder"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputFile:
+    """A file that went in: its path relative to the campaign's folder, and the SHA-256 of its bytes, "" if unread."""
+
+    path: str
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Provenance:
+    """All that is needed to make a result again, without time or place.
+
+    Attributes
+    ----------
+    command : str
+        A command that makes it again, to be given in the campaign's folder.
+    campaign, trial_list : InputFile
+        The two files people write.
+    recordings : tuple of InputFile
+        Each once, in the order of the trial list.
+    versions : mapping of str to str
+        Of Python and the packages that numbers and figures come from.
+    seeds : mapping of str to int
+        Of everything that draws.
+    settings : mapping
+        The campaign with every default filled in, without the trial list and where it lies.
+    law : str
+        The law that was asked for; "" for none.
+    """
+
+    command: str
+    campaign: InputFile
+    trial_list: InputFile
+    recordings: tuple[InputFile, ...]
+    versions: Mapping[str, str]
+    seeds: Mapping[str, int]
+    settings: Mapping[str, Any]
+    law: str
+
+    @property
+    def inputs(self) -> tuple[InputFile, ...]:
+        """Return all files that went in."""
+        return (self.campaign, self.trial_list, *self.recordings)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree of schema `ropefric.run/1`."""
+        return {
+            "schema": SCHEMA,
+            "command": self.command,
+            "law": self.law,
+            "inputs": [{"path": item.path, "sha256": item.sha256} for item in self.inputs],
+            "versions": dict(self.versions),
+            "seeds": dict(self.seeds),
+            "settings": dict(self.settings),
+        }
+
+
+def trace_provenance(run: CampaignRun, evidence: Evidence) -> Provenance:
+    """Return where a result comes from.
+
+    Parameters
+    ----------
+    run : CampaignRun
+        The result.
+    evidence : Evidence
+        What was made beside it, for its seeds.
+
+    Raises
+    ------
+    DataError
+        If the campaign file is no longer there.
+    """
+    campaign, fit = run.campaign, run.answer.fit
+    law = fit.law if run.answer.winner.forced else ""
+    words = ["ropefric", "run", campaign.path.name, "--out", "out", *(("--law", law) if law else ())]
+    seeds = {"fit": fit.provenance.get("settings", {}).get("seed", 0)}
+    if run.answer.prediction is not None:
+        seeds["prediction"] = run.answer.prediction.seed
+    if evidence.lift is not None:
+        seeds["uncertainty budget"] = evidence.lift.drawn.seed
+    if evidence.plan is not None:
+        seeds["plan of tests"] = evidence.plan.seed
+    settings = {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS}
+    return Provenance(
+        command=shlex.join(words),
+        campaign=_hashed(campaign.path, campaign.path.name),
+        trial_list=_trial_list(campaign.path),
+        recordings=_recordings(run),
+        versions=dict(fit.provenance.get("versions", {})) | _drawn_with(),
+        seeds=seeds,
+        settings=settings,
+        law=law,
+    )
+
+
+def _drawn_with() -> dict[str, str]:
+    found = {}
+    for name in _DRAWN_WITH:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # pragma: no cover - both are requirements
+            continue
+    return found
+
+
+def _trial_list(campaign: Path) -> InputFile:
+    name = tomllib.loads(campaign.read_text(encoding="utf-8"))["trials"]
+    return _hashed(
+        campaign.parent / name, Path(name).as_posix() if not Path(name).is_absolute() else Path(name).name
+    )
+
+
+def _hashed(path: Path, name: str) -> InputFile:
+    try:
+        return InputFile(path=name, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
+    except OSError as error:
+        raise DataError(
+            f"cannot be read again: {error.strerror}", code="RF101", path=path, fix="put the file back"
+        ) from None
+
+
+def _recordings(run: CampaignRun) -> tuple[InputFile, ...]:
+    found: dict[str, str] = {}
+    for trial in run.extraction.trials:
+        found.setdefault(trial.file, trial.sha256)
+    return tuple(InputFile(path=name, sha256=sha256) for name, sha256 in found.items())
+
+
+def write_manifest(provenance: Provenance, campaign: Path, folder: Path) -> Path:
+    """Write manifest.json, by which a folder of results finds its campaign again; return its path.
+
+    Parameters
+    ----------
+    provenance : Provenance
+        What to write.
+    campaign : Path
+        The campaign file; named relative to the folder.
+    folder : Path
+        Where the results are.
+    """
+    try:
+        shown = Path(os.path.relpath(campaign, folder)).as_posix()
+    except ValueError:  # another drive on Windows
+        shown = campaign.resolve().as_posix()
+    tree = provenance.to_dict() | {"campaign": shown}
+    text = json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
+    target = folder / MANIFEST
+    target.write_text(text + "\n", encoding="utf-8", newline="\n")
+    return target
+
+
+def recorded_run(folder: Path) -> tuple[Path, str]:
+    """Return the campaign file that a folder of results was made from, and the law that was asked for.
+
+    Parameters
+    ----------
+    folder : Path
+        What `write_manifest` wrote into.
+
+    Raises
+    ------
+    DataError
+        RF101 if there is no manifest, or it is none of this schema.
+
+    Examples
+    --------
+    >>> recorded_run(Path("nowhere"))
+    Traceback (most recent call last):
+    ...
+    ropefric.errors.DataError: nowhere/manifest.json: no results stand here Fix: give a folder that `ropefric run` \
+wrote, or the campaign
+    """
+    path = folder / MANIFEST
+    try:
+        tree = json.loads(path.read_text(encoding="utf-8"))
+    except OSError:
+        raise DataError(
+            "no results stand here",
+            code="RF101",
+            path=path.as_posix(),
+            fix="give a folder that `ropefric run` wrote, or the campaign",
+        ) from None
+    except ValueError:
+        tree = None
+    known = isinstance(tree, dict) and tree.get("schema") == SCHEMA
+    if not known or not all(isinstance(tree.get(key), str) for key in ("campaign", "law")):
+        raise DataError(
+            f"this is no {SCHEMA}", code="RF101", path=path.as_posix(), fix="give the campaign itself"
+        )
+    return Path(os.path.normpath(folder / tree["campaign"])), tree["law"]

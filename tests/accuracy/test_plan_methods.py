@@ -1,0 +1,170 @@
+"""The method a scene's plan picks for an accuracy is one that the studies show to be enough; no clock is read."""
+
+import numpy as np
+import pytest
+
+from ropefric.accuracy.selection import error_table
+from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, scenes
+from ropefric.scenes.plan import make_plan
+from ropefric.systems.bandsaw.beam import scaled_beams, solve_beam
+from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
+from ropefric.systems.bandsaw.ends import CLAMPED
+from ropefric.systems.bandsaw.saw import Side
+from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.bandsaw.system import SYSTEM as SAW
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.hoist.system import SYSTEM as HOIST
+from ropefric.systems.press.problem import PressProblem, StartUpTask
+from ropefric.systems.press.system import SYSTEM as PRESS
+from ropefric.systems.press.transient.drives import DRIVE_LAWS
+
+ACCURACIES = [10.0**-n for n in range(2, 11)]
+LAYOUTS = {1: "Galerkin, one element", 3: "Galerkin, thin end elements"}
+
+
+def model_of(case, accuracy, effects="all"):
+    return scenes.planned(case, accuracy, effects)[1]
+
+
+def beam_errors(stiffness, accuracy):
+    """The solution that a plan's method gives a blade of the study, and its error there."""
+    method = SAW.method(model_of("saw", accuracy), accuracy)
+    assert method.name == "spectral elements"
+    beam = ScaledBeam.at_speed(stiffness, blade_modes.SPEED, CLAMPED)
+    modes = solve_beam(beam, 3, accuracy=method.settings["accuracy"])
+    return method, modes, np.abs(modes.frequencies / blade_modes.FREQUENCIES[stiffness] - 1.0).max()
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_the_hoist_takes_the_closed_form(accuracy):
+    method = HOIST.method(model_of("hoist", accuracy), accuracy)
+    assert method.name == "closed form"
+    assert not method.settings, "there is nothing coarser to be had"
+    for case in STUDIES["integral"].cases:
+        (row,) = error_table("integral", case.name, method="closed form")
+        assert row.error <= method.error <= accuracy
+
+
+@pytest.mark.parametrize("accuracy", [*ACCURACIES, 1e-11, 1e-12])
+@pytest.mark.parametrize("stiffness", list(blade_modes.FREQUENCIES))
+def test_a_stiff_blade_is_as_accurate_as_its_plan_says(stiffness, accuracy):
+    method, _, error = beam_errors(stiffness, accuracy)
+    assert error <= method.error <= max(accuracy, 1e-12)
+
+
+@pytest.mark.parametrize("accuracy", [*ACCURACIES, 1e-11, 1e-12])
+@pytest.mark.parametrize("case", [case.name for case in STUDIES["blade-modes"].cases])
+def test_no_order_that_fails_in_the_study_is_taken(errors, case, accuracy):
+    stiffness = dict(zip(("moderate", "blade", "tiny"), blade_modes.FREQUENCIES, strict=True))[case]
+    _, modes, _ = beam_errors(stiffness, accuracy)
+    found = errors("blade-modes", case, LAYOUTS[modes.n_elements])
+    failing = [order for order, error in found.items() if error > accuracy]
+    assert all(modes.order > order for order in failing)
+    assert min(found) in failing or accuracy >= 1e-3, "the study is too easy to tell"
+
+
+@pytest.mark.parametrize("stiffness", list(blade_modes.FREQUENCIES))
+def test_a_beam_to_a_thousandth_is_as_cheap_as_it_gets(stiffness):
+    orders = [beam_errors(stiffness, accuracy)[1].order for accuracy in (1e-2, 1e-3)]
+    beam = ScaledBeam.at_speed(stiffness, blade_modes.SPEED, CLAMPED)
+    assert orders[0] == orders[1]
+    assert orders[1] - solve_beam(beam, 3, accuracy=1e-2).order <= 1
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_a_string_is_taken_only_where_the_plan_left_the_stiffness_out(accuracy):
+    model = model_of("saw", accuracy, "auto")
+    stiff = "bending" in scenes.planned("saw", accuracy)[0].simulated
+    assert (SAW.method(model, accuracy).name == "closed form") == (not stiff)
+    # In the study the string is off by what the stiffness is worth, far more than any accuracy here.
+    (string,) = error_table("blade-modes", "blade", method="string")
+    assert string.error > max(ACCURACIES)
+
+
+def test_the_strings_closed_form_is_as_accurate_as_its_plan_says():
+    model = model_of("saw", 0.1, "auto")
+    method = SAW.method(model, 1e-10)
+    assert method.name == "closed form"
+    for span in model.spans.values():
+        speed = float(span.travel_speed_m_s[0] / span.wave_speed_m_s[0])
+        hertz = span.wave_speed_m_s[0] / (2.0 * np.pi * span.free_span_m[0])
+        exact = hertz * blade_modes.string_frequencies(speed, 3)
+        np.testing.assert_allclose(string_frequencies_Hz(span, 3)[0], exact, rtol=method.error)
+
+
+def test_a_press_without_start_up_has_one_linear_solution():
+    method = PRESS.method(model_of("press", 1e-6), 1e-6)
+    assert method.name == "direct solution"
+    assert not method.settings
+    assert method.error <= min(ACCURACIES)
+
+
+@pytest.fixture(scope="module", params=list(press_transient.BELTS))
+def started(request):
+    """The study's press as a scene with a start-up: its model with all effects, and the study's case."""
+    speed = DRIVE_LAWS["s-curve"].speed(
+        speed_m_s=press_transient.SPEED_M_S, duration_s=press_transient.RUN_UP_S
+    )
+    task = StartUpTask(speed=speed, time_s=np.array(press_transient.TIMES_S), slip=False, loads="with-speed")
+    problem = PressProblem(
+        press=press_transient.machine(*press_transient.BELTS[request.param]),
+        closure="share",
+        friction=WrapFriction.constant(0.9),
+        speed_m_s=np.array([press_transient.SPEED_M_S]),
+        load_factor=np.array([1.0]),
+        start_up=task,
+    )
+    return request.param, make_plan(PRESS, problem, accuracy=0.01, effects="all")[1]
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_a_start_up_takes_the_matrix_exponential(started, accuracy):
+    case, model = started
+    method = PRESS.method(model, accuracy)
+    assert "matrix exponential" in method.name
+    assert not method.settings
+    (row,) = error_table("press-transient", case, method="exact")
+    assert row.error <= min(method.error, accuracy)
+
+
+def test_a_start_up_solved_as_a_scene_has_the_tensions_of_the_study(started):
+    case, model = started
+    found = PRESS.solve(model, PRESS.method(model, 1e-10)).start_up.tension_N
+    np.testing.assert_allclose(found, press_transient.TENSIONS_N[case], rtol=1e-10)
+
+
+@pytest.mark.parametrize("case", list(scenes.PROBLEMS))
+def test_planned_answers_keep_their_accuracy_and_their_bound(case):
+    rows = error_table("scenes", case, method="plan and solve")
+    assert len(rows) == len(scenes.ACCURACIES_WANTED)
+    for row, wanted in zip(rows, scenes.ACCURACIES_WANTED, strict=True):
+        plan, _ = scenes.planned(case, wanted)
+        assert row.error <= min(wanted, plan.error_bound)
+        assert row.evaluations == len(plan.simulated)
+    effects = [row.evaluations for row in rows]
+    assert effects == sorted(effects)
+    assert effects[0] < effects[-1], "nothing to leave out"
+    (bare,) = error_table("scenes", case, method="no effects")
+    assert bare.error > rows[-1].error
+
+
+def test_a_plan_at_hand_gives_the_same_answers():
+    for case in scenes.PROBLEMS:
+        fresh, kept = (
+            error_table("scenes", case, method=name) for name in ("plan and solve", "plan at hand")
+        )
+        assert [row.error for row in fresh] == [row.error for row in kept]
+
+
+def test_the_saws_reference_is_that_of_chebyshev_series():
+    """The study's reference is the tool's own; here is another method for it."""
+    case = scenes.PROBLEMS["saw"]
+    model = model_of("saw", 1.0)
+    answer = case.system.solve(model, case.system.method(model, 1e-14))
+    for side in Side:
+        span = model.spans[side]
+        (beam,) = scaled_beams(span, CLAMPED)
+        hertz = span.wave_speed_m_s[0] / (2.0 * np.pi * span.free_span_m[0])
+        other = hertz * chebyshev_frequencies(beam, 96, 3)
+        np.testing.assert_allclose(answer.sides[side].frequencies_Hz[0], other, rtol=1e-12)

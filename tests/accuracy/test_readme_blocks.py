@@ -1,0 +1,62 @@
+"""The README's measured blocks are what the script would write, apart from the machine it ran on."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location(
+        "regenerate_readme", ROOT / "tests" / "regenerate_readme.py"
+    )
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def without_machine(script, block):
+    return [line for line in block.splitlines() if not line.startswith(script.MACHINE_LINE)]
+
+
+def test_the_readme_says_what_the_studies_say(script):
+    if "<!-- cost -->" not in README:
+        pytest.skip("the README has no cost block yet")
+    shown = README.split("<!-- cost -->\n", 1)[1].split("<!-- end -->", 1)[0]
+    again = "run python tests/regenerate_readme.py"
+    assert without_machine(script, shown) == without_machine(script, script.cost_block("")), again
+    for name in script.PICTURES:
+        assert (ROOT / "data" / "pictures" / f"cost-{name}.png").stat().st_size < 60_000
+
+
+def test_every_number_of_the_block_comes_from_a_study(script):
+    block = script.cost_block("Z80")
+    assert block.count("](data/pictures/cost-") == len(script.PICTURES)
+    assert block.endswith("Times in the pictures: Z80.\n")
+    for said in (
+        "512 pieces",
+        "8 points",
+        "off by 4.2 %",
+        "order 24 in one",
+        "steps of 0.51 ms",
+        "4 of 6 effects",
+    ):
+        assert said in block
+
+
+def test_blocks_go_between_their_markers_and_nowhere_else(script):
+    text = "a\n<!-- cost -->\nold\nlines\n<!-- end -->\nb\n<!-- other -->\nkept\n<!-- end -->\n"
+    made = script.with_blocks(text, {"cost": "new \\1\n", "hard-cases": "not asked for\n"})
+    assert made == text.replace("old\nlines\n", "new \\1\n")
+    assert script.with_blocks(made, {"cost": "new \\1\n"}) == made
+
+
+def test_the_table_of_hard_cases_is_that_of_its_own_script(script):
+    """What it says is tested beside the hard cases."""
+    made = script.hard_cases()
+    assert len(made.cases()) >= 10
+    assert callable(made.table)

@@ -1,0 +1,135 @@
+"""`report`: the same bytes again, without the work the cache holds, and what it says where there is nothing."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ropefric.cli.app import main
+from ropefric.fitting.predict import predict
+from ropefric.friction.condition import one_condition
+from ropefric.pipeline.run import run_campaign
+from ropefric.pipeline.winner import choose_winner
+from ropefric.report.write import write_report
+from ropefric.trials.campaign import load_campaign
+
+LARGEST_BYTES = 3_000_000
+BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
+
+
+def files(folder):
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and ".cache" not in path.parts
+    }
+
+
+def without_figures(run, folder):
+    """Write the report of a changed result; return its text."""
+    folder.mkdir(exist_ok=True)
+    write_report(run, folder, figures=False)
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def with_prediction(run, prediction):
+    return replace(run, answer=replace(run.answer, prediction=prediction))
+
+
+def test_the_report_is_made_again_without_extracting_again(run, results, tmp_path, capfd):
+    """From its folder alone: the manifest knows the campaign and the law that was asked for."""
+    folder = tmp_path / "out"
+    shutil.copytree(results / ".cache", folder / ".cache")
+    winner = choose_winner(run.answer.comparison, "constant")
+    asked = replace(
+        run.answer,
+        winner=winner,
+        prediction=predict(winner.fit, run.answer.prediction.conditions),
+        doubts=(*winner.fit.advice, *winner.doubts, *run.answer.comparison.notes[1:]),
+    )
+    without_figures(replace(run, answer=asked), folder)
+    before = files(folder)
+    (folder / "report.html").unlink()
+    assert main(["report", str(folder), "--no-figures"]) in {0, 4}
+    said = capfd.readouterr()
+    assert "(54 unchanged, not extracted again)" in said.err
+    assert "constant, as asked for" in said.out
+    assert "report.html" in said.out
+    made = files(folder)
+    assert {name: made[name] for name in before} == before
+
+
+def test_without_a_wheel_there_is_no_lift_force_and_that_is_said(run, tmp_path):
+    bare = replace(with_prediction(run, None), campaign=replace(run.campaign, design=None))
+    page = without_figures(bare, tmp_path)
+    assert "No lift force" in page
+    assert 'id="next"' not in page
+    assert "confidence interval" not in page
+    assert not (tmp_path / "uncertainty.json").exists()
+    assert "No figures" in page
+    assert "<svg" not in page
+
+
+def test_a_law_not_to_be_trusted_is_the_first_thing_to_be_read(run, tmp_path):
+    winner = choose_winner(run.answer.comparison, "coupled")
+    assert not winner.fit.trustworthy
+    page = without_figures(replace(run, answer=replace(run.answer, winner=winner)), tmp_path)
+    first = page[page.index('<ul class="alerts">') :].split("</li>")[0]
+    assert 'class="stop"' in first
+    assert "Do not use" in first
+    assert "coupled" in first
+    assert "NOT to be trusted" in page
+    assert "--law coupled" in page
+
+
+def test_a_design_beyond_what_was_tested_is_doubted(run, tmp_path):
+    far = predict(run.answer.fit, one_condition(0.09, 0.0049, 5.0, 60.0))
+    page = without_figures(with_prediction(run, far), tmp_path)
+    assert "The design lies outside what was tested" in page
+    assert "wheel radius 90 mm is outside the tested 15–60 mm" in page
+
+
+def test_what_the_user_writes_is_shown_and_not_obeyed(run, tmp_path):
+    rope = replace(run.campaign.rope, material="</p><b>")
+    page = without_figures(
+        replace(run, campaign=replace(run.campaign, name="<script>&", rope=rope)), tmp_path
+    )
+    assert "<h1>&lt;script&gt;&amp;" in page
+    assert "<script" not in page
+    assert "<b>" not in page
+
+
+def test_a_folder_without_results_is_3(tmp_path, capfd):
+    assert main(["report", str(tmp_path)]) == 3
+    assert "no results stand here" in capfd.readouterr().err
+    assert main(["report", str(tmp_path / "nowhere.toml")]) == 3
+    assert main(["report", str(tmp_path), "--out", str(tmp_path)]) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("run")
+def test_the_same_bytes_from_anywhere(campaign, results, tmp_path, monkeypatch):
+    """Another process count, another folder, a relative path and no cache make the same file."""
+    monkeypatch.chdir(campaign)
+    folder = tmp_path / "deeper" / "still"
+    assert main(["run", "campaign.toml", "--out", str(folder), "--jobs", "2", "--no-cache", "--quiet"]) in {
+        0,
+        4,
+    }
+    made, before = files(folder), files(results)
+    # These two name the campaign's files the way they were given.
+    for name in before.keys() - {"manifest.json", "problems.csv"}:
+        assert made[name] == before[name], name
+
+
+@pytest.mark.slow
+def test_the_bench_of_432_recordings_makes_a_small_file(tmp_path):
+    runs = []
+    for name, jobs in (("one", 1), ("two", 2)):
+        folder = tmp_path / name
+        run = run_campaign(load_campaign(BENCH / "campaign.toml"), folder, jobs=jobs)
+        write_report(run, folder)
+        runs.append(files(folder))
+    assert runs[0] == runs[1]
+    assert len(runs[0]["report.html"]) < LARGEST_BYTES

@@ -1,0 +1,109 @@
+"""What stands behind an answer: budgets, sensitivities and plans, against closed forms and their own definition."""
+
+import csv
+import json
+import math
+import statistics
+
+import numpy as np
+import pytest
+
+from ropefric.errors import DataError
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.predict import predict
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import one_condition
+from ropefric.pipeline.design_views import STEP, chart_of_design, state_design, swings_of_design
+from ropefric.pipeline.evidence import Evidence, gather_evidence, write_evidence
+from ropefric.pipeline.provenance import recorded_run
+
+WHEEL = one_condition(0.04, 0.005, 5.0, 60.0)
+
+
+@pytest.fixture(scope="module")
+def capstan():
+    wraps = np.repeat([3.0, 6.0, 9.0], 4)
+    noise = 0.02 * np.random.default_rng(5).standard_normal(wraps.size)
+    return fit_law(
+        TrialTable(
+            trial=tuple(f"t{i}" for i in range(wraps.size)), wheel_radius_m=0.04, rope_radius_m=0.005,
+            wrap_angle_rad=wraps, end_tension_N=20.0, peak_N=20.0 * np.exp(0.2 * wraps + noise),
+        ),
+        "constant",
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def evidence(run):
+    return gather_evidence(run)
+
+
+def test_the_capstan_equation_swings_as_its_formula_says(capstan):
+    prediction = predict(capstan, WHEEL)
+    rows = {name.split(" ±")[0].split(":")[0]: row for name, *row in swings_of_design(capstan, prediction)}
+    base_N, mu = float(prediction.lift_force_N[0]), capstan["mu"].value
+    assert rows["end tension"] == pytest.approx([base_N * (1 - STEP), base_N * (1 + STEP), base_N])
+    by_wrap = [base_N * math.exp(sign * STEP * mu * 5.0) for sign in (-1, 1)]
+    assert rows["wrap"] == pytest.approx([*by_wrap, base_N])
+    for name in ("wheel radius", "rope radius"):
+        assert rows[name] == pytest.approx([base_N] * 3)
+    assert rows["mean law"][:2] == pytest.approx(prediction.interval_N[0].tolist())
+    assert rows["new rope"][:2] == pytest.approx(prediction.prediction_interval_N[0].tolist())
+
+
+def test_a_budget_of_one_pull_agrees_with_the_prediction(capstan):
+    """u_c²/F_A² is the variance of the mean law plus the scatter of a new rope."""
+    stated, found = state_design(capstan, WHEEL), predict(capstan, WHEEL)
+    std = math.hypot(capstan.statistics.scatter_within, np.nan_to_num(capstan.statistics.scatter_between))
+    expected = math.hypot(float(found.std_log[0]), std)
+    assert stated.budget.combined / stated.budget.estimate == pytest.approx(expected, rel=1e-6)
+    assert sum(line.share for line in stated.budget.lines) == pytest.approx(1.0)
+
+
+def test_the_chart_holds_the_law_on_the_wheel_that_was_asked_for(capstan):
+    chart = chart_of_design(capstan, one_condition(0.037, 0.005, 5.0, 60.0))
+    row = chart.wheel_radius_m.tolist().index(0.037)
+    expected = 60.0 * np.exp(capstan["mu"].value * chart.wrap_angle_rad)
+    assert np.allclose(chart.lift_force_N[row], expected)
+    assert chart.wrap_angle_rad[-1] > 9.0
+
+
+def test_each_condition_has_a_budget_and_the_typical_one_is_the_median(run, evidence):
+    assert [item.condition.number for item in evidence.measured] == list(range(1, 10))
+    for item, summary in zip(evidence.measured, run.extraction.conditions, strict=True):
+        assert item.budget.estimate == pytest.approx(summary.mean_kept_N)
+        assert item.budget.combined > summary.std_kept_N / math.sqrt(summary.n_kept)
+    middle = statistics.median(item.relative for item in evidence.measured)
+    found = evidence.typical.budget
+    assert found.combined / found.estimate == pytest.approx(middle)
+    assert evidence.measured[evidence.typical_number - 1].relative == pytest.approx(middle)
+
+
+def test_the_plan_stays_within_what_the_rig_has_done_and_helps(run, evidence):
+    plan, validity = evidence.plan, run.answer.fit.validity
+    for name, (low, high) in validity.items():
+        values = getattr(plan.conditions, name)
+        assert (values >= low * (1 - 1e-6)).all()
+        assert (values <= high * (1 + 1e-6)).all()
+    assert {*plan.conditions.wheel_radius_m} <= {wheel.radius_m for wheel in run.campaign.wheels.values()}
+    assert plan.improvement > 1.0
+    assert plan.repeats == 6
+
+
+def test_what_an_earlier_run_left_goes(evidence, tmp_path):
+    written = write_evidence(evidence, tmp_path)
+    assert [path.name for path in written] == ["uncertainty.json", "next_tests.csv"]
+    with written[1].open(encoding="utf-8", newline="") as stream:
+        assert len(list(csv.DictReader(stream))) == len(evidence.plan)
+    assert write_evidence(Evidence(), tmp_path) == ()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{", "[]", '{"schema": "ropefric.run/2"}', json.dumps({"schema": "ropefric.run/1", "campaign": 3})],
+)
+def test_a_manifest_that_is_none_is_said(tmp_path, text):
+    (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
+    with pytest.raises(DataError, match="this is no ropefric"):
+        recorded_run(tmp_path)

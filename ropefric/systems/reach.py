@@ -5,9 +5,23 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 
-__all__ = ["refuse_beyond_reach"]
+__all__ = ["beyond_reach", "refuse_beyond_reach"]
 
 _LARGEST, _SMALLEST = 1e30, 1e-30
+
+
+def beyond_reach(values: npt.ArrayLike, *, may_vanish: bool) -> npt.NDArray[np.bool_]:
+    """Return where a quantity is above 1e30 in amount, or below 1e-30 if it may not vanish.
+
+    Arguments as in `refuse_beyond_reach`.
+
+    Examples
+    --------
+    >>> beyond_reach([0.0, 1e31, -1e31], may_vanish=True).tolist()
+    [False, True, True]
+    """
+    size = np.abs(np.asarray(values, dtype=np.float64))
+    return np.asarray((size > _LARGEST) | ((size < _SMALLEST) & (not may_vanish)))
 
 
 def refuse_beyond_reach(name: str, values: npt.ArrayLike, *, may_vanish: bool) -> None:
@@ -37,8 +51,7 @@ def refuse_beyond_reach(name: str, values: npt.ArrayLike, *, may_vanish: bool) -
     free_span_m is 1e-31, beyond anything from 1e-30 to 1e+30 in SI units
     """
     array = np.atleast_1d(np.asarray(values, dtype=np.float64))
-    size = np.abs(array)
-    beyond = size > _LARGEST if may_vanish else (size > _LARGEST) | (size < _SMALLEST)
+    beyond = beyond_reach(array, may_vanish=may_vanish)
     if beyond.any():
         raise InputError(
             f"{name} is {array[beyond][0]:g}, beyond anything from {_SMALLEST:g} to {_LARGEST:g} in SI units",

@@ -64,7 +64,7 @@ def check_campaign_file(moves, edits):
 test_campaigns, test_campaigns_long = fuzzed(
     check_campaign_file,
     short=40,
-    share=0.008,
+    share=0.006,
     moves=st.lists(
         st.tuples(
             st.integers(0, 99),

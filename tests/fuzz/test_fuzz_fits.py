@@ -157,7 +157,7 @@ def _edit(which, *at, value):
 test_fit, test_fit_long = fuzzed(
     check_fit,
     short=18,
-    share=0.004,
+    share=0.003,
     examples=[
         # An uncertainty or a wrap so large that its square is no float.
         {"law": "constant", "loss": "linear", "clustered": True, "kind": "plain", "n": 12, "scatter": 0.5,
@@ -180,7 +180,7 @@ test_fit, test_fit_long = fuzzed(
 test_stored, test_stored_long = fuzzed(
     check_stored,
     short=90,
-    share=0.038,
+    share=0.04,
     examples=[
         _edit(0, "law", value=[None] * 3),
         _edit(0, "parameters", "mu", "value", value=1e300),

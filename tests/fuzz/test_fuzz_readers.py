@@ -89,7 +89,7 @@ PROFILE = st.integers(0, len(PROFILES) - 1)
 test_spoilt_text, test_spoilt_text_long = fuzzed(
     check_spoilt_text,
     short=90,
-    share=0.06,
+    share=0.03,
     which=st.integers(0, len(GOOD) - 1),
     edits=st.lists(st.tuples(st.integers(0, 900), st.integers(0, 30), st.sampled_from(JUNK)), max_size=6),
     name=st.sampled_from(["r.csv", "r.csv", "r.txt", "r.csv.gz"]),

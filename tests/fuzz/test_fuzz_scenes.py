@@ -24,6 +24,7 @@ JUNK = (
     "0", "-1", "1", "1e-300", "1e300", "nan", "inf", "true", "[]", "{}", '""', '"x"', '"auto"', '"all"', "[1]",
     '["size"]', '["travel", "bending"]', '["belt-inertia"]', '"1 mm"', '"-1 mm"', '"1e300 m"', '"1e-300 m"',
     '"0 N"', '"1e9 N"', '"1 kN"', '"1 N*m"', '"90 deg"', '"1e6 turn"', '"1e-9 deg"', '"100 m/s"', '"1e5 rpm"',
+    '"1e160 m/s"', '"1e300 kg/m"', '"1e200 rpm"', '"1e-200 N"', '"1e200 N"', '"1e200 N*m^2"', '"1e-200 m"',
     '"1 MPa"', '"1 kg"', '"1e-12 kg/m"', '"clamped"', '"pinned"', '"equal"', '"speed-ratio"', '"driver"',
 )  # fmt: skip
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
@@ -121,6 +122,8 @@ test_scenes, test_scenes_long = fuzzed(
             "edits": [(11, "scaled", "0", 1)],
         },  # a model in the comparison beyond its critical speed
         {"name": "belt-press", "edits": [(59, "scaled", "0", 3)]},  # e^M beyond all floats
+        {"name": "fast-band-saw", "edits": [(15, "scaled", "0", 4)]},  # the same of a saw's wheels
+        {"name": "fast-belt-press", "edits": [(3, "junk", '"1e160 m/s"', 0)]},  # whose square is no float
     ),
     name=st.sampled_from(CHEAP),
     edits=st.lists(

@@ -81,7 +81,7 @@ def check_any_table(header, rows, mark, ending):
 test_spoilt, test_spoilt_long = fuzzed(
     check_spoilt_table,
     short=70,
-    share=0.05,
+    share=0.04,
     edits=st.lists(st.tuples(st.integers(0, 12), st.integers(0, 7), st.integers(0, 99)), max_size=5),
     junk=st.lists(
         st.tuples(
@@ -95,7 +95,7 @@ test_spoilt, test_spoilt_long = fuzzed(
 test_any, test_any_long = fuzzed(
     check_any_table,
     short=60,
-    share=0.03,
+    share=0.04,
     header=st.permutations(USUAL).map(tuple) | st.lists(st.sampled_from(HEADERS), max_size=10).map(tuple),
     rows=st.lists(st.lists(st.sampled_from(CELLS), min_size=1, max_size=10), max_size=5),
     mark=st.sampled_from(",;\t"),

@@ -157,11 +157,11 @@ test_averages, test_averages_long = fuzzed(
     check_averages, short=60, share=0.14, window=st.sampled_from(WINDOWS),
     n_window=st.sampled_from([1, 3, 31, 999, 10**7 + 1]), **RECORDINGS,
 )  # fmt: skip
-test_clock, test_clock_long = fuzzed(check_clock, short=60, share=0.4, **RECORDINGS)
+test_clock, test_clock_long = fuzzed(check_clock, short=60, share=0.43, **RECORDINGS)
 test_picking, test_picking_long = fuzzed(
     check_picking,
     short=120,
-    share=0.12,
+    share=0.1,
     examples=[
         # A held plateau of two samples had no scatter: its second half was one sample.
         {"protocol": "held", "window": None, "peak": "smoothed", "ending": "sliding", "min_step": None,

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from hard_hoist import lifted
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.fitting.fit import fit_law
@@ -11,6 +12,12 @@ from ropefric.friction import integral
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.lift import lift_force_N, log_lift_moving
+from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
+from ropefric.systems.bandsaw.ends import CLAMPED, PINNED
+from ropefric.systems.bandsaw.span import Span
+from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.hoist.problem import HoistProblem
 from ropefric.traces.noise import noise_std, remove_spikes
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.settings import PickSettings
@@ -25,6 +32,7 @@ REGIME = Regime(
     accuracy=1e-12,
 )
 EXTREMES = (5e-324, 1e-310, 1e-300, 1e-160, 1e-16, 0.04, 1.0, 20.0, 1e16, 1e160, 1e300, 1.7e308)
+MACHINES = (*EXTREMES, 1e-30, 1e-29, 1e29, 1e30)
 START = {name: [parameter.start for parameter in law.parameters] for name, law in ALL_LAWS.items()}
 
 
@@ -179,6 +187,57 @@ def test_fits_answer_or_refuse(name, value, column, finite_or_refused):
     columns[column][5] = value
     fit = finite_or_refused(lambda: Fitted(fit_law(TrialTable(trial=tuple("abcdefghijkl"), **columns), name)))
     assert fit is None or fit.status is FitStatus.OK or fit.advice
+
+
+BLADE = {"free_span_m": 1.6, "linear_density_kg_m": 0.6, "preload_N": 3412.0, "pull_N": 100.0, "mounting_factor": 0.5,
+         "wheel_speed_m_s": 35.0, "travel_speed_m_s": 35.0, "bending_stiffness_N_m2": 1.06}  # fmt: skip
+HOIST = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": 9.0, "end_tension_N": 80.0,
+         "speed_m_s": 3.0, "linear_density_kg_m": 0.06, "hanging_length_m": 5.0,
+         "bending_stiffness_N_m2": 1e-3}  # fmt: skip
+
+
+def extreme(parts, rng):
+    """Return parts with up to three of them moved to the ends of what floats, or machines, can be."""
+    moved = {name: float(rng.choice(MACHINES)) for name in rng.choice(list(parts), 3)}
+    if "mounting_factor" in moved:
+        moved["mounting_factor"] = float(rng.choice([0.0, 5e-324, 1.0 - 2.0**-53, 1.0]))
+    return parts | moved
+
+
+def test_blades_answer_or_refuse(finite_or_refused):
+    rng, answered = np.random.default_rng(13), 0
+    for _ in range(150):
+        parts = extreme(BLADE, rng)
+        if finite_or_refused(lambda parts=parts: Span(**parts).tension_N) is None:
+            continue
+        span = Span(**parts)
+        assert not np.isnan(critical_speeds_m_s(span, CLAMPED, 3)).any()
+        answered += finite_or_refused(lambda span=span: beam_frequencies_Hz(span, CLAMPED, 2)) is not None
+        finite_or_refused(lambda span=span: string_frequencies_Hz(span, 2))
+        finite_or_refused(lambda span=span: beam_frequencies_Hz(span, PINNED, 2))
+    assert answered > 15
+
+
+def test_hoists_answer_or_refuse(finite_or_refused):
+    rng, answered = np.random.default_rng(14), 0
+    for mu in (0.2, 1e-300, 1e3):
+        for _ in range(100):
+            parts = {"friction": WrapFriction.constant(mu), **extreme(HOIST, rng)}
+            found = finite_or_refused(lambda parts=parts: lifted(HoistProblem(**parts)).log_lift)
+            answered += found is not None
+    assert answered > 30
+
+
+@pytest.mark.parametrize("value", [-1e31, 1e31, 1e160, 1.7e308])
+@pytest.mark.parametrize(
+    ("problem", "parts", "name"),
+    [(Span, BLADE, "pull_N"), (Span, BLADE, "travel_speed_m_s"), (HoistProblem, HOIST, "speed_m_s")],
+)
+def test_what_no_machine_has_is_refused(problem, parts, name, value, refused):
+    more = {"friction": WrapFriction.constant(0.2)} if problem is HoistProblem else {}
+    refused(
+        lambda: problem(**parts | more | {name: value}), f"{name} is .*, beyond anything from 1e-30 to 1e"
+    )
 
 
 class Fitted:

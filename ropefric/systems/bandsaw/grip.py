@@ -46,7 +46,12 @@ def grip_utilisation(
     ...     half_thickness_m=4.5e-4, wrap_angle_rad=3.14).round(4).tolist()
     [0.073]
     """
-    needed_N = tight.tension_N - slack.tension_N
+    # Part by part: a small pull is lost in the difference of two large tensions.
+    needed_N = (
+        (tight.preload_N - slack.preload_N)
+        + (tight.pull_N - slack.pull_N)
+        + (_wheels_N(tight) - _wheels_N(slack))
+    )
     pressing_N = slack.net_tension_N
     touching = pressing_N > 0.0
     if not touching.any():
@@ -57,8 +62,14 @@ def grip_utilisation(
         wrap_angle_rad=wrap_angle_rad,
         slack_tension_N=np.where(touching, pressing_N, 1.0),
     )
-    available_N = np.where(touching, pressing_N * np.expm1(exponent), 0.0)
+    # Both times e^{−M}: e^M itself may be beyond floats.
+    available_N = np.where(touching, -pressing_N * np.expm1(-exponent), 0.0)
     share: FloatArray = np.divide(
-        needed_N, available_N, out=np.full_like(needed_N, np.inf), where=available_N > 0.0
+        needed_N * np.exp(-exponent), available_N, out=np.full_like(needed_N, np.inf), where=available_N > 0.0
     )
     return share
+
+
+def _wheels_N(span: Span) -> FloatArray:
+    """Return κ ρA v_w² [N]."""
+    return span.mounting_factor * span.linear_density_kg_m * span.wheel_speed_m_s**2

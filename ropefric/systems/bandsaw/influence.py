@@ -101,7 +101,7 @@ def _log_grip(problem: SawProblem, wheels: float, travels: float) -> FloatArray:
         wrap_angle_rad=problem.wheel_wrap_rad,
         slack_tension_N=np.where(pressing_N > 0.0, pressing_N, 1.0),
     )
-    return -np.log(pressing_N) - np.log(np.expm1(exponent))
+    return -np.log(pressing_N) - exponent - np.log(-np.expm1(-exponent))
 
 
 def difference_bound(problem: SawProblem) -> FloatArray:

@@ -8,6 +8,7 @@ from ropefric.errors import Problem
 from ropefric.registry import did_you_mean
 from ropefric.systems.press.parts import Belt, Roller, Tensioner
 from ropefric.systems.press.spans import Span, spans_of
+from ropefric.systems.reach import beyond_reach
 
 __all__ = ["press_problems"]
 
@@ -38,6 +39,8 @@ def press_problems(
         problems.append(
             _problem("speed_m_s", f"the speed is {speed_m_s} m/s; it must be finite and zero or more")
         )
+    elif beyond_reach(speed_m_s, may_vanish=True):
+        problems.append(_beyond("speed_m_s", speed_m_s))
     for kind, parts in (("rollers", rollers), ("belts", belts)):
         if not parts:
             problems.append(_problem(kind, f"a press without {kind} moves nothing"))
@@ -216,6 +219,13 @@ def _number(key: str, value: float, rule: str) -> Iterator[Problem]:
         yield _problem(
             key, f"{key} is {value:g}; it must be finite" + ("" if rule == "finite" else f" and {rule}")
         )
+    elif beyond_reach(value, may_vanish=rule != "positive"):
+        yield _beyond(key, value)
+
+
+def _beyond(key: str, value: float) -> Problem:
+    said = f"{key} is {value:g}, beyond anything from 1e-30 to 1e30 in SI units"
+    return _problem(key, said, fix="check the unit it was given in")
 
 
 def _problem(key: str, message: str, *, fix: str = "") -> Problem:

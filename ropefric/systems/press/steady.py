@@ -13,6 +13,7 @@ from ropefric.systems.press.equations import incidence, load_torques_N_m, radii_
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.speed import speed_shift_kg_m
 from ropefric.systems.press.statics import Statics
+from ropefric.systems.reach import refuse_beyond_reach
 
 __all__ = ["SteadyState", "drive_power_W", "driver_torque_N_m", "steady_state"]
 
@@ -204,6 +205,7 @@ def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     bad = ~(np.isfinite(array) & (array >= 0.0))
     if bad.any():
         raise InputError(f"{name} is {array[bad].ravel()[0]:g}; it must be finite and zero or more", key=name)
+    refuse_beyond_reach(name, array, may_vanish=True)
     return array
 
 
@@ -236,5 +238,5 @@ def _refuse_slack(press: Press, by_span: FloatArray) -> None:
         "and a belt cannot push",
         code="RF523",
         key=f"span {worst.name}",
-        fix="raise the preload of the tensioners or lower the loads; on_slack='flag' marks such points instead",
+        fix="raise the preload of the tensioners or lower the loads (in Python, on_slack='flag' marks such points)",
     )

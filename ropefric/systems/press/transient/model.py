@@ -102,7 +102,7 @@ def standstill_tension_N(press: Press) -> FloatArray:
             f"{len(held)} tensioners do not settle the standstill tensions of {len(press.belts)} belts",
             code="RF521",
             key="preload_N",
-            fix="give the tension of every span at rest, preload_N",
+            fix="give each belt one tensioner; in Python, give the tension of every span at rest (preload_N)",
         )
     level_N = np.linalg.solve(by_belt, force_N)
     if not (level_N > 0.0).all():

@@ -106,13 +106,13 @@ def start_up(
             raise InputError(
                 f"'{integrator}' solves the linear start-up; slip and slack are solved exactly between their events",
                 key="integrator",
-                fix="take integrator='exact', or slip=False",
+                fix="take the integrator 'exact', or set slip to false",
             )
         if not (model.arc_mass_kg > 0.0).all():
             raise InputError(
                 "a belt that slips moves by its own mass, but it has none on the rollers",
                 key="arc_inertia",
-                fix="leave arc_inertia in and give every belt a linear density, or take slip=False",
+                fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
             )
         solved = solve_hybrid(model, inputs, limit, times)
         histories = histories_of(

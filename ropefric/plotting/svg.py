@@ -105,11 +105,8 @@ def _strip(root: ET.Element) -> None:
         children = list(parent)
         for child, following in pairwise(children):
             # Only symbols are known here; a number such as 2 × 10³ stays as matplotlib has placed it.
-            if (
-                _is_comment(child)
-                and TYPESET.search(child.text or "")
-                and "$" not in TYPESET.sub("", child.text)
-            ):
+            words = child.text or ""
+            if _is_comment(child) and TYPESET.search(words) and "$" not in TYPESET.sub("", words):
                 _write_as_words(following, str(child.text).strip())
         for child in children:
             if _is_comment(child) or child.tag in {"metadata", "style"}:

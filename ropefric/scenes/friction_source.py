@@ -162,7 +162,7 @@ def _amid(fit: FitResult) -> Conditions:
         raise DataError(
             "the fit does not say at which conditions it was tested",
             key="friction.fit",
-            fix="fit again and save the result with save_fit",
+            fix="fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python",
         ) from None
 
 

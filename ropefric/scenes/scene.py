@@ -11,6 +11,7 @@ from ropefric.scenes.friction_source import FrictionSource, friction_source
 from ropefric.scenes.kind import Kind
 from ropefric.scenes.kinds import KINDS
 from ropefric.scenes.schema import SceneTable
+from ropefric.trials.file_kind import is_campaign
 from ropefric.trials.toml_document import TomlDocument, read_toml
 from ropefric.trials.toml_validation import validate_document
 
@@ -151,6 +152,9 @@ def _kind(document: TomlDocument) -> Kind:
     name = document.data.get("system")
     if isinstance(name, str) and name in KINDS:
         return KINDS[name]
+    if is_campaign(document.data):
+        fix = f"use `ropefric run {document.path}`"
+        raise_problems([document.problem((), "RF121", "this is a campaign, not a scene", fix=fix)])
     if name is None:
         message, fix = "'system' is missing", f'add system = "{next(iter(KINDS))}" ({", ".join(KINDS)})'
         code = "RF121"

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ropefric.errors import RopefricError
+from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.extrapolation import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
 from ropefric.scenes.plan import Plan, make_plan
@@ -51,10 +51,11 @@ class Solution:
         if self.plan.keeps_accuracy:
             return (*own, *beyond)
         bound = "not known" if math.isinf(self.plan.error_bound) else f"up to {self.plan.error_bound:.2g}"
-        wanted = (
-            f"the error of leaving out {', '.join(self.plan.left_out)} is {bound}, more than the accuracy of "
-        )
-        return (*own, *beyond, f"{wanted}{self.plan.accuracy:g}")
+        source_of_it = f"leaving out {', '.join(self.plan.left_out)}"
+        if not self.plan.left_out or self.plan.method.error > self.plan.accuracy:
+            source_of_it = f"the method ({self.plan.method.name})"
+        found = f"the error of {source_of_it} is {bound}, more than the accuracy of {self.plan.accuracy:g}"
+        return (*own, *beyond, found)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape; numbers without a finite value are null."""
@@ -117,6 +118,8 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
     ------
     DataError
         Where the scene has no answer, or an effect it names cannot be simulated; with the line of the key.
+    InputError
+        If the level is not between 0 and 1.
 
     Examples
     --------
@@ -129,6 +132,10 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
     >>> solution.quantities[0].value.round(1).tolist(), solution.plan.simulated
     ([526.9], ())
     """
+    if not 0.0 < level < 1.0:
+        raise InputError(
+            f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
+        )
     try:
         plan, model = make_plan(
             scene.kind.system, scene.problem, accuracy=scene.accuracy, effects=scene.effects

@@ -72,7 +72,8 @@ def write_columns(columns: Mapping[str, FloatArray], path: Path) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as stream:
             stream.write(",".join(columns) + "\n")
-            stream.write(_rows(row, [], list(columns.values())))
+            values = np.stack(list(columns.values()), axis=-1)
+            stream.write(_rows("", [row] * len(values), values))
     except OSError as error:
         raise DataError(
             f"cannot write the table: {error.strerror}", code="RF105", path=path, fix="choose another folder"

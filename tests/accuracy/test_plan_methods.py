@@ -69,7 +69,8 @@ def test_a_beam_to_a_thousandth_is_as_cheap_as_it_gets(stiffness):
     orders = [beam_errors(stiffness, accuracy)[1].order for accuracy in (1e-2, 1e-3)]
     beam = ScaledBeam.at_speed(stiffness, blade_modes.SPEED, CLAMPED)
     assert orders[0] == orders[1]
-    assert orders[1] - solve_beam(beam, 3, accuracy=1e-2).order <= 1
+    # The plan asks for a quarter of what may be missed, because the estimate of the error is not a bound.
+    assert orders[1] - solve_beam(beam, 3, accuracy=1e-2).order <= 2
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)

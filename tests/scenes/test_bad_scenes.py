@@ -47,9 +47,30 @@ MISTAKES = [
         "either density or linear_density",
     ),
     ("belt-press", '"share"', '"shares"', '"shares"', "press.closure", "did you mean 'share'"),
-    ("belt-press", '"share" ', '"speed-ratio" ', "[belts.upper]", "belts.upper.axial_stiffness", "speed-ratio"),
-    ("belt-press", '"gravity-load"', '"gravity-lode"', "gravity-lode", "effects[0]", "did you mean 'gravity-load'"),
-    ("belt-press", '"belt-inertia"', '"belt-elasticity"', "effects  =", "effects", "belts.upper.axial_stiffness"),
+    (
+        "belt-press",
+        '"share" ',
+        '"speed-ratio" ',
+        "[belts.upper]",
+        "belts.upper.axial_stiffness",
+        "speed-ratio",
+    ),
+    (
+        "belt-press",
+        '"gravity-load"',
+        '"gravity-lode"',
+        "gravity-lode",
+        "effects[0]",
+        "did you mean 'gravity-load'",
+    ),
+    (
+        "belt-press",
+        '"belt-inertia"',
+        '"belt-elasticity"',
+        "effects  =",
+        "effects",
+        "belts.upper.axial_stiffness",
+    ),
     ("belt-press", '"belt-inertia"', '"transient"', "effects  =", "effects", "without start_up"),
     ("belt-press", '"50 rpm"', '"50 rpm"\nspeed = "1 m/s"', "[press]", "press", "either speed"),
     ("belt-press", '"50 rpm"', '"-50 rpm"', "-50 rpm", "press.rotation", "negative"),
@@ -60,8 +81,22 @@ MISTAKES = [
     ("press-start-up", 'inertia = "0.852 kg*m^2"', "", "effects  =", "effects", "rollers.9.inertia"),
     ("press-start-up", 'duration = "4 s"', "", 'law = "s-curve"', "start_up.law", "needs a duration"),
     ("band-saw-fixed-axles", '"970 rpm"', '"2100 rpm"', "2100", "wheel.speed", "critical speed"),
-    ("band-saw", "mounting_factor = 1.0", "mounting_factor = 1.2", "1.2", "tension.mounting_factor", "0 to 1"),
-    ("band-saw", "mounting_factor = 1.0", "mounting_factor = -0.1", "-0.1", "tension.mounting_factor", "0 to 1"),
+    (
+        "band-saw",
+        "mounting_factor = 1.0",
+        "mounting_factor = 1.2",
+        "1.2",
+        "tension.mounting_factor",
+        "0 to 1",
+    ),
+    (
+        "band-saw",
+        "mounting_factor = 1.0",
+        "mounting_factor = -0.1",
+        "-0.1",
+        "tension.mounting_factor",
+        "0 to 1",
+    ),
     (
         "band-saw",
         'power = "7.5 kW"',
@@ -73,6 +108,14 @@ MISTAKES = [
     ("band-saw", 'speed = "970 rpm"', "", "[wheel]", "wheel.speed", 'add speed = "970 rpm"'),
     ("band-saw", '"7.5 kW"', '"7.5 kW"\ntorque = "3 N*m"', "[drive]", "drive", "power and torque are given"),
     ("band-saw", 'linear_density = "0.5967 kg/m"', "", "[blade]", "blade", "mass is not known"),
+    (
+        "band-saw",
+        'linear_density = "0.5967 kg/m"',
+        'linear_density = "0.5967 kg/m"\ndensity = "7800 kg/m^3"',
+        "linear_density",
+        "blade.linear_density",
+        "keep one of them",
+    ),
     ("band-saw", '"1.6 m"', '"1.6 s"', "1.6 s", "blade.free_span", "not a unit of length"),
     ("band-saw", '"clamped"', '"glued"', "glued", "blade.ends", "known: clamped, pinned"),
     ("band-saw", "modes = 6", "modes = 0", "modes", "blade.modes", "from 1 to 40"),
@@ -82,7 +125,9 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(
-    ("scene", "old", "new", "there", "key", "words"), MISTAKES, ids=[f"{m[0]}-{m[4]}-{i}" for i, m in enumerate(MISTAKES)]
+    ("scene", "old", "new", "there", "key", "words"),
+    MISTAKES,
+    ids=[f"{m[0]}-{m[4]}-{i}" for i, m in enumerate(MISTAKES)],
 )
 def test_a_mistake_is_refused_with_line_key_and_remedy(  # noqa: PLR0917  (pytest hands them over by name)
     texts, scene_file, scene, old, new, there, key, words
@@ -107,8 +152,14 @@ def test_an_accuracy_that_is_none_is_refused(texts, scene_file, scene, accuracy)
 @pytest.mark.parametrize(
     ("scene", "changes"),
     [
-        ("belt-press", {'"175 mm"': "175", '"28.1 deg"': '"28.1 N"', "mu = 1.2": "mu = -1", "width": "widht"}),
-        ("band-saw", {'"1.6 m"': "1.6", '"0.7 m"': '"0.7 rpm"', "modes = 6": "modes = 60", '"rest"': '"rset"'}),
+        (
+            "belt-press",
+            {'"175 mm"': "175", '"28.1 deg"': '"28.1 N"', "mu = 1.2": "mu = -1", "width": "widht"},
+        ),
+        (
+            "band-saw",
+            {'"1.6 m"': "1.6", '"0.7 m"': '"0.7 rpm"', "modes = 6": "modes = 60", '"rest"': '"rset"'},
+        ),
     ],
 )
 def test_everything_is_said_at_once(texts, scene_file, scene, changes):
@@ -133,15 +184,18 @@ def test_all_data_that_a_closure_lacks_are_named_together(texts, scene_file):
     }
 
 
-def test_a_press_without_start_up_bounds_still_says_what_is_missing(texts, scene_file):
-    text = texts["belt-press"].replace('"belt-inertia"', '"tensioner-damping"', 1)
+def test_all_data_that_a_start_up_lacks_are_named_together(texts, scene_file):
+    text = texts["press-start-up"].replace('effects  = "auto"', 'effects  = ["transient"]')
+    for gone in ('inertia = "14.455 kg*m^2"', 'mass = "121 kg"', 'axial_stiffness = "2000 kN"'):
+        text = text.replace(gone, "", 1)
     (told,) = refused(scene_file(text))
-    for key in ("start_up", "rollers.2.inertia", "rollers.13.tensioner.mass", "belts.lower.span_lengths"):
+    for key in ("rollers.5.inertia", "rollers.3.tensioner.mass", "belts.upper.axial_stiffness"):
         assert key in told.message
 
 
-def test_a_mistake_never_ends_in_another_error(texts, scene_file):
-    """One line of each scene taken out at a time: it is solved, or refused by the house's own errors."""
+def test_a_missing_line_never_ends_in_another_error(texts, scene_file):
+    """One line of a scene taken out at a time: it is solved, or refused by the house's own errors."""
+    refusals = []
     for scene in ("hoist", "band-saw-fixed-axles"):
         lines = texts[scene].splitlines()
         for place in range(len(lines)):
@@ -149,4 +203,6 @@ def test_a_mistake_never_ends_in_another_error(texts, scene_file):
             try:
                 solve_scene(load_scene(scene_file(text)))
             except RopefricError as error:
-                assert error.problem.message
+                refusals.append(error.problem.message)
+    assert len(refusals) > 15
+    assert all(refusals)

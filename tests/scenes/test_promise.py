@@ -1,4 +1,4 @@
-"""The promise of a plan, on random hoists: it stays within the accuracy, and within the error bound that it states."""
+"""The promise of a plan: it stays within the accuracy, and within the error bound that it states."""
 
 import math
 
@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
+from ropefric.scenes.solve import solve_scene
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.influence import answerable
 from ropefric.systems.hoist.problem import HoistProblem
@@ -101,6 +102,22 @@ def test_the_promise_holds_for_the_bundled_machines(loaded, name, accuracy):
     assert difference <= min(accuracy, plan.error_bound)
     assert plan.keeps_accuracy
     assert full_plan.left_out == ()
+
+
+def test_an_accuracy_below_rounding_is_not_promised(hoist_of):
+    solution = solve_scene(hoist_of(accuracy=1e-15))
+    assert not solution.plan.keeps_accuracy
+    assert any(
+        "the error of the method (closed form) is up to 1e-12" in warning for warning in solution.warnings
+    )
+
+
+def test_an_integrator_asked_for_by_name_promises_nothing(scene_of, loaded):
+    tree = loaded("press-start-up").document.data
+    start_up = tree["start_up"] | {"integrator": "rk4", "slip": False, "simulate": "0.2 s", "points": 11}
+    solution = solve_scene(scene_of(**(tree | {"start_up": start_up})))
+    assert math.isinf(solution.plan.error_bound)
+    assert any("direct solution and rk4) is not known" in warning for warning in solution.warnings)
 
 
 def test_a_start_up_has_no_bounds_so_nothing_of_it_is_left_out(loaded):

@@ -10,7 +10,7 @@ from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.scenes.axis import parse_axis, scalar_keys
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import sweep_scene
-from ropefric.scenes.table import write_sweep
+from ropefric.scenes.table import write_columns, write_sweep
 
 
 def test_ranges_and_lists_in_any_unit(hoist_of):
@@ -88,6 +88,28 @@ def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
     assert rows[1][:2] == ["1", "1"]
     assert float(rows[1][2]) == pytest.approx(swept.columns["lift_force_N"][0], rel=1e-8)
     assert rows[-1][2:] == ["", ""]
+
+
+def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known(tmp_path):
+    columns = {"time_s": np.array([0.0, 0.5]), "tension_N": np.array([1.25, np.nan])}
+    path = write_columns(columns, tmp_path / "deep" / "histories.csv")
+    assert path.read_text(encoding="utf-8") == "time_s,tension_N\n0,1.25\n0.5,\n"
+
+
+@pytest.mark.parametrize("block", [2, 5, 50_000])
+def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
+    hoist_of, tmp_path, monkeypatch, block
+):
+    monkeypatch.setattr("ropefric.scenes.table._BLOCK", block)
+    scene = hoist_of(effects="all")
+    axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
+    swept = sweep_scene(scene, axes)
+    path = write_sweep(swept, tmp_path / "sweep.csv")
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    count = axes[1].values.size
+    assert table[:, 0].tolist() == [1.0] * count + [2.0] * count
+    assert table[:, 1] == pytest.approx(np.tile(axes[1].values, 2), rel=1e-9)
+    assert table[:, 2] == pytest.approx(swept.columns["lift_force_N"], rel=1e-8)
 
 
 def test_a_sweep_without_any_answer_is_refused(hoist_of):

@@ -46,7 +46,9 @@ def check(solution, samples, names):
     by_name = {one.name: one for one in solution.quantities}
     for name in names:
         one = by_name[name]
-        assert one.std[0] == pytest.approx(samples[name].std(ddof=1), rel=4.0 / np.sqrt(2 * DRAWS) + 0.1), name
+        assert one.std[0] == pytest.approx(samples[name].std(ddof=1), rel=4.0 / np.sqrt(2 * DRAWS) + 0.1), (
+            name
+        )
         low, high = one.interval[0]
         assert low < one.value[0] < high
         inside = np.mean((samples[name] > low) & (samples[name] < high))
@@ -66,7 +68,10 @@ def test_the_saw_s_grip_is_as_uncertain_as_drawn_parameters_make_it(saw):
 
 
 def test_what_friction_has_no_part_in_is_not_uncertain(loaded, saw):
-    for scene, exact in ((loaded("fast-belt-press"), "effective_tension_N.9"), (saw, "tight.first_frequency_Hz")):
+    for scene, exact in (
+        (loaded("fast-belt-press"), "effective_tension_N.9"),
+        (saw, "tight.first_frequency_Hz"),
+    ):
         one = next(one for one in solve_scene(scene).quantities if one.name == exact)
         assert one.std[0] == pytest.approx(0.0, abs=1e-9 * one.value[0])
 

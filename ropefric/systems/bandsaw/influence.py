@@ -15,10 +15,10 @@ from itertools import product
 
 import numpy as np
 
-from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import CLAMPED
 from ropefric.systems.bandsaw.problem import SawProblem
+from ropefric.systems.bound import worst_case
 
 __all__ = ["bending_bound", "bounded", "difference_bound", "travel_bound", "wheels_bound"]
 
@@ -28,20 +28,8 @@ _ROUNDING = 1e-11
 
 
 def bounded(bound: Bound) -> Callable[[SawProblem], float]:
-    """Return an `influence`: the largest bound of all cases, `inf` where a blade is slack or too fast."""
-
-    def influence(problem: SawProblem) -> float:
-        try:
-            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                worst = float(np.max(bound(problem)))
-        except InputError:
-            # The law has no answer to the wheel in one of the corners.
-            return math.inf
-        if math.isnan(worst):
-            return math.inf
-        return worst * (1.0 + _ROUNDING) + (_ROUNDING if worst > 0.0 else 0.0)
-
-    return influence
+    """Return the `influence` of a bound: the largest of all cases, `inf` where a blade is slack or too fast."""
+    return worst_case(bound, rounding=_ROUNDING)
 
 
 def _zeros(problem: SawProblem) -> FloatArray:

@@ -1,6 +1,6 @@
 """What is known of a band saw, for one case or many at once."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ropefric.systems.bandsaw.excitation import Excitation
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.section import Section
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.spread import Rule, spread
 
 __all__ = ["SawProblem"]
 
@@ -85,29 +86,8 @@ class SawProblem:
     preload_range_N: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        given = {
-            field.name: np.atleast_1d(np.asarray(getattr(self, field.name), dtype=np.float64))
-            for field in fields(self)
-            if field.name in _ARRAYS and getattr(self, field.name) is not None
-        }
-        try:
-            shape = np.broadcast_shapes(*(array.shape for array in given.values()))
-        except ValueError:
-            lengths = ", ".join(f"{name} has {array.size}" for name, array in given.items())
-            raise InputError(
-                f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
-            ) from None
-        for name, array in given.items():
-            low_enough = array > 0.0 if name in _POSITIVE else array >= 0.0
-            wrong = ~(low_enough & np.isfinite(array))
-            if wrong.any():
-                rule = "positive" if name in _POSITIVE else "zero or more"
-                raise InputError(
-                    f"{name} is {array[wrong][0]:g}; it must be finite and {rule}",
-                    key=name,
-                    fix="correct this value",
-                )
-            object.__setattr__(self, name, np.broadcast_to(array, shape))
+        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
+            object.__setattr__(self, name, array)
         if self.n_modes < 1:
             raise InputError(f"{self.n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
 
@@ -124,10 +104,13 @@ class SawProblem:
         return self.wheel_speed_rad_s * self.wheel_radius_m
 
 
-_POSITIVE = {"free_span_m", "linear_density_kg_m", "preload_N", "wheel_radius_m"}
-_ARRAYS = _POSITIVE | {
-    "wheel_speed_rad_s",
-    "tension_difference_N",
-    "mounting_factor",
-    "bending_stiffness_N_m2",
+_RULES: dict[str, Rule] = {
+    "free_span_m": "positive",
+    "linear_density_kg_m": "positive",
+    "preload_N": "positive",
+    "wheel_radius_m": "positive",
+    "wheel_speed_rad_s": "zero or more",
+    "tension_difference_N": "zero or more",
+    "mounting_factor": "zero or more",
+    "bending_stiffness_N_m2": "zero or more",
 }

@@ -14,10 +14,10 @@ _CLOSED_FORM = Method(name="closed form", error=1e-13, why="a string's travellin
 _FINEST = 1e-12
 """What rounding leaves is a few units of 1e-14."""
 _COARSEST = 1e-3
-"""A beam to a thousandth takes at most one order more than to a hundredth: both need their boundary layers."""
+"""A beam to a thousandth takes at most two orders more than to a hundredth: both need their boundary layers."""
 
 _MARGIN = 0.25
-"""What two orders may differ by, of the error allowed: the finer one can err by half as much again as they differ."""
+"""What two orders may differ by, of the error allowed: the finer one can err by nearly twice what they differ by."""
 
 
 def _method(model: SawModel, budget: float) -> Method:

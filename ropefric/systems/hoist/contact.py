@@ -170,6 +170,7 @@ def _refuse_floating(model: HoistModel, pressing_N: FloatArray) -> None:
             f"rho v^2 = {circling_N[first]:.6g} N is not below the end tension of "
             f"{model.end_tension_N[first]:.6g} N: the rope lifts off the wheel",
             code="RF510",
+            key="speed_m_s",
             fix="raise the end tension or lower the speed",
         )
     if (pressing_N <= 0.0).any():
@@ -180,6 +181,7 @@ def _refuse_floating(model: HoistModel, pressing_N: FloatArray) -> None:
             f"EI/(2 R^2) = {bending_N[first]:.6g} N is not below the {pulling_N:.6g} N that pull the rope round the "
             "wheel: it is too stiff to follow it",
             code="RF510",
+            key="bending_stiffness_N_m2",
             fix="raise the end tension or the wheel radius",
         )
 
@@ -194,6 +196,7 @@ def _contact_arc(model: HoistModel, pressing_N: FloatArray) -> FloatArray:
             f"a wrap of {model.wrap_angle_rad[first]:.6g} rad is less than the {2.0 * slack[first]:.6g} rad by which "
             "this stiff rope stands off the wheel: it never touches",
             code="RF510",
+            key="wrap_angle_rad",
             fix="raise the wrap or the end tension",
         )
     for _ in range(_MAX_STEPS):

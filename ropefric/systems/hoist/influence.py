@@ -7,7 +7,6 @@ is used that P e^M(P) grows with the pressing force P, and never faster than P, 
 not rise along the wrap, unless it is told the tension and not the wrap; what it may then do more is added.
 """
 
-import math
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from itertools import product
@@ -15,8 +14,8 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
+from ropefric.systems.bound import worst_case
 from ropefric.systems.friction import EVERYTHING
 from ropefric.systems.hoist.contact import lifted_arc_rad
 from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
@@ -147,22 +146,8 @@ def answerable(problem: HoistProblem) -> npt.NDArray[np.bool_]:
 
 
 def bounded(bound: Bound) -> Callable[[HoistProblem], float]:
-    """Return an `influence`: the largest bound of all cases, `inf` where the law or the rope has no answer."""
-
-    def influence(problem: HoistProblem) -> float:
-        if not answerable(problem).all():
-            return math.inf
-        try:
-            # A contact of almost no length has no slope to speak of; such a bound is no bound.
-            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-                worst = float(np.max(bound(problem)))
-        except InputError:
-            return math.inf
-        if math.isnan(worst):
-            return math.inf
-        return worst * (1.0 + _ROUNDING) + (_ROUNDING if worst > 0.0 else 0.0)
-
-    return influence
+    """Return the `influence` of a bound: the largest of all cases, `inf` where law or rope have no answer."""
+    return worst_case(bound, rounding=_ROUNDING, possible=lambda problem: bool(answerable(problem).all()))
 
 
 def told_bound(what: str) -> Bound:

@@ -1,13 +1,11 @@
 """What is known of a rope on a wheel, for one case or many at once."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-import numpy as np
-
-from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.reach import refuse_beyond_reach
+from ropefric.systems.spread import Rule, spread
 
 __all__ = ["GRAVITY_M_S2", "HoistProblem"]
 
@@ -66,32 +64,9 @@ class HoistProblem:
     payload_kg: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        given = {
-            field.name: np.atleast_1d(np.asarray(getattr(self, field.name), dtype=np.float64))
-            for field in fields(self)
-            if field.name != "friction" and getattr(self, field.name) is not None
-        }
-        try:
-            shape = np.broadcast_shapes(*(array.shape for array in given.values()))
-        except ValueError:
-            lengths = ", ".join(f"{name} has {array.size}" for name, array in given.items())
-            raise InputError(
-                f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
-            ) from None
-        for name, array in given.items():
-            low_enough = array > 0.0 if name in _POSITIVE else array >= 0.0
-            wrong = ~(low_enough & np.isfinite(array))
-            if name != "speed_m_s" and wrong.any():
-                rule = "positive" if name in _POSITIVE else "zero or more"
-                raise InputError(
-                    f"{name} is {array[wrong][0]:g}; it must be finite and {rule}",
-                    key=name,
-                    fix="correct this value",
-                )
-            if not np.isfinite(array).all():
-                raise InputError(f"{name} is not finite", key=name, fix="correct this value")
+        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
             refuse_beyond_reach(name, array, may_vanish=name not in _DIVIDES)
-            object.__setattr__(self, name, np.broadcast_to(array, shape))
+            object.__setattr__(self, name, array)
 
     @property
     def n(self) -> int:
@@ -105,4 +80,14 @@ class HoistProblem:
 
 
 _DIVIDES = {"wheel_radius_m", "rope_radius_m", "end_tension_N"}
-_POSITIVE = {"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "payload_kg"}
+_RULES: dict[str, Rule] = {
+    "wheel_radius_m": "positive",
+    "rope_radius_m": "positive",
+    "wrap_angle_rad": "positive",
+    "end_tension_N": "positive",
+    "speed_m_s": "any",
+    "linear_density_kg_m": "zero or more",
+    "hanging_length_m": "zero or more",
+    "bending_stiffness_N_m2": "zero or more",
+    "payload_kg": "positive",
+}

@@ -15,8 +15,9 @@ from itertools import product
 
 import numpy as np
 
-from ropefric.errors import RopefricError, SolverError
+from ropefric.errors import SolverError
 from ropefric.friction.condition import FloatArray
+from ropefric.systems.bound import worst_case
 from ropefric.systems.press.contact import contacts_of
 from ropefric.systems.press.equations import span_density_kg_m
 from ropefric.systems.press.machine import Press
@@ -53,22 +54,15 @@ def without_squeeze(press: Press) -> Press:
 
 
 def influence_of(name: str) -> Callable[[PressProblem], float]:
-    """Return the `influence` of one effect of a steady run."""
+    """Return the `influence` of one effect of a steady run.
 
-    def influence(problem: PressProblem) -> float:
-        if problem.start_up is not None and not _is_idle(name, problem):
-            # A start-up swings about the steady run; no bound is known for how far.
-            return math.inf
-        try:
-            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                worst = _largest_change(name, problem)
-        except RopefricError:
-            return math.inf
-        if math.isnan(worst):
-            return math.inf
-        return worst * (1.0 + _ROUNDING) + (1e-12 if worst > 0.0 else 0.0)
-
-    return influence
+    A start-up swings about the steady run, and no bound is known for how far.
+    """
+    return worst_case(
+        lambda problem: np.array([_largest_change(name, problem)]),
+        rounding=_ROUNDING,
+        possible=lambda problem: problem.start_up is None or _is_idle(name, problem),
+    )
 
 
 def of_start_up(problem: PressProblem) -> float:

@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.transient.integrators.integrator import Settings
 from ropefric.systems.press.transient.polynomial import PiecewisePolynomial
+from ropefric.systems.spread import Rule, spread
 
 __all__ = ["PressProblem", "StartUpTask"]
 
@@ -78,26 +77,8 @@ class PressProblem:
     start_up: StartUpTask | None = None
 
     def __post_init__(self) -> None:
-        given = {
-            name: np.atleast_1d(np.asarray(getattr(self, name), dtype=np.float64))
-            for name in ("speed_m_s", "preload_N", "load_factor")
-            if getattr(self, name) is not None
-        }
-        try:
-            shape = np.broadcast_shapes(*(array.shape for array in given.values()))
-        except ValueError:
-            raise InputError(
-                "the operating points disagree in length", fix="give one value each, or one for all"
-            ) from None
-        for name, array in given.items():
-            wrong = ~(np.isfinite(array) & (array >= 0.0))
-            if wrong.any():
-                raise InputError(
-                    f"{name} is {array[wrong][0]:g}; it must be finite and zero or more",
-                    key=name,
-                    fix="correct this value",
-                )
-            object.__setattr__(self, name, np.broadcast_to(array, shape))
+        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
+            object.__setattr__(self, name, array)
         if self.start_up is not None and self.n > 1:
             raise InputError(
                 "a start-up is simulated for one operating point", fix="give one speed and preload"
@@ -107,3 +88,10 @@ class PressProblem:
     def n(self) -> int:
         """Return how many operating points there are."""
         return self.speed_m_s.size
+
+
+_RULES: dict[str, Rule] = {
+    "speed_m_s": "zero or more",
+    "preload_N": "zero or more",
+    "load_factor": "zero or more",
+}

@@ -2,18 +2,17 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from ropefric.api.campaigns import PathLike
 from ropefric.api.inputs import as_fit, trial_table
 from ropefric.errors import InputError
-from ropefric.fitting.extrapolation import outside_words
-from ropefric.fitting.gum.forces import GRAVITY_LIMIT, coefficient_model, force_model
+from ropefric.fitting.gum.assemble import MeasuredQuantity, state_condition, state_lift
+from ropefric.fitting.gum.forces import GRAVITY_LIMIT
 from ropefric.fitting.gum.from_extraction import conditions_of_extraction
 from ropefric.fitting.gum.from_table import conditions_of_table
-from ropefric.fitting.gum.lift import WheelUncertainty, lift_model
-from ropefric.fitting.gum.quantity import normal
-from ropefric.fitting.gum.statement import BudgetStatus, Statement, state_uncertainty
+from ropefric.fitting.gum.lift import WheelUncertainty
+from ropefric.fitting.gum.statement import Statement
 from ropefric.fitting.planning.exchange import Criterion
 from ropefric.fitting.planning.limits import RigLimits
 from ropefric.fitting.planning.plan import plan_tests as find_plan
@@ -96,19 +95,12 @@ def budget(
         wrap_angle_rad=u_wrap_angle_rad,
         end_tension_N=u_end_tension_N,
     )
-    return state_uncertainty(
-        lift_model(stored, at, uncertainty, one_pull=one_pull),
-        level=level,
-        draws=draws,
-        seed=seed,
-        status=BudgetStatus.OK if stored.trustworthy else BudgetStatus.FIT_NOT_TRUSTED,
-        notes=outside_words(stored.validity, at),
-    )
+    return state_lift(stored, at, uncertainty, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
 def measured_budgets(
     trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
-    quantity: Literal["force", "mu"] = "force",
+    quantity: MeasuredQuantity = "force",
     *,
     u_wrap_angle_rad: float | None = None,
     gain_limit: float = 0.0,
@@ -152,27 +144,24 @@ def measured_budgets(
     >>> [round(one.budget.estimate, 2) for one in measured_budgets(frame, draws=20_000)]
     [36.37]
     """
-    if quantity not in {"force", "mu"}:
-        raise InputError(f"{quantity!r} is neither 'force' nor 'mu'", key="quantity")
     if isinstance(trials, Extraction):
         found = conditions_of_extraction(
             trials, weights_tolerance=weights_tolerance, gravity_limit=gravity_limit
         )
     else:
         found = conditions_of_table(trial_table(trials), gravity_limit=gravity_limit)
-    stated = []
-    for item in found:
-        if quantity == "force":
-            model = force_model(item.measured)
-        else:
-            u_rad = item.wrap_std_rad if u_wrap_angle_rad is None else u_wrap_angle_rad
-            wrap = normal("wrap angle", "φ", "rad", u_rad, estimate=item.wrap_angle_rad)
-            model = coefficient_model(item.lift, item.end, wrap, gain_limit=gain_limit)
-        status = BudgetStatus.OK if item.has_scatter else BudgetStatus.NO_REPEATS
-        stated.append(
-            state_uncertainty(model, level=level, draws=draws, seed=seed, status=status, notes=item.notes)
+    return tuple(
+        state_condition(
+            item,
+            quantity,
+            u_wrap_angle_rad=u_wrap_angle_rad,
+            gain_limit=gain_limit,
+            level=level,
+            draws=draws,
+            seed=seed,
         )
-    return tuple(stated)
+        for item in found
+    )
 
 
 def plan_tests(

@@ -135,7 +135,7 @@ def _errors(
                 key="scale_covar",
                 fix="repeat conditions, give peak_std_N, or use scale_covar = 'auto'",
             )
-        note = "scale_covar = False: the scatter is known from the repeats and the budget"
+        note = "the scatter is known from the repeats and the budget (scale_covar = False)"
         return inverse, "absolute", float(found.scatter.dof) if found.scatter.known else inf, [note]
     dof = n - q
     factor = float(residuals @ residuals) / dof if dof > 0 else 1.0
@@ -143,7 +143,7 @@ def _errors(
         factor = max(
             factor, 1.0
         )  # what is known of the instrument stays, however well the points happen to lie
-    note = "scale_covar = True: the scatter is not known beforehand and taken from the residuals"
+    note = "the scatter is not known beforehand and taken from the residuals (scale_covar = True)"
     return inverse * factor, "scaled", float(max(dof, 0)), [note]
 
 

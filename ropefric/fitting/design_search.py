@@ -77,14 +77,14 @@ class LiftBound:
                 raise InputError(
                     f"the probability is {probability:g}",
                     key="probability",
-                    fix="give 0.5 or more and less than 1, such as 0.95; None for the mean law",
+                    fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
                 )
             reach, scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
             if not (math.isfinite(scatter) and np.isfinite(fit.covariance).all()):
                 raise InputError(
                     f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
                     key="probability",
-                    fix="repeat some trials and fit again, or give probability=None for the mean law",
+                    fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
                 )
         return cls(
             law=ALL_LAWS[fit.law],
@@ -171,7 +171,7 @@ class DesignSearch:
             raise InputError(
                 f"the lift of law {law.name} does not depend on the wheel radius, so no radius can be found",
                 key="solve_for",
-                fix="solve for wrap or end_tension, or fit a law with a size effect",
+                fix="solve for the wrap or the end tension, or fit a law with a size effect",
             )
         low, high = LIMITS[solve_for] if limits is None else limits
         if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):

@@ -136,9 +136,9 @@ def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> Fi
         for item in law.parameters
     ]
     start = np.array(theta, dtype=np.float64)
-    check_start(
-        start, lower, upper, law.parameter_names, lambda theta: bool(law.admissible(theta, conditions))
-    )
+    check_start(start, lower, upper, law.parameter_names, None)
+    if not law.admissible(start, conditions):
+        law.log_lift(start, conditions)  # raises, and says why and what to do
     return FitProblem(
         law=law,
         conditions=conditions,

@@ -199,7 +199,7 @@ def _unit_threshold(
         raise FitError(
             f"{problem.n_points} points and {problem.n_varying} fitted parameters leave no degree of freedom to "
             "estimate the scatter from",
-            fix="measure more, fix a parameter, or give standard deviations and absolute_std=True",
+            fix="measure more, or fix a parameter; in Python, standard deviations may count as known (absolute_std)",
         )
     return float(f_distribution.ppf(level, 1, used)) * chi2_min / own
 

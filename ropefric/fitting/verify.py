@@ -64,7 +64,11 @@ def verify_fits(folder: str | os.PathLike[str]) -> tuple[Verification, ...]:
         raise DataError("there is no such folder", path=place, fix="give the folder of the stored fits")
     paths = sorted(place.glob("*.json"))
     if not paths:
-        raise DataError("the folder holds no *.json", path=place, fix="store one there: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python")
+        raise DataError(
+            "the folder holds no *.json",
+            path=place,
+            fix="store one there: `ropefric fit … --out FIT.json`, or save_fit in Python",
+        )
     return tuple(verify_fit(path) for path in paths)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.end_tension import exponential_start_rad
-from ropefric.friction.physics import Columns, Refusal, below_reference, refuse
+from ropefric.friction.physics import FROM_ZERO, Columns, Refusal, below_reference, refuse
 from ropefric.friction.special import exprel, exprel_slope
 
 __all__ = ["ExponentialWrap", "exponential_rise", "exponential_rise_slopes"]
@@ -89,7 +89,7 @@ class ExponentialWrap:
             yield below_reference(conditions)
             yield refuse((c == 0.0) & (y > 0.0) & (-b * y >= a), y + 0.0 * c,
                          "with c = 0 the integral of μ never reaches a/|b|, but ln F_B is {value}; no wrap angle"
-                         " stands for it", "give a positive c, or use law.without_end_tension()")  # fmt: skip
+                         " stands for it", f"give a positive c, or {FROM_ZERO}")  # fmt: skip
 
     def _start(self, columns: Columns, conditions: Conditions) -> FloatArray:
         if not self.equivalence:

@@ -49,7 +49,7 @@ def lift_force_N(law: FrictionLaw, theta: npt.ArrayLike, conditions: Conditions)
             f"{law.name}: ln F_A = {log_force[where]:.1f} at {conditions.describe(int(where[-1]))}; "
             f"a force above e^{_LARGEST:.1f} N is no number",
             code="RF420",
-            fix="use log_lift, or a smaller wrap",
+            fix="use a smaller wrap; in Python, law.log_lift stays finite",
         )
     return np.exp(log_force)
 

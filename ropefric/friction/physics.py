@@ -10,7 +10,17 @@ import numpy.typing as npt
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, FloatArray
 
-__all__ = ["Columns", "Physics", "Refusal", "below_reference", "evaluated", "reason", "refusals_of", "refuse"]
+__all__ = [
+    "FROM_ZERO",
+    "Columns",
+    "Physics",
+    "Refusal",
+    "below_reference",
+    "evaluated",
+    "reason",
+    "refusals_of",
+    "refuse",
+]
 
 Columns = tuple[FloatArray, ...]
 """The parameters one by one: each of shape () for one parameter set, or (m, 1) for m sets."""
@@ -69,6 +79,10 @@ class Physics(Protocol):
         ...
 
 
+FROM_ZERO = "use the law that counts the wrap from zero (NAME-from-zero; in Python law.without_end_tension())"
+"""What to do where no wrap angle stands for an end tension."""
+
+
 def refuse(mask: npt.ArrayLike, values: npt.ArrayLike, what: str, fix: str) -> Refusal:
     """Return a refusal from anything array-like."""
     return Refusal(mask=np.asarray(mask), values=np.asarray(values, dtype=np.float64), what=what, fix=fix)
@@ -80,7 +94,7 @@ def below_reference(conditions: Conditions) -> Refusal:
         conditions.end_tension_N < 1.0,
         conditions.end_tension_N,
         "F_B = {value} N is below F_0 = 1 N, so no wrap angle stands for it",
-        "leave it out, or use law.without_end_tension()",
+        f"leave it out, or {FROM_ZERO}",
     )
 
 

@@ -95,12 +95,14 @@ def _draw(axes: "Axes", table: list[tuple[str, float, float, float]]) -> None:
     places = range(len(table))
     widths = [0.0 if math.isnan(value) else value for _, value, _, _ in table]
     axes.barh(places, widths, height=0.62, color=BLUE, alpha=0.75, edgecolor=INK, linewidth=0.6)
+    # Beside the axes, where the line of the sum cannot cross them.
+    beside = axes.get_yaxis_transform()
     for place, (_, value, share, _) in enumerate(table):
-        words = " unknown" if math.isnan(value) else f" {value:.3g}  ({100 * share:.3g} %)"
-        axes.text(widths[place], place, words, va="center", fontsize=9)
+        words = "unknown" if math.isnan(value) else f"{value:.3g}  ({100 * share:.3g} %)"
+        axes.text(1.01, place, words, transform=beside, va="center", fontsize=9)
     axes.set_yticks(list(places), [typeset(name) for name, *_ in table])
     axes.set_ylim(len(table) - 0.4, -0.6)
-    axes.set_xlim(0.0, 1.3 * max(widths))
+    axes.set_xlim(0.0, 1.04 * max(widths))
     axes.grid(visible=False, axis="y")
     above = axes.twiny()
     known = [
@@ -109,7 +111,7 @@ def _draw(axes: "Axes", table: list[tuple[str, float, float, float]]) -> None:
     above.plot(
         [100 * share for share, _ in known], [place for _, place in known], "o--", color=ORANGE, markersize=4
     )
-    above.set_xlim(0.0, 130.0)
+    above.set_xlim(0.0, 104.0)
     above.set_xticks([0, 20, 40, 60, 80, 100])
     above.set_xlabel("Cumulative share of the variance [%] (dashed)")
     above.spines["top"].set_visible(True)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["explanation_sections", "plan_lines", "quantities_table", "solution_sections", "sweep_sections"]
 
+_NAMED = 4
+
 
 def solution_sections(solution: "Solution") -> list[Section]:
     """Return what a scene's answer is, how sure, and what was simulated for it."""
@@ -102,7 +104,7 @@ def explanation_sections(told: "Explanation") -> list[Section]:
             f"measured: difference {told.difference:.2g}; {_time(told.planned_s)} as planned, "
             f"{_time(told.all_s)} with everything"
         )
-    notes = tuple(f"{one.name}: {one.why}" for one in plan.decisions)
+    notes = tuple(f"{one.name}: {_why(one)}" for one in plan.decisions)
     return [
         Section(
             title=f"Effects of this {told.system} scene",
@@ -111,6 +113,14 @@ def explanation_sections(told: "Explanation") -> list[Section]:
             notes=notes,
         )
     ]
+
+
+def _why(decision: "Decision") -> str:
+    """Return the reason for an effect's fate; of a long list of missing keys the first ones."""
+    missing = decision.missing
+    if len(missing) <= _NAMED:
+        return decision.why
+    return f"the scene does not give {', '.join(missing[:_NAMED])} and {len(missing) - _NAMED} more"
 
 
 def _bound(decision: "Decision") -> str:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from ropefric.fitting.gum.budget import BudgetLine
+from ropefric.fitting.gum.propagation import DISAGREEMENT, numerical_tolerance
 from ropefric.fitting.gum.quantity import Quantity
 from ropefric.fitting.gum.statement import Statement
 from ropefric.report.numbers import interval, plain
@@ -109,16 +110,37 @@ def _row(line: BudgetLine) -> tuple[str, ...]:
 
 def _drawn(stated: Statement, unit: str) -> Section:
     drawn, found = stated.drawn, stated.budget
-    word = "agrees" if drawn.agrees else "does not agree"
-    digits = f"to {drawn.digits} of its digits" if drawn.digits else "to none of its digits"
     half_68 = f"{plain(drawn.half_68, '.3g')}{unit}"
     lines = (
         f"y ± U: {interval(found.interval, '.5g')}{unit}",
         f"symmetric: {interval(drawn.symmetric, '.5g')}{unit}; shortest: {interval(drawn.shortest, '.5g')}{unit}",
         f"half the central 68.27 %: {half_68} against u_c = {plain(found.combined, '.3g')}{unit}",
-        f"the linear budget {word}; u_c is validated {digits} by JCGM 101, 8.1",
+        _verdict(stated, unit),
+        _strict_test(stated, unit),
     )
     return Section(title=f"Check by {drawn.draws} draws (seed {drawn.seed})", lines=lines)
+
+
+def _verdict(stated: Statement, unit: str) -> str:
+    """Return how far the ends of y ± U are from those of the draws, and whether that counts as agreement."""
+    drawn, expanded = stated.drawn, stated.budget.expanded
+    gap = max(drawn.low_gap, drawn.high_gap)
+    word = "agrees" if drawn.agrees else "does not agree"
+    left_out = f"; {drawn.unanswered} draws have no answer" if drawn.unanswered else ""
+    return (
+        f"the budget {word} with the draws: the ends differ by up to {plain(gap, '.2g')}{unit}, "
+        f"{100 * gap / expanded:.2g} % of U ({100 * DISAGREEMENT:g} % count as agreement){left_out}"
+    )
+
+
+def _strict_test(stated: Statement, unit: str) -> str:
+    """Return to how many digits the stricter test of JCGM 101 holds."""
+    digits, u_c = stated.drawn.digits, stated.budget.combined
+    allowed = f"{plain(numerical_tolerance(u_c, max(digits, 1)), '.2g')}{unit}"
+    if digits:
+        count = {1: "one digit", 2: "two digits"}[digits]
+        return f"the stricter test of JCGM 101, 8.1, holds to {count} of u_c, for which {allowed} are allowed"
+    return f"the stricter test of JCGM 101, 8.1, is not passed: to one digit of u_c {allowed} are allowed"
 
 
 def _improvements(stated: Statement, unit: str) -> Section:

@@ -9,7 +9,7 @@ import numpy as np
 from ropefric.traces.arrays import FloatArray
 from ropefric.traces.blocks import Glance
 
-__all__ = ["DROP_SIGMAS", "SLIP_SIGMAS", "breaks", "fast_drop_N", "is_slip", "slips"]
+__all__ = ["DROP_SIGMAS", "FAST_BLOCKS", "SLIP_SIGMAS", "breaks", "fast_drop_N", "is_slip", "slips"]
 
 DROP_SIGMAS = 6.0
 """A drop of fewer noise standard deviations is noise."""

@@ -273,5 +273,5 @@ def _refuse_clock(time_s: FloatArray, values: FloatArray) -> None:
             f"{time_s.shape} times for {values.shape} samples: as many times as samples, increasing, are needed",
             code="RF202",
             key="time_s",
-            fix="mend the time stamps with ropefric.traces.clock.mend_clock first",
+            fix="sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)",
         )

@@ -81,7 +81,7 @@ class ForceTrace:
                 f"{self.name}: time does not strictly increase",
                 code="RF202",
                 path=self.source,
-                fix="mend the time stamps with ropefric.traces.clock.mend_clock first",
+                fix="sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)",
             )
         self._check_range()
 

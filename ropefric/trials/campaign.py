@@ -19,6 +19,7 @@ from ropefric.trials.campaign_model import (
     WheelSpec,
 )
 from ropefric.trials.campaign_schema import CampaignFile, protocol_names
+from ropefric.trials.file_kind import is_scene
 from ropefric.trials.toml_document import TomlDocument, read_toml
 from ropefric.trials.toml_validation import validate_document
 from ropefric.trials.trial_advice import advise
@@ -100,6 +101,9 @@ def _read(
         document = read_toml(path, "campaign file")
     except DataError as error:
         return None, error.problems
+    if is_scene(document.data):
+        fix = f"use `ropefric solve {document.path}`"
+        return None, (document.problem(("system",), "RF121", "this is a scene, not a campaign", fix=fix),)
     model, wrong = validate_document(CampaignFile, document)
     doubtful = check_settings(document, model)
     settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))

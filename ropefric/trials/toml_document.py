@@ -94,6 +94,9 @@ def read_bytes(path: str | os.PathLike[str], what: str) -> bytes:
     except FileNotFoundError:
         raise DataError(f"there is no such {what}", path=_shown(path), fix="check the path") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
+        if isinstance(error, OSError) and os.path.isdir(path):  # noqa: PTH112  (never raises)
+            message, fix = f"this is a folder, not a {what}", _file_in(Path(path), what)
+            raise DataError(message, path=_shown(path), fix=fix) from None
         reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a usable file name"
         raise DataError(f"the {what} cannot be read: {reason}", path=_shown(path)) from None
 
@@ -142,6 +145,17 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
         # tomllib lets Python's own limits through: thousands of digits, dates that do not exist.
         raise DataError(f"the {what} holds a number or date that cannot be read", path=name) from None
     return TomlDocument(path=name, data=data, lines=toml_lines(text))
+
+
+def _file_in(folder: Path, what: str) -> str:
+    """Return which TOML file of a folder may be meant."""
+    names = sorted(path.name for path in folder.glob("*.toml"))
+    if "campaign.toml" in names and what != "campaign file":
+        return f"it holds a campaign: `ropefric run {_shown(folder)}`"
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    if not names:
+        return "name a file; this folder holds no *.toml"
+    return f"name a file of it: {', '.join(names[:3])}{more}"
 
 
 def _shown(path: str | os.PathLike[str]) -> str:

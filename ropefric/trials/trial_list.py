@@ -3,7 +3,7 @@
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ropefric.errors import DataError, Problem
@@ -80,7 +80,11 @@ def read_trials(
     try:
         table, problems_of_rows = read_cells(path)
     except DataError as error:
-        return (), error.problems
+        # A trial list is named by the campaign file, and looked for where that is.
+        in_campaign = "check the path, relative to the campaign file"
+        return (), tuple(
+            replace(one, fix=in_campaign) if "no such file" in one.message else one for one in error.problems
+        )
     columns, problems_of_header = bind_columns(table.header, table.path, table.header_line)
     problems = [*problems_of_rows, *problems_of_header]
     reader = _Reader(

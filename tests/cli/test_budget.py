@@ -1,12 +1,15 @@
 """`ropefric budget`: of campaigns, of trial tables, of predicted lift forces."""
 
+import json
 import math
 import shlex
 from pathlib import Path
 
 import pytest
 
+from ropefric.api.uncertainty import measured_budgets
 from ropefric.cli.commands.catalogue import find_commands
+from ropefric.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 TRIALS = ROOT / "fits" / "prth-trials.csv"
@@ -142,7 +145,8 @@ def test_a_single_pull_is_4(call, tmp_path):
         ((TRIALS, "--condition", "1", "--u-wrap", "2"), 2, 'for example "2 deg"'),
         ((TRIALS, "--condition", "1", "--level", "2"), 3, "the level is 2"),
         ((TRIALS, "--condition", "1", "--draws", "5"), 3, "draw 10000 or more"),
-        (("--fit", COUPLED), 2, "--wheel-radius"),
+        (("--fit", COUPLED), 2, "--wheel-radius and --wrap and --end-tension missing"),
+        (("--fit", COUPLED, *WHEEL[:4]), 2, "--end-tension missing"),
         (("nowhere.csv",), 3, "nowhere.csv"),
     ],
 )
@@ -150,3 +154,42 @@ def test_what_it_cannot_follow_is_told(call, words, code, told):
     done = call("budget", *words)
     assert (done.code, done.out) == (code, "")
     assert told in done.err
+
+
+@pytest.mark.parametrize(
+    ("words", "agrees", "strict"),
+    [
+        (("--u-wrap", "2 deg", "--u-end-tension", "5 N"), "agrees", "holds to two digits"),
+        ((), "does not agree", "is not passed"),
+    ],
+)
+def test_the_check_is_told_with_its_numbers(call, words, agrees, strict):
+    done = call("budget", "--fit", COUPLED, *WHEEL, *words, "--quiet")
+    found = call("budget", "--fit", COUPLED, *WHEEL, *words, "--json").json()
+    flat = " ".join(done.out.split())
+    gap = 100 * max(found["monte_carlo"]["gaps"]) / found["expanded"]
+    assert f"the budget {agrees} with the draws" in flat
+    assert f"{gap:.2g} % of U (10 % count as agreement)" in flat
+    assert f"the stricter test of JCGM 101, 8.1, {strict}" in flat
+
+
+def test_the_command_and_python_state_the_same(call):
+    words = (
+        "--quantity",
+        "mu",
+        "--condition",
+        "3",
+        "--u-wrap",
+        "0.02 rad",
+        "--gain",
+        "0.1 %",
+        "--draws",
+        "10000",
+    )
+    (told,) = call("budget", TRIALS, *words, "--json").json()["budgets"]
+    stated = measured_budgets(TRIALS, "mu", u_wrap_angle_rad=0.02, gain_limit=0.001, draws=10_000)[
+        2
+    ].to_dict()
+    assert {key: told[key] for key in stated} == json.loads(json.dumps(stated))
+    with pytest.raises(InputError, match="neither 'force' nor 'mu'"):
+        measured_budgets(TRIALS, "nu")

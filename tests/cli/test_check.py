@@ -1,6 +1,9 @@
 """`check`: all problems at once, and what a campaign holds."""
 
 import shutil
+from pathlib import Path
+
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
 
 
 def test_a_sound_campaign_is_told_in_the_rigs_units(call, bench):
@@ -49,3 +52,37 @@ def test_a_campaign_that_is_not_there(call, tmp_path):
     assert done.code == 3
     assert "nope.toml" in done.err
     assert call("check", tmp_path / "nope.toml", "--json").json()["error"]["where"].endswith("nope.toml")
+
+
+def test_a_scene_is_checked_as_one(call, tmp_path):
+    sound = call("check", SCENES / "hoist.toml")
+    assert (sound.code, sound.err) == (0, "")
+    assert "0 errors, 0 warnings" in sound.out
+    path = tmp_path / "scene.toml"
+    text = (
+        (SCENES / "hoist.toml")
+        .read_text(encoding="utf-8")
+        .replace("../../fits", (SCENES / "../../fits").as_posix())
+    )
+    path.write_text(text.replace("540 deg", "540 mm").replace("9.8 mm", "9.8 N"), encoding="utf-8")
+    broken = call("check", path)
+    assert broken.code == 3
+    assert "2 errors" in broken.out
+    assert "wheel.wrap" in broken.err
+    assert "rope.diameter" in broken.err
+    tree = call("check", path, "--json").json()
+    assert tree["ok"] is False
+    assert len(tree["problems"]) == 2
+
+
+def test_every_bundled_scene_passes(call):
+    for path in sorted(SCENES.glob("*.toml")):
+        assert call("check", path, "--json").json() == {"ok": True, "problems": []}, path.name
+
+
+def test_a_scene_that_is_no_toml_is_told_once(call, tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('system = "hoist\n', encoding="utf-8")
+    done = call("check", path, "--json")
+    assert done.code == 3
+    assert len(done.json()["problems"]) == 1

@@ -72,3 +72,29 @@ def test_a_bad_scene_is_refused(call, tmp_path):
     done = call("explain", path, "--json")
     assert done.code == 3
     assert done.json()["error"]["where"].startswith(f"{path}:8 wheel.wrap")
+
+
+def test_without_a_start_up_its_effects_ask_for_one_and_nothing_else(call):
+    done = call("explain", SCENES / "belt-press.toml", "--json")
+    missing = {one["name"]: one["missing"] for one in done.json()["effects"]}
+    for name in ("belt-damping", "tensioner-damping", "arc-inertia", "transient"):
+        assert missing[name] == ["start_up"]
+
+
+def test_a_long_list_of_missing_keys_is_cut_short_in_words_and_whole_in_json(call, tmp_path):
+    path = tmp_path / "scene.toml"
+    text = (
+        (SCENES / "belt-press.toml").read_text(encoding="utf-8").replace('effects = "auto"', "effects = []")
+    )
+    path.write_text(
+        text + '\n[start_up]\nlaw = "ramp"\nduration = "1 s"\nsimulate = "2 s"\n', encoding="utf-8"
+    )
+    done = call("explain", path, "--json")
+    (transient,) = (one for one in done.json()["effects"] if one["name"] == "transient")
+    told = " ".join(call("explain", path).out.split())
+    n = len(transient["missing"])
+    assert n > 4
+    assert (
+        f"transient: the scene does not give {', '.join(transient['missing'][:4])} and {n - 4} more" in told
+    )
+    assert all(key in transient["why"] for key in transient["missing"])

@@ -409,3 +409,21 @@ def test_a_comparison_that_leaves_no_choice_is_4_and_gives_no_weight(call, tmp_p
     tree = call("compare", table, "--json", "--quiet").json()
     assert tree["conclusive"] is False
     assert {row["weight"] for row in tree["ranking"] if row["counted"]} == {None}
+
+
+def test_a_table_that_is_not_there_is_looked_for_where_one_is(call):
+    done = call("fit", "nosuch.csv", "--law", "constant", "--json")
+    assert done.code == 3
+    assert done.json()["error"]["message"] == "there is no such file"
+    assert done.json()["error"]["fix"] == "check the path"
+
+
+def test_the_law_from_zero_is_named_where_no_wrap_stands_for_an_end_tension(call, tmp_path):
+    rows = [f"t{i},40,10,{3 + i},0.5,{0.5 * math.exp(0.2 * (3 + i))}" for i in range(9)]
+    table = tmp_path / "trials.csv"
+    header = "trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_rad,end_tension_N,peak_N"
+    table.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    refused = call("fit", table, "--law", "wrap-power", "--quiet")
+    assert refused.code == 3
+    assert "NAME-from-zero" in refused.err
+    assert call("fit", table, "--law", "wrap-power-from-zero", "--quiet").code in {0, NOT_TRUSTED}

@@ -185,6 +185,17 @@ def test_every_command_explains_itself_and_takes_the_global_options(name, capsys
     assert command.run.__doc__.strip().splitlines()[0].endswith(".")
 
 
+def test_commands_stand_in_the_order_of_work_each_at_a_place_of_its_own():
+    commands = find_commands()
+    orders = [command.order for command in commands.values()]
+    assert len(set(orders)) == len(orders)
+    assert list(commands) == [
+        *("init", "inspect", "check", "simulate", "extract", "run", "report"),
+        *("fit", "show", "compare", "diagnose", "predict", "budget", "design", "plan-tests"),
+        *("solve", "explain", "cost", "verify"),
+    ]
+
+
 def test_no_color_writes_plain_text_even_to_a_terminal(monkeypatch):
     import io
 

@@ -75,6 +75,38 @@ def test_a_missing_file_is_called_missing(call, tmp_path):
     assert "there is no such file" in call("inspect", tmp_path / "nope").err
 
 
+def test_the_only_column_in_newtons_is_suggested_as_the_force(call, tmp_path):
+    path = tmp_path / "zug.csv"
+    rows = "".join(f"{10 * i};{i};{i},5\n" for i in range(9))
+    path.write_text("Zeit (ms);Weg [mm];Kraft [N]\n" + rows, encoding="utf-8")
+    done = call("inspect", path)
+    assert 'force = "Kraft [N]"' in done.out
+    assert "column 3 is taken as the force because it alone is in N" in " ".join(done.out.split())
+    # The suggestion reads the file as it stands.
+    profile = tmp_path / "import.toml"
+    assert call("inspect", path, "--write-profile", profile).code == 0
+    assert tomllib.loads(profile.read_text(encoding="utf-8"))["import"]["channels"]["force"] == "Kraft [N]"
+
+
+def test_of_two_columns_in_newtons_none_is_suggested(call, tmp_path):
+    path = tmp_path / "zug.csv"
+    path.write_text(
+        "Zeit (ms);oben [N];unten [kN]\n" + "".join(f"{i};{i};{i}\n" for i in range(9)), encoding="utf-8"
+    )
+    done = call("inspect", path)
+    assert "force =" not in done.out
+    assert "which column is the force" in done.out
+
+
+def test_a_folder_is_no_recording(call, bench, tmp_path):
+    done = call("inspect", bench)
+    assert done.code == 3
+    assert "this is a folder" in done.err
+    assert "ropefric check" in done.err
+    (tmp_path / "pull.csv").write_text("time_s,force_N\n", encoding="utf-8")
+    assert "such as pull.csv" in call("inspect", tmp_path).err
+
+
 def test_real_recordings_of_every_layout(call, real_data):
     wide = call("inspect", real_data / "mecmesin_wide" / "example_forces_big.csv")
     assert "10 recordings side by side" in wide.out

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import re
 from itertools import pairwise
 from pathlib import Path
@@ -226,3 +227,50 @@ def test_a_scene_that_is_not_there(call, tmp_path):
     done = call("solve", tmp_path / "nothing.toml", "--json")
     assert done.code == 3
     assert "nothing.toml" in done.json()["error"]["where"] + done.json()["error"]["message"]
+
+
+@pytest.mark.parametrize("command", ["solve", "explain"])
+@pytest.mark.parametrize("marks", ['schema = "ropefric.campaign/1"', 'trials = "trials.csv"', "[wheels.W1]"])
+def test_a_campaign_is_sent_to_run(call, tmp_path, command, marks):
+    path = tmp_path / "mine.toml"
+    path.write_text(f"{marks}\n", encoding="utf-8")
+    done = call(command, path, "--json")
+    assert done.code == 3
+    assert "a campaign, not a scene" in done.json()["error"]["message"]
+    assert done.json()["error"]["fix"] == f"use `ropefric run {path.as_posix()}`"
+
+
+@pytest.mark.parametrize("command", ["run", "extract", "budget", "report"])
+def test_a_scene_is_sent_to_solve(call, tmp_path, command):
+    out = ("--out", tmp_path / "out") if command != "budget" else ()
+    done = call(command, SCENES / "hoist.toml", *out, "--json")
+    assert done.code == 3
+    error = done.json()["error"]
+    assert "problems" not in error, "one thing is wrong with it, not one for every key a campaign has"
+    assert "a scene, not a campaign" in error["message"]
+    assert "`ropefric solve " in error["fix"]
+    assert not (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_folder_is_answered_with_what_may_be_meant(call, tmp_path, bench):
+    assert "name a file of it: band-saw" in call("solve", SCENES).err
+    assert f"`ropefric run {bench.as_posix()}`" in " ".join(call("solve", bench).err.split())
+    empty = call("solve", tmp_path)
+    assert empty.code == 3
+    assert "this is a folder, not a scene file" in empty.err
+    assert "fix: name a file" in empty.err
+
+
+def test_the_level_of_the_intervals_is_asked_for(call):
+    """With 31 degrees of freedom Student's t is 2.0395 for 95 % and 0.6825 for 50 %."""
+    wide, narrow = (
+        call("solve", SCENES / "hoist.toml", "--level", level, "--json").json() for level in ("0.95", "0.5")
+    )
+    assert (wide["level"], narrow["level"]) == (0.95, 0.5)
+    assert wide["lift_force_N"] == narrow["lift_force_N"]
+    width = [math.log(high / low) for low, high in (tree["interval_N"] for tree in (wide, narrow))]
+    assert width[1] / width[0] == pytest.approx(0.6825 / 2.0395, rel=1e-3)
+    for level in ("0", "1", "1.5", "nan"):
+        done = call("solve", SCENES / "hoist.toml", "--level", level)
+        assert done.code == 3
+        assert "between 0 and 1" in done.err

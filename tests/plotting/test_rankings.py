@@ -21,9 +21,10 @@ SWINGS = [
 ]
 
 
-def entry(law, delta, *, counted=True, note=""):
+def entry(law, delta, *, counted=True, note="", weight=0.5):
     return ComparisonEntry(
-        law=law, n=12, k=2, chi2=10.0, aicc=delta - 50.0, bic=-49.0, delta_aicc=delta, weight=0.5 if counted else 0.0,
+        law=law, n=12, k=2, chi2=10.0, aicc=delta - 50.0, bic=-49.0, delta_aicc=delta,
+        weight=weight if counted else 0.0,
         loco_error=0.012 if counted else NAN, status="ok", counted=counted, note=note, fit=None,
     )  # fmt: skip
 
@@ -64,6 +65,22 @@ def test_a_comparison_in_which_no_law_can_be_counted_is_drawn():
     assert made.alt == "1 law compared; none can be counted."
 
 
+def test_a_law_that_stands_alone_has_no_weight_in_the_ladder():
+    ranking = (
+        entry("constant", 0.0, weight=NAN),
+        entry("wrap-power", math.inf, counted=False, note="too few"),
+    )
+    made = draw_ladder(
+        Comparison(
+            ranking=ranking, tests=(), unit="conditions", n=4, n_trials=8, scatter_within=NAN, notes=()
+        )
+    )
+    assert "constant is best of too few to choose from" in made.alt
+    texts = [text.get_text() for text in made.figure.axes[0].texts]
+    assert "–" in texts
+    assert "nan" not in " ".join(texts)
+
+
 def test_the_budget_is_ranked_with_shares_of_the_variance(assert_repeats, assert_readable):
     made = assert_repeats(lambda: draw_budget(BUDGET, unit="N", title="F_A"))
     assert_readable(made)
@@ -80,6 +97,17 @@ def test_the_budget_is_ranked_with_shares_of_the_variance(assert_repeats, assert
     assert above.lines[0].get_linestyle() == "--"
     assert f"u = {math.sqrt(total):.4g} N (k = 1)" in bars.get_title()
     assert f"{math.sqrt(total):.4g} N" in made.alt
+
+
+@pytest.mark.parametrize("shares", [(9, 4, 3, 0.5), (5, 5, 4.9, 4.8, 4.7), (2,)])
+def test_the_line_of_the_sum_crosses_no_number_of_the_budget(shares):
+    made = draw_budget([(f"source {i}", value) for i, value in enumerate(shares)], unit="N", title="F_A")
+    made.figure.canvas.draw()
+    bars, above = made.figure.axes
+    line = above.lines[0].get_path().transformed(above.lines[0].get_transform())
+    assert len(bars.texts) == len(shares)
+    for text in bars.texts:
+        assert not line.intersects_bbox(text.get_window_extent(), filled=False), text.get_text()
 
 
 def test_a_correlated_budget_keeps_its_own_sum():

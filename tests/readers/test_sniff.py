@@ -25,7 +25,8 @@ def test_a_german_file_is_understood(write):
     assert found.first_rows[0][:2] == ("0", "0,000")
     assert (found.sampling_rate_Hz, found.is_uniform) == (100, True)
     assert found.profile.channels["time"] == Channel(column=1, unit="ms")
-    assert any("Which column is the force".lower() in doubt.lower() for doubt in found.doubts)
+    assert found.profile.channels["force"] == Channel(column="Kraft")
+    assert any("column 2 is taken as the force" in doubt for doubt in found.doubts)
 
 
 def test_saturation_is_hinted(write):

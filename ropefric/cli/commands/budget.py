@@ -88,10 +88,11 @@ def budget(
     """
     if (source is None) == (fit is None):
         raise typer.BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
-    check = {"level": level, "draws": draws, "seed": seed}
+    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
     u_wrap_rad = _read(u_wrap, "rad", "--u-wrap")
     u_end_N = _read(u_end_tension, "N", "--u-end-tension")
     if fit is not None:
+        _need({"--wheel-radius": wheel_radius, "--wrap": wrap, "--end-tension": end_tension})
         wheel = {
             "wheel_radius_m": read_quantity(wheel_radius, "m", "--wheel-radius"),
             "wrap_angle_rad": read_quantity(wrap, "rad", "--wrap"),
@@ -106,20 +107,29 @@ def budget(
         }
         half = None if rope_m is None else 0.5 * rope_m
         return _of_fit(out, fit, wheel, half, uncertainty, one_pull=one_pull, check=check)
+    from ropefric.fitting.gum.assemble import state_condition  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting.gum.measured import condition_numbered, with_measured_end  # noqa: PLC0415
+
     if quantity not in {"force", "mu"}:
         raise typer.BadParameter(f"{quantity!r} is neither force nor mu", param_hint="--quantity")
     parts = {"gain": _read(gain, "", "--gain") or 0.0, "gravity": _read(gravity, "", "--gravity")}
     found = _conditions(out, Path(str(source)), parts["gravity"])
-    from ropefric.fitting.gum.measured import condition_numbered, with_measured_end  # noqa: PLC0415
-
     if condition is not None:
         found = (condition_numbered(found, condition),)
     if end_tension_measured:
         found = tuple(with_measured_end(item, u_end_N) for item in found)
-    stated = [
-        (item, _of_condition(item, quantity, u_wrap_rad, parts["gain"] or 0.0, check)) for item in found
-    ]
+    told = check | {"quantity": quantity, "u_wrap_angle_rad": u_wrap_rad, "gain_limit": parts["gain"] or 0.0}
+    stated = [(item, state_condition(item, **told)) for item in found]
     return _answer(stated, str(source))
+
+
+def _need(options: dict[str, str]) -> None:
+    """Refuse a fit without the wheel it is asked about."""
+    missing = [name for name, text in options.items() if not text]
+    if missing:
+        raise typer.BadParameter(
+            f"a budget of a fit is of one wheel: {' and '.join(missing)} missing", param_hint=missing[0]
+        )
 
 
 def _read(text: str, unit: str, option: str) -> float | None:
@@ -156,26 +166,6 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[Measur
     return found
 
 
-def _of_condition(
-    item: "MeasuredCondition", quantity: str, u_wrap_rad: float | None, gain: float, check: dict[str, Any]
-) -> "Statement":
-    from ropefric.fitting.gum.forces import coefficient_model, force_model  # noqa: PLC0415  (quick start-up)
-    from ropefric.fitting.gum.quantity import normal  # noqa: PLC0415
-    from ropefric.fitting.gum.statement import BudgetStatus, state_uncertainty  # noqa: PLC0415
-
-    notes = item.notes
-    if quantity == "force":
-        model = force_model(item.measured)
-    else:
-        u_rad = item.wrap_std_rad if u_wrap_rad is None else u_wrap_rad
-        if not u_rad:
-            notes += ('the wrap is taken as exact; --u-wrap "2 deg" says otherwise',)
-        wrap = normal("wrap angle", "φ", "rad", u_rad, estimate=item.wrap_angle_rad)
-        model = coefficient_model(item.lift, item.end, wrap, gain_limit=gain)
-    status = BudgetStatus.OK if item.has_scatter else BudgetStatus.NO_REPEATS
-    return state_uncertainty(model, status=status, notes=notes, **check)
-
-
 def _of_fit(
     out: Output,
     path: Path,
@@ -186,9 +176,8 @@ def _of_fit(
     one_pull: bool,
     check: dict[str, Any],
 ) -> Answer:
-    from ropefric.fitting.extrapolation import outside_words  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.gum.lift import WheelUncertainty, lift_model  # noqa: PLC0415
-    from ropefric.fitting.gum.statement import BudgetStatus, state_uncertainty  # noqa: PLC0415
+    from ropefric.fitting.gum.assemble import state_lift  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting.gum.lift import WheelUncertainty  # noqa: PLC0415
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.uncertainty import uncertainty_sections  # noqa: PLC0415
 
@@ -196,15 +185,13 @@ def _of_fit(
     at = one_condition(
         wheel["wheel_radius_m"], rope_radius(stored, rope_m), wheel["wrap_angle_rad"], wheel["end_tension_N"]
     )
-    model = lift_model(stored, at, WheelUncertainty(**uncertainty), one_pull=one_pull)
-    status = BudgetStatus.OK if stored.trustworthy else BudgetStatus.FIT_NOT_TRUSTED
-    stated = state_uncertainty(model, status=status, notes=outside_words(stored.validity, at), **check)
+    stated = state_lift(stored, at, WheelUncertainty(**uncertainty), one_pull=one_pull, **check)
     more = wheel | {
         "rope_radius_m": float(at.rope_radius_m[0]),
         "fit": path,
         "fit_status": stored.status.value,
     }
-    sections = uncertainty_sections(stated, f"Uncertainty budget of the {model.name} by {stored.law}")
+    sections = uncertainty_sections(stated, f"Uncertainty budget of the {stated.model.name} by {stored.law}")
     return Answer(
         data=stated.to_dict() | more,
         show=lambda console: show_sections(sections, console),

@@ -21,14 +21,17 @@ __all__ = ["COMMAND"]
 
 CheckedFile = Annotated[
     Path,
-    typer.Argument(metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."),
+    typer.Argument(
+        metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."
+    ),
 ]
 
 
 def check(out: Output, campaign: CheckedFile) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
-    A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone leave it at 0.
+    A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
+    leave it at 0.
     """
     from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415  (quick start-up)
 

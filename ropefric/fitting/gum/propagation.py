@@ -11,12 +11,13 @@ from ropefric.fitting.gum.budget import LinearBudget
 from ropefric.fitting.gum.model import MeasurementModel
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["DrawnAnswer", "numerical_tolerance", "propagate", "shortest_interval"]
+__all__ = ["DISAGREEMENT", "DrawnAnswer", "numerical_tolerance", "propagate", "shortest_interval"]
 
 _FEWEST = 10_000
 # The end of a 95 % interval from N draws scatters by about 2.7 σ/√N; U is about 2 σ.
 _END_NOISE = 2.7 / 1.96
-_DISAGREEMENT = 0.1
+DISAGREEMENT = 0.1
+"""Part of U by which an end of y ± U may differ from that of the draws [-]."""
 _UNANSWERED = 0.01
 _ONE_SIGMA = 0.8413447460685429
 
@@ -151,7 +152,7 @@ def propagate(
     low, high, below, median, above = (float(end) for end in np.quantile(values, at))
     low_gap, high_gap = abs(low - budget.interval[0]), abs(high - budget.interval[1])
     wider = max(low_gap, high_gap)
-    room = (_DISAGREEMENT + 3.0 * _END_NOISE / math.sqrt(draws)) * budget.expanded
+    room = (DISAGREEMENT + 3.0 * _END_NOISE / math.sqrt(draws)) * budget.expanded
     return DrawnAnswer(
         draws=draws,
         seed=seed,

@@ -1,5 +1,7 @@
 """One recording, one break-away: the static peak just before the rope slides."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ropefric.traces.breakaway import Breakaway, Status
@@ -10,6 +12,7 @@ from ropefric.traces.protocols.protocol import Protocol
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.sliding import Sliding, sliding_after
 from ropefric.traces.slips import DROP_SIGMAS, is_slip
+from ropefric.traces.slow_break import SlowBreak, slow_break
 from ropefric.traces.static_break import first_static_break
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.verdict import (
@@ -87,7 +90,21 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         return _fell_away(prepared, block)
     if not is_slip(view, block) and flattened(view.force_N, climb_to(view.force_N, block)):
         return without_break(prepared, block)
-    return _no_slip(prepared, block, sliding, settings) or _measured(prepared, block, sliding, settings)
+    no_slip = _no_slip(prepared, block, sliding, settings)
+    slow = slow_break(view, block)
+    if slow is not None and slow.drop_N >= (settings.min_step_N or 0.0) and (no_slip or slow.outlasts_slip):
+        return _broke_slowly(prepared, block, slow, settings)
+    return no_slip or _measured(prepared, block, sliding, settings)
+
+
+def _broke_slowly(prepared: Prepared, block: int, slow: SlowBreak, settings: PickSettings) -> Breakaway:
+    """Measure the peak before a fall that is slower than a slip, and say so."""
+    note = (
+        f"the force falls by {slow.drop_N:.3g} N within {1000 * slow.fall_s:.2g} ms, slower than a slip, and stays "
+        f"at {slow.share:.0%} of the peak: a break-away, unless the motor was let back at that moment"
+    )
+    noted = replace(prepared, notes=(*prepared.notes, note))
+    return _measured(noted, block, slow.sliding, settings)
 
 
 def _no_slip(prepared: Prepared, block: int, sliding: Sliding, settings: PickSettings) -> Breakaway | None:

@@ -77,7 +77,7 @@ class Source:
             if self.path.is_dir():
                 raise self.error("this is a folder, not a recording", fix="name a file in it")
             if not self.path.exists():
-                raise self.error("there is no such file", fix="check the path, relative to the campaign file")
+                raise self.error("there is no such file", fix="check the path")
             if not self.path.is_file():
                 raise self.error("this is a device or pipe, not a file")
             data = self.path.read_bytes()

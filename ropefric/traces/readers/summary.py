@@ -107,7 +107,15 @@ def _channels(
     elif not has_time:
         doubts.append('no column looks like the time; set [import] sampling_rate, for example "3 kHz"')
     if not {"force", "counts"} & (channels.keys() | found.profile.derived.keys()):
-        doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
+        newtons = [i for i, array in enumerate(values) if array is not None and _is_force(_unit(table, i))]
+        if len(newtons) == 1:
+            (only,) = newtons
+            by_number = Channel(column=only + 1)
+            channels["force"] = _by_name(table, by_number) if table.names[only].strip() else by_number
+            unit = _unit(table, only)
+            doubts.append(f"column {only + 1} is taken as the force because it alone is in {unit}; check")
+        else:
+            doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
     for name, channel in channels.items():
         if name in {"time", "force"} and not channel.unit and not _named_unit(table, channel):
             doubts.append(
@@ -117,6 +125,14 @@ def _channels(
 
 
 _EXAMPLE = {"time": "ms", "force": "N"}
+
+
+def _is_force(unit: str) -> bool:
+    """Return whether a unit is one of force."""
+    try:
+        return bool(unit and si_factor("force", unit))
+    except DataError:
+        return False
 
 
 def _by_name(table: Table, channel: Channel) -> Channel:

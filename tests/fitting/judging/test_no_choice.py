@@ -1,0 +1,76 @@
+"""Comparisons that leave no choice of law: no weights, and said so."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ropefric.errors import InputError
+from ropefric.fitting.average import averaged_prediction
+from ropefric.fitting.compare import ALWAYS, compare_laws
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import one_condition
+
+
+def pulls(wraps, log_lift, repeats=6, within=0.01):
+    """Conditions that differ in wrap, whose repeats lie evenly about a given ln(F_A/F_B)."""
+    wrap = np.repeat(wraps, repeats)
+    scatter = np.tile(within * np.linspace(-1.0, 1.0, repeats), len(wraps))
+    return TrialTable(
+        trial=tuple(f"t{i}" for i in range(wrap.size)), wheel_radius_m=0.04, rope_radius_m=0.005,
+        wrap_angle_rad=wrap, end_tension_N=20.0, peak_N=20.0 * np.exp(np.repeat(log_lift, repeats) + scatter),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def four_with_an_offset():
+    """Four conditions of an offset that is 20 standard errors large: too few to rank any law but the constant one."""
+    wraps = np.array([3.0, 6.0, 9.0, 12.0])
+    return compare_laws(pulls(wraps, 0.15 * wraps + 0.3 + 0.005 * np.array([1, -1, -1, 1])))
+
+
+def test_a_law_that_stands_alone_has_no_weight(four_with_an_offset):
+    counted = [entry.law for entry in four_with_an_offset.ranking if entry.counted]
+    assert counted == ["constant"]
+    assert not four_with_an_offset.conclusive
+    assert math.isnan(four_with_an_offset.best.weight)
+    tree = four_with_an_offset.to_dict()
+    assert tree["conclusive"] is False
+    assert tree["ranking"][0]["weight"] is None
+
+
+def test_the_test_that_speaks_against_it_is_named(four_with_an_offset):
+    tests = {(test.simpler, test.fuller): test.p_value for test in four_with_an_offset.tests}
+    assert tests["constant", "constant-offset"] < 0.01
+    text = " ".join(four_with_an_offset.notes)
+    assert "only constant could be ranked on 4 conditions" in text
+    assert "an F-test speaks against constant: constant-offset" in text
+
+
+def test_no_test_is_named_where_none_speaks_against_it():
+    wraps = np.array([3.0, 6.0, 9.0, 12.0])
+    found = compare_laws(pulls(wraps, 0.2 * wraps + 0.02 * np.array([1, -1, 1, -1])))
+    assert not found.conclusive
+    assert "F-test" not in " ".join(found.notes)
+
+
+@pytest.mark.parametrize(("n", "conclusive"), [(5, False), (6, True)])
+def test_the_constant_laws_alone_are_a_choice_only_once_another_could_be_judged(n, conclusive):
+    """A wrap law has four estimated quantities, so AICc needs six conditions for it."""
+    wraps = np.linspace(3.0, 3.0 * n, n)
+    found = compare_laws(pulls(wraps, 0.2 * wraps + 0.02 * (-1.0) ** np.arange(n)), ["wrap-power"])
+    assert {entry.law for entry in found.ranking if entry.counted} >= set(ALWAYS)
+    assert found.conclusive is conclusive
+    assert np.isfinite(found.best.weight) == conclusive
+
+
+def test_the_constant_laws_are_weighed_where_nothing_else_was_asked_for():
+    wraps = np.linspace(3.0, 15.0, 5)
+    found = compare_laws(pulls(wraps, 0.2 * wraps + 0.02 * (-1.0) ** np.arange(5)), ["constant"])
+    assert found.conclusive
+    assert sum(entry.weight for entry in found.ranking) == pytest.approx(1.0)
+
+
+def test_nothing_is_averaged_without_weights(four_with_an_offset):
+    with pytest.raises(InputError, match="could not be weighed"):
+        averaged_prediction(four_with_an_offset, one_condition(0.04, 0.005, 7.0, 20.0))

@@ -95,6 +95,7 @@ def test_exact_points_give_the_truth(saw, stiffness, bends):
     assert not found.residual_Hz.flags.writeable
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", [True, False])
 def test_errors_are_honest(saw, known):
     """Pulls of 50 repetitions: mean 0, spread 1."""

@@ -146,6 +146,7 @@ def lab(tmp_path):
     return load
 
 
+@pytest.mark.slow
 def test_the_same_campaign_gives_the_same_bytes(lab, tmp_path):
     runs = []
     for name, options in {"a": {}, "b": {"jobs": 2}, "c": {"cache_dir": tmp_path / "cache"}}.items():
@@ -200,6 +201,7 @@ def capstan(real_data, tmp_path):
     return load_campaign(tmp_path / "campaign.toml")
 
 
+@pytest.mark.slow
 def test_a_real_rope_on_a_cylinder_obeys_the_capstan_equation(capstan, tmp_path):
     answer = run_campaign(capstan, tmp_path / "out").answer
     assert answer.fit.law == "constant"

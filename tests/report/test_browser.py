@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-pytestmark = pytest.mark.usefixtures("run")
+pytestmark = [pytest.mark.usefixtures("run"), pytest.mark.slow]
 WIDTHS = (1280, 390)
 FINE = 4.5
 LARGE = 3.0

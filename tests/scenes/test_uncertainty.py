@@ -55,6 +55,7 @@ def check(solution, samples, names):
         assert 0.89 < inside <= 1.0, name
 
 
+@pytest.mark.slow
 def test_the_press_s_utilisation_is_as_uncertain_as_drawn_parameters_make_it(loaded):
     scene = loaded("fast-belt-press")
     solution = solve_scene(scene)
@@ -62,6 +63,7 @@ def test_the_press_s_utilisation_is_as_uncertain_as_drawn_parameters_make_it(loa
     check(solution, samples, ["slip.2.utilisation", "slip.5.utilisation", "slip.10.utilisation"])
 
 
+@pytest.mark.slow
 def test_the_saw_s_grip_is_as_uncertain_as_drawn_parameters_make_it(saw):
     solution = solve_scene(saw)
     check(solution, drawn(saw, solution), ["wheel.utilisation"])

@@ -12,6 +12,7 @@ from ropefric.fitting.table import TrialTable
 from ropefric.friction.laws import ALL_LAWS
 
 
+@pytest.mark.slow
 def test_real_rope_on_a_cylinder_has_no_wrap_effect(cylinder_table, cylinder_comparisons):
     found = diagnose(cylinder_table, cylinder_comparisons["conditions"])
     assert found["wrap effect"].supported == "no"
@@ -57,6 +58,7 @@ def test_size_effect(campaign):
     assert found["size effect"].numbers["slope_per_doubling"] > 0
 
 
+@pytest.mark.slow
 def test_obedient_rope_is_left_alone(campaign):
     table = campaign("constant", [0.18], radii=(0.02, 0.04), between=0.005, repeats=3, seed=3)
     found = diagnose(table)
@@ -77,12 +79,14 @@ def test_few_conditions_with_a_clear_trend_are_not_a_no(campaign):
     assert found["offset"].supported == "cannot-tell"
 
 
+@pytest.mark.slow
 def test_new_ropes_scatter(campaign):
     assert diagnose(campaign("constant", [0.2], between=0.03))["condition scatter"].supported == "yes"
     assert diagnose(campaign("constant", [0.2]))["condition scatter"].supported == "no"
     assert diagnose(campaign("constant", [0.2], repeats=1))["condition scatter"].supported == "cannot-tell"
 
 
+@pytest.mark.slow
 def test_trials_that_never_slipped(campaign):
     good = campaign("constant", [0.2], repeats=2)
     status = ["ok"] * 20 + ["no-breakaway"] * 10

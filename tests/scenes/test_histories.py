@@ -1,0 +1,18 @@
+"""The histories of a start-up as a table are the start-up's own arrays, each under its roller or span."""
+
+import numpy as np
+
+from ropefric.scenes.histories import start_up_columns
+from ropefric.scenes.solve import solve_scene
+
+
+def test_every_history_stands_under_its_name(loaded):
+    found = solve_scene(loaded("press-start-up")).answer.start_up
+    columns = start_up_columns(found)
+    assert {column.shape for column in columns.values()} == {found.time_s.shape}
+    spans = [span.name for span in found.press.spans]
+    assert np.array_equal(columns["tension_N.8"], found.tension_N[:, spans.index("8")])
+    rollers = [roller.name for roller in found.press.rollers]
+    assert np.array_equal(columns["utilisation.2"], found.utilisation[:, rollers.index("2")])
+    assert np.array_equal(columns["travel_m.13"], found.travel_m[:, 1])
+    assert len(columns) == 2 + 14 + 2 + 7 * 13

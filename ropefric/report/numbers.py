@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from ropefric.fitting.extrapolation import REGRESSORS
 
-__all__ = ["interval", "plain", "tested_range"]
+__all__ = ["interval", "plain", "shorthand", "tested_range"]
 
 
 def plain(value: float | None, form: str = ".4g") -> str:
@@ -21,6 +21,29 @@ def plain(value: float | None, form: str = ".4g") -> str:
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
     return format(value, form)
+
+
+def shorthand(value: float, std: float) -> str:
+    """Return a value with its standard error in units of its last digits, as in 0.1192(12).
+
+    Parameters
+    ----------
+    value, std : float
+        Estimate and standard error; two digits of the latter are kept. Where there is none, the value stands alone.
+
+    Examples
+    --------
+    >>> shorthand(0.119234, 0.00123), shorthand(-323.93, 12.3), shorthand(5.0, 0.0), shorthand(0.5, 0.0999)
+    ('0.1192(12)', '-324(12)', '5', '0.50(10)')
+    """
+    if not (math.isfinite(value) and math.isfinite(std)) or std <= 0.0:
+        return plain(value, ".5g")
+    # Rounded first, because 0.0999 becomes 0.10 and has a digit less.
+    exponent = math.floor(math.log10(float(f"{std:.1e}"))) - 1
+    if exponent >= 0:
+        scale = 10.0**exponent
+        return f"{scale * round(value / scale):.0f}({scale * round(std / scale):.0f})"
+    return f"{value:.{-exponent}f}({round(std * 10.0**-exponent):d})"
 
 
 def interval(ends: Sequence[float], form: str = ".4g") -> str:

@@ -7,7 +7,7 @@ from ropefric.fitting.diagnosis import Diagnosis
 from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.prediction import Prediction
 from ropefric.fitting.result import FitResult
-from ropefric.report.numbers import interval, plain, tested_range
+from ropefric.report.numbers import interval, plain, shorthand, tested_range
 from ropefric.report.section import Section, Table
 
 __all__ = [
@@ -22,8 +22,8 @@ __all__ = [
 _VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 
 
-def fit_section(fit: FitResult, title: str = "") -> Section:
-    """Return a fitted law with its parameters and their 95 % intervals."""
+def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Section:
+    """Return a fitted law with its parameters and their 95 % intervals; in `short`, values as 0.1192(12)."""
     law, found = fit.friction_law, fit.statistics
     between = f"between conditions {_percent(found.scatter_between)}"
     lines = (
@@ -32,7 +32,7 @@ def fit_section(fit: FitResult, title: str = "") -> Section:
         f"scatter between repeats {_percent(found.scatter_within)}, {between}",
         f"status {fit.status}: {fit.status.advice}",
     )
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for item, declared in zip(fit.parameters, law.parameters, strict=True):
         unit = "" if declared.unit == "-" else f" [{declared.unit}]"
         if not item.vary:
@@ -41,8 +41,16 @@ def fit_section(fit: FitResult, title: str = "") -> Section:
             std, span = "at its bound", "–"
         else:
             std, span = plain(item.std, ".2g"), interval(item.ci95)
-        rows.append((f"{item.name}{unit}", plain(item.value, ".5g"), std, span, declared.meaning))
-    headings = ("parameter", "value", "standard error", "95 % interval", "meaning ")
+        if short:
+            found_value = shorthand(item.value, item.std) if item.vary else plain(item.value, ".5g")
+            values: tuple[str, ...] = (
+                found_value if not item.at_bound else f"{plain(item.value, '.5g')} at its bound",
+            )
+        else:
+            values = (plain(item.value, ".5g"), std)
+        rows.append((f"{item.name}{unit}", *values, span, declared.meaning))
+    told = ("value(standard error)",) if short else ("value", "standard error")
+    headings = ("parameter", *told, "95 % interval", "meaning ")
     return Section(
         title=title or f"The law: {law.name}", lines=lines, table=Table(headings=headings, rows=tuple(rows))
     )

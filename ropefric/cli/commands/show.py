@@ -22,7 +22,7 @@ def show(out: Output, file: FitFile) -> Answer:
     from ropefric.report.parts import fit_section, notes_sections, origin_section  # noqa: PLC0415  (quick start-up)
 
     fit = read_fit(file, out)
-    sections = [fit_section(fit), *notes_sections(fit), origin_section(fit)]
+    sections = [fit_section(fit, short=True), *notes_sections(fit), origin_section(fit)]
     return Answer(
         data=fit.to_dict(), show=lambda console: show_sections(sections, console), exit_code=exit_code_of(fit)
     )

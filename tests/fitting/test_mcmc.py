@@ -23,6 +23,7 @@ def emcee():
     return pytest.importorskip("emcee")
 
 
+@pytest.mark.slow
 def test_known_scatter_gives_the_normal_posterior_of_a_linear_law(bench_problem, emcee):
     problem = bench_problem(LAWS["constant-offset"])
     found = mcmc(problem, problem.start, n_steps=2500, n_burn=200, absolute_std=True, seed=1)
@@ -44,6 +45,7 @@ def test_a_nonlinear_law_agrees_with_its_profile(bench_problem, emcee):
     assert np.allclose(found.ci95, profile, atol=0.12 * np.ptp(profile, axis=1)[:, None])
 
 
+@pytest.mark.slow
 def test_scale_widens_by_its_root(bench_problem, emcee):
     problem = bench_problem(LAWS["constant"])
     plain, scaled = (

@@ -20,6 +20,7 @@ def test_every_file_declares_a_regime_of_its_own():
         assert module.REGIME.accuracy is None or 0.0 < module.REGIME.accuracy <= 1e-8
 
 
+@pytest.mark.slow
 def test_the_readme_shows_what_is_measured():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     if BEGIN not in text:

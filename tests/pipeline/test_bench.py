@@ -13,6 +13,7 @@ from ropefric.fitting.table import read_trial_table
 from ropefric.fitting.verify import verify_fits
 from ropefric.friction.condition import Conditions, one_condition
 
+pytestmark = pytest.mark.slow  # the run of all 432 recordings
 FITS = Path(__file__).parents[2] / "fits"
 
 

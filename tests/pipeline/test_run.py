@@ -27,6 +27,7 @@ def tree(folder):
     }
 
 
+@pytest.mark.slow
 def test_the_bench_leaves_what_others_can_check(bench_run):
     run, folder = bench_run
     names = set(tree(folder))

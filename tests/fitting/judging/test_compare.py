@@ -147,6 +147,7 @@ def test_repeats_are_not_evidence_about_the_law(campaign):
     assert gap[0] == pytest.approx(gap[1], abs=0.2)
 
 
+@pytest.mark.slow
 def test_false_offsets_are_rare_by_conditions_and_common_by_trials(campaign):
     p_values = []
     for seed in range(60):

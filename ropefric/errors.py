@@ -4,7 +4,7 @@ Every failure that a user can cause or meet is a `RopefricError`; each also deri
 exception a Python programmer would expect, so `except ValueError` keeps working.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Literal
@@ -17,6 +17,7 @@ __all__ = [
     "RopefricError",
     "SolverError",
     "UnknownNameError",
+    "data_error",
     "raise_problems",
 ]
 
@@ -208,13 +209,24 @@ def raise_problems(problems: Iterable[Problem]) -> None:
     """
     errors = [problem for problem in problems if problem.severity == "error"]
     if errors:
-        first = errors[0]
-        raise DataError(
-            first.message,
-            code=first.code,
-            path=first.path,
-            line=first.line,
-            key=first.key,
-            fix=first.fix,
-            problems=errors,
-        )
+        raise data_error(errors)
+
+
+def data_error(problems: Sequence[Problem]) -> DataError:
+    """Return one `DataError` with the first problem's message and all of them in `.problems`.
+
+    Examples
+    --------
+    >>> data_error([Problem(code="RF121", message="the wrap angle is empty", line=14)]).code
+    'RF121'
+    """
+    first = problems[0]
+    return DataError(
+        first.message,
+        code=first.code,
+        path=first.path,
+        line=first.line,
+        key=first.key,
+        fix=first.fix,
+        problems=problems,
+    )

@@ -1,12 +1,10 @@
 """What a machine has to show beside its few main numbers: a press its rollers and spans, a saw its two sides."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from ropefric.report.section import Section, Table
-
-if TYPE_CHECKING:
-    from ropefric.scenes.solve import Solution
 
 __all__ = ["machine_sections"]
 
@@ -18,9 +16,8 @@ _CHANGE_WORDS = {
 }
 
 
-def machine_sections(solution: "Solution") -> list[Section]:
-    """Return the tables of a press or a saw; none for a hoist."""
-    tree = solution.to_dict()
+def machine_sections(tree: Mapping[str, Any]) -> list[Section]:
+    """Return the tables of a press or a saw from `Solution.to_dict()`; none for a hoist."""
     if "slip" in tree and "tension_N" in tree:
         return _press(tree)
     if "tight" in tree and "slack" in tree:
@@ -32,7 +29,7 @@ def _number(value: float | None, form: str = ".4g") -> str:
     return "–" if value is None or not math.isfinite(value) else format(value, form)
 
 
-def _press(tree: dict[str, Any]) -> list[Section]:
+def _press(tree: Mapping[str, Any]) -> list[Section]:
     uncertain = any("utilisation_std" in one for one in tree["slip"].values())
     rows = []
     for name, one in tree["slip"].items():
@@ -57,7 +54,7 @@ def _press(tree: dict[str, Any]) -> list[Section]:
     ]
 
 
-def _slip_lines(tree: dict[str, Any]) -> tuple[str, ...]:
+def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
     lines = []
     if tree["slips"]:
         lines.append(
@@ -75,7 +72,7 @@ def _slip_lines(tree: dict[str, Any]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _start_up(tree: dict[str, Any]) -> list[Section]:
+def _start_up(tree: Mapping[str, Any]) -> list[Section]:
     if "start_up" not in tree:
         return []
     found = tree["start_up"]
@@ -99,7 +96,7 @@ def _start_up(tree: dict[str, Any]) -> list[Section]:
     return [Section(title="Start-up", lines=lines, table=Table(headings=headings, rows=tuple(rows)))]
 
 
-def _saw(tree: dict[str, Any]) -> list[Section]:
+def _saw(tree: Mapping[str, Any]) -> list[Section]:
     sides = [side for side in ("tight", "slack", "rest") if side in tree]
     modes = len(tree["rest"]["frequencies_Hz"])
     rows = [
@@ -132,7 +129,7 @@ def _saw(tree: dict[str, Any]) -> list[Section]:
     ]
 
 
-def _resonance(tree: dict[str, Any]) -> list[Section]:
+def _resonance(tree: Mapping[str, Any]) -> list[Section]:
     if "resonance" not in tree:
         return []
     rows = tuple(
@@ -167,7 +164,7 @@ def _resonance(tree: dict[str, Any]) -> list[Section]:
     ]
 
 
-def _comparison(tree: dict[str, Any]) -> list[Section]:
+def _comparison(tree: Mapping[str, Any]) -> list[Section]:
     if "comparison" not in tree:
         return []
     rows = tuple(

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,8 +22,8 @@ __all__ = ["explanation_sections", "plan_lines", "quantities_table", "solution_s
 _NAMED = 4
 
 
-def solution_sections(solution: "Solution") -> list[Section]:
-    """Return what a scene's answer is, how sure, and what was simulated for it."""
+def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Section]:
+    """Return what a scene's answer is, how sure, and what was simulated for it; `tree` is its `to_dict()`."""
     scene = solution.scene
     lines = [] if scene.source is None else [f"friction: {scene.source.origin}"]
     # What belongs to one of many rollers or sides stands in that machine's own tables.
@@ -34,7 +34,7 @@ def solution_sections(solution: "Solution") -> list[Section]:
         table=quantities_table(whole, solution.level) if whole else None,
         notes=solution.warnings,
     )
-    return [answer, *machine_sections(solution), Section(title="Simulated", lines=plan_lines(solution))]
+    return [answer, *machine_sections(tree), Section(title="Simulated", lines=plan_lines(solution))]
 
 
 def quantities_table(quantities: Sequence["Uncertain"], level: float) -> Table:

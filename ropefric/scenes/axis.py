@@ -16,6 +16,7 @@ from ropefric.trials.toml_document import TomlDocument
 __all__ = ["Axis", "parse_axis", "replaced", "scalar_keys"]
 
 _MAX_POINTS = 10_000_000
+_NUMBER = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -91,7 +92,8 @@ def parse_axis(scene: Scene, text: str) -> Axis:
         return _range(scene, key, values)
     texts = [part.strip() for part in values.split(",")]
     found = np.array([_si(scene, key, part) for part in texts])
-    return Axis(key=key, values=found, **_unit(scene, key, texts[-1]))
+    unit, factor = _unit(texts[-1], float(found[-1]))
+    return Axis(key=key, values=found, unit=unit, factor=factor)
 
 
 def _range(scene: Scene, key: str, text: str) -> Axis:
@@ -111,7 +113,8 @@ def _range(scene: Scene, key: str, text: str) -> Axis:
         values = np.geomspace(start, stop, count)
     else:
         values = np.linspace(start, stop, count)
-    return Axis(key=key, values=values, **_unit(scene, key, parts[1]))
+    unit, factor = _unit(parts[1], stop)
+    return Axis(key=key, values=values, unit=unit, factor=factor)
 
 
 def _si(scene: Scene, key: str, text: str) -> float:
@@ -134,14 +137,14 @@ def _bare(key: str, text: str) -> float:
         ) from None
 
 
-def _unit(scene: Scene, key: str, text: str) -> dict[str, Any]:
-    unit = re.sub(r"^\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*", "", text)
+def _unit(text: str, si_value: float) -> tuple[str, float]:
+    """Return the unit in which a value was written, and how much of SI one of it is."""
+    found = _NUMBER.match(text)
+    unit = text[found.end() :].strip() if found else text
     if not unit:
-        return {"unit": "", "factor": 1.0}
-    # A scale without offset: what one unit is follows from two values that are both allowed.
-    one, two = (_si(scene, key, text), re.match(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)", text))
-    written = float(two[1]) if two else 1.0
-    return {"unit": unit, "factor": one / written if written else 1.0}
+        return "", 1.0
+    written = float(found[1]) if found else 1.0
+    return unit, si_value / written if written else 1.0
 
 
 def scalar_keys(scene: Scene) -> tuple[str, ...]:

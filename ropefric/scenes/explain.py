@@ -8,6 +8,7 @@ from statistics import median
 from typing import Any
 
 from ropefric.errors import RopefricError
+from ropefric.scenes.jsonable import finite, method_tree
 from ropefric.scenes.plan import Decision, Plan, make_plan
 from ropefric.scenes.scene import Scene, placed
 from ropefric.systems.effect import Effect, assemble
@@ -68,13 +69,8 @@ class Explanation:
         return {
             "system": self.system,
             "accuracy": self.plan.accuracy,
-            "error_bound": _finite(self.plan.error_bound),
-            "method": {
-                "name": self.plan.method.name,
-                "settings": dict(self.plan.method.settings),
-                "error": _finite(self.plan.method.error),
-                "why": self.plan.method.why,
-            },
+            "error_bound": finite(self.plan.error_bound),
+            "method": method_tree(self.plan.method),
             "effects": [
                 _effect_tree(decision, effect, found)
                 for decision, effect, found in zip(self.plan.decisions, self.effects, worth, strict=True)
@@ -82,15 +78,11 @@ class Explanation:
             "measured": None
             if self.worth is None
             else {
-                "planned_s": _finite(self.planned_s),
-                "all_effects_s": _finite(self.all_s),
-                "difference": _finite(self.difference),
+                "planned_s": finite(self.planned_s),
+                "all_effects_s": finite(self.all_s),
+                "difference": finite(self.difference),
             },
         }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _effect_tree(decision: Decision, effect: Effect[Any, Any], worth: EffectWorth) -> dict[str, Any]:
@@ -98,13 +90,13 @@ def _effect_tree(decision: Decision, effect: Effect[Any, Any], worth: EffectWort
         "name": decision.name,
         "simulated": decision.fate == "simulated",
         "fate": decision.fate,
-        "bound": _finite(decision.bound),
+        "bound": finite(decision.bound),
         "why": decision.why,
         "missing": list(decision.missing),
         "adds": effect.adds,
         "instead": effect.instead,
-        "worth": _finite(worth.worth),
-        "time_share": _finite(worth.time_share),
+        "worth": finite(worth.worth),
+        "time_share": finite(worth.time_share),
     }
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.friction.condition import FloatArray
-from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.schema import SceneTable
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
@@ -76,9 +75,8 @@ class Kind:
     own_wheel : callable
         `own_wheel(table)` returns the wheel radius and the rope radius [m] that a law without reference refers to.
     problem : callable
-        `problem(table, friction)` returns the problem; `friction` is None where the scene gives none.
-    with_friction : callable
-        `with_friction(problem, friction)` returns the problem with another friction.
+        `problem(table, friction)` returns the problem, a dataclass with a field `friction`; None where the scene
+        gives none.
     quantities : callable
         `quantities(answer, problem)` returns the numbers that people read; none of them is uncertain where no
         friction enters.
@@ -89,10 +87,8 @@ class Kind:
         name to an array; for telling an extrapolation.
     sweep_fields : mapping
         Keys that can be swept in one call.
-    with_fields : callable
-        `with_fields(problem, fields)` returns the problem with arrays in place of these attributes.
     in_one_call : callable
-        `in_one_call(model)` returns whether a model can be solved for many cases at once.
+        `in_one_call(problem)` returns whether a problem can be solved for many cases at once.
     answerable : callable
         `answerable(problem)` returns for which of many cases there is an answer, as far as that shows without
         solving them.
@@ -112,12 +108,10 @@ class Kind:
     system: System[Any, Any, Any]
     own_wheel: Callable[[Any], tuple[float, float]]
     problem: Callable[[Any, WrapFriction | None], Any]
-    with_friction: Callable[[Any, WrapFriction], Any]
     quantities: Callable[[Any, Any], tuple[Quantity, ...]]
     tree: Callable[[Any, Any], dict[str, Any]]
-    contacts: Callable[[Any, FrictionSource], Mapping[str, FloatArray]]
+    contacts: Callable[[Any], Mapping[str, FloatArray]]
     sweep_fields: Mapping[str, SweepField]
-    with_fields: Callable[[Any, Mapping[str, FloatArray]], Any]
-    in_one_call: Callable[[Any], bool]
     answerable: Callable[[Any], npt.NDArray[np.bool_]]
     scene_key: Callable[[str], str]
+    in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ropefric.errors import DataError, Problem, RopefricError, raise_problems
+from ropefric.errors import DataError, Problem, RopefricError, data_error, raise_problems
 from ropefric.registry import did_you_mean
 from ropefric.scenes.friction_source import FrictionSource, friction_source
 from ropefric.scenes.kind import Kind
@@ -136,16 +136,7 @@ def placed(error: RopefricError, document: TomlDocument) -> DataError:
         )
         for problem in error.problems
     ]
-    first = problems[0]
-    return DataError(
-        first.message,
-        code=first.code,
-        path=first.path,
-        line=first.line,
-        key=first.key,
-        fix=first.fix,
-        problems=problems,
-    )
+    return data_error(problems)
 
 
 def _kind(document: TomlDocument) -> Kind:

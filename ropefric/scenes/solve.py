@@ -1,12 +1,13 @@
 """A scene solved: the answer, its uncertainty, and what was simulated for it."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.extrapolation import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
+from ropefric.scenes.jsonable import finite, method_tree
 from ropefric.scenes.plan import Plan, make_plan
 from ropefric.scenes.scene import Scene, placed
 from ropefric.scenes.uncertainty import Uncertain, carry_through, known
@@ -71,20 +72,11 @@ class Solution:
             "not_applicable": [one.name for one in plan.decisions if one.fate == "not applicable"],
         }
         tree["accuracy"] = plan.accuracy
-        tree["error_bound"] = _finite(plan.error_bound)
-        tree["method"] = {
-            "name": plan.method.name,
-            "settings": dict(plan.method.settings),
-            "error": _finite(plan.method.error),
-            "why": plan.method.why,
-        }
+        tree["error_bound"] = finite(plan.error_bound)
+        tree["method"] = method_tree(plan.method)
         tree["friction"] = None if self.scene.source is None else self.scene.source.origin
         tree["warnings"] = list(self.warnings)
         return tree
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
@@ -93,15 +85,15 @@ def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
     place = tree
     for part in path:
         place = place.setdefault(part, {})
-    place[name] = _finite(quantity.value[0])
+    place[name] = finite(quantity.value[0])
     if len(quantity.std) and quantity.std[0] == 0.0:
         return
     stem = name.removesuffix("_N") if name.endswith("_N") else name
     unit = "_N" if stem != name else ""
     # The main answer has the contract's bare names; the others carry their own.
     prefix = "" if name == "lift_force_N" else f"{stem}_"
-    place[f"{prefix}std{unit}"] = _finite(quantity.std[0])
-    place[f"{prefix}interval{unit}"] = [_finite(end) for end in quantity.interval[0]]
+    place[f"{prefix}std{unit}"] = finite(quantity.std[0])
+    place[f"{prefix}interval{unit}"] = [finite(end) for end in quantity.interval[0]]
 
 
 def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
@@ -162,7 +154,7 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
 
 
 def _again(scene: Scene, plan: Plan, friction: Any) -> Any:
-    problem = scene.kind.with_friction(scene.problem, friction)
+    problem = replace(scene.problem, friction=friction)
     model = assemble(scene.kind.system, problem, plan.simulated)
     return scene.kind.quantities(scene.kind.system.solve(model, plan.method), problem)
 
@@ -172,7 +164,7 @@ def _extrapolation(scene: Scene) -> tuple[str, ...]:
     source = scene.source
     if source is None or source.tested is None:
         return ()
-    contacts = Conditions(**scene.kind.contacts(scene.problem, source))
+    contacts = Conditions(**scene.kind.contacts(scene.problem))
     outside = outside_range(source.tested, contacts)
     words = []
     for column, (name, (what, unit, factor)) in enumerate(REGRESSORS.items()):

@@ -1,7 +1,7 @@
 """A scene solved over a grid of its own numbers: in one call where the system allows, point by point elsewhere."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Any
 
@@ -92,7 +92,7 @@ def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | No
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
     total = prod(axis.values.size for axis in axes)
     collected = _Collected(total=total)
-    by_array = all(key in scene.kind.sweep_fields for key in keys) and _takes_arrays(scene)
+    by_array = all(key in scene.kind.sweep_fields for key in keys) and scene.kind.in_one_call(scene.problem)
     solve = _solve_answerable if by_array else _solve_point
     for places, values in _blocks(axes, total, _BLOCK if by_array else 1):
         solve(scene, keys, values, places, collected)
@@ -136,14 +136,6 @@ class _Collected:
         self.failed += 1
 
 
-def _takes_arrays(scene: Scene) -> bool:
-    plan, model = make_plan(
-        scene.kind.system, scene.problem, accuracy=scene.accuracy, effects=_asked(scene, 10**9)
-    )
-    del plan
-    return scene.kind.in_one_call(model)
-
-
 def _asked(scene: Scene, points: int) -> str | tuple[str, ...]:
     return "all" if scene.effects == "auto" and points > _PLANNED_POINTS else scene.effects
 
@@ -175,7 +167,7 @@ def _at(scene: Scene, keys: list[str], values: list[FloatArray]) -> Any:
         scene.kind.sweep_fields[key].field: scene.kind.sweep_fields[key].factor * value
         for key, value in zip(keys, values, strict=True)
     }
-    return scene.kind.with_fields(scene.problem, fields)
+    return replace(scene.problem, **fields)
 
 
 def _solve_block(

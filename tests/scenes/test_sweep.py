@@ -144,3 +144,12 @@ def test_each_point_of_a_small_sweep_keeps_the_promise(hoist_of):
     ratio = planned.columns["lift_force_N"] / full.columns["lift_force_N"]
     assert np.abs(ratio - 1.0).max() <= min(0.01, planned.error_bound) * (1 + 1e-9)
     assert math.isfinite(planned.error_bound)
+
+
+def test_start_ups_are_swept_one_by_one(loaded):
+    scene = loaded("press-start-up")
+    swept = sweep_scene(scene, (parse_axis(scene, "press.preload=1100N,2500N"),))
+    assert swept.failed == 0
+    assert "transient" in swept.simulated
+    largest = swept.columns["largest_utilisation"]
+    assert largest[0] > 1.0 > largest[1] > 0.0

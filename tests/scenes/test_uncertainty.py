@@ -1,5 +1,7 @@
 """What a fit's covariance does to a press and to a saw, against drawing the parameters at random."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ def drawn(scene, solution):
     simulated = set(solution.plan.simulated) - {"bending"}  # which takes its time and has no part in friction
     found = []
     for theta in rng.multivariate_normal(source.friction.theta, source.covariance, size=DRAWS):
-        problem = scene.kind.with_friction(scene.problem, source.with_theta(theta))
+        problem = replace(scene.problem, friction=source.with_theta(theta))
         try:
             answer = system.solve(assemble(system, problem, simulated), solution.plan.method)
         except RopefricError:

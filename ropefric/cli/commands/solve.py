@@ -63,7 +63,7 @@ def solve(
     trusted = loaded.source is None or not loaded.source.warnings
     return Answer(
         data=tree | {"files": files},
-        show=lambda console: show_sections(solution_sections(solution), console),
+        show=lambda console: show_sections(solution_sections(solution, tree), console),
         exit_code=0 if trusted else NOT_TRUSTED,
     )
 

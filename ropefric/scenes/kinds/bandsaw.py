@@ -1,19 +1,17 @@
 """Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ropefric.friction.condition import FloatArray
-from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.kind import Kind, Quantity, SweepField
 from ropefric.scenes.kinds.saw_report import saw_tree
 from ropefric.scenes.kinds.saw_schema import SawScene
 from ropefric.systems.bandsaw.answer import SawAnswer
 from ropefric.systems.bandsaw.ends import ENDS
+from ropefric.systems.bandsaw.influence import answerable
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.problem import SawProblem
 from ropefric.systems.bandsaw.saw import Side
@@ -70,14 +68,6 @@ def _range_N(table: SawScene) -> tuple[float, float] | None:
     return low, high
 
 
-def _with_friction(problem: SawProblem, friction: WrapFriction) -> SawProblem:
-    return replace(problem, friction=friction)
-
-
-def _with_fields(problem: SawProblem, fields: Mapping[str, FloatArray]) -> SawProblem:
-    return replace(problem, **fields)  # type: ignore[arg-type]  # sweep_fields names arrays only
-
-
 def _quantities(answer: SawAnswer, problem: SawProblem) -> tuple[Quantity, ...]:
     del problem
     found = [
@@ -89,8 +79,7 @@ def _quantities(answer: SawAnswer, problem: SawProblem) -> tuple[Quantity, ...]:
     return tuple(found)
 
 
-def _contacts(problem: SawProblem, source: FrictionSource) -> Mapping[str, FloatArray]:
-    del source
+def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
     half_m = 0.5 * _UNKNOWN_THICKNESS_M
     if problem.section is not None:
         half_m = 0.5 * problem.section.thickness_m
@@ -101,24 +90,6 @@ def _contacts(problem: SawProblem, source: FrictionSource) -> Mapping[str, Float
         "wrap_angle_rad": np.full(problem.m, problem.wheel_wrap_rad),
         "end_tension_N": problem.preload_N,
     }
-
-
-def _in_one_call(model: object) -> bool:
-    del model
-    return True
-
-
-def _answerable(problem: SawProblem) -> npt.NDArray[np.bool_]:
-    zero = np.zeros(problem.m)
-    pull_N = zero if problem.tension_difference_N is None else 0.5 * problem.tension_difference_N
-    speed = problem.speed_m_s
-    inertia_N = zero if speed is None else problem.linear_density_kg_m * speed**2
-    kappa = zero if problem.mounting_factor is None else problem.mounting_factor
-    stiff_N = zero
-    if problem.bending_stiffness_N_m2 is not None:
-        stiff_N = problem.ends.buckling * problem.bending_stiffness_N_m2 / problem.free_span_m**2
-    slack_N = problem.preload_N - pull_N + kappa * inertia_N
-    return np.asarray((slack_N > 0.0) & (slack_N - inertia_N + stiff_N > 0.0))
 
 
 _SCENE_KEYS = {
@@ -145,7 +116,6 @@ KIND = Kind(
     system=SYSTEM,
     own_wheel=_own_wheel,
     problem=_problem,
-    with_friction=_with_friction,
     quantities=_quantities,
     tree=saw_tree,
     contacts=_contacts,
@@ -156,8 +126,6 @@ KIND = Kind(
         "drive.tension_difference": SweepField(field="tension_difference_N"),
         "blade.bending_stiffness": SweepField(field="bending_stiffness_N_m2"),
     },
-    with_fields=_with_fields,
-    in_one_call=_in_one_call,
-    answerable=_answerable,
+    answerable=answerable,
     scene_key=_scene_key,
 )

@@ -2,14 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from ropefric.friction.condition import FloatArray
-from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.kind import Kind, Quantity, SweepField
 from ropefric.scenes.schema import FrictionTable, SceneTable, optional
 from ropefric.systems.friction import WrapFriction
@@ -94,10 +92,6 @@ def _array(value: float) -> FloatArray:
     return np.array([value])
 
 
-def _with_friction(problem: HoistProblem, friction: WrapFriction) -> HoistProblem:
-    return replace(problem, friction=friction)
-
-
 def _quantities(lift: Lift, problem: HoistProblem) -> tuple[Quantity, ...]:
     found = [
         Quantity(name="lift_force_N", value=lift.lift_force_N, positive=True),
@@ -124,23 +118,13 @@ def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     return tree
 
 
-def _contacts(problem: HoistProblem, source: FrictionSource) -> Mapping[str, FloatArray]:
-    del source
+def _contacts(problem: HoistProblem) -> Mapping[str, FloatArray]:
     return {
         "wheel_radius_m": problem.wheel_radius_m,
         "rope_radius_m": problem.rope_radius_m,
         "wrap_angle_rad": problem.wrap_angle_rad,
         "end_tension_N": problem.end_tension_N,
     }
-
-
-def _with_fields(problem: HoistProblem, fields: Mapping[str, FloatArray]) -> HoistProblem:
-    return replace(problem, **fields)  # type: ignore[arg-type]  # sweep_fields names arrays only
-
-
-def _in_one_call(model: object) -> bool:
-    del model
-    return True
 
 
 _SCENE_KEYS = {
@@ -166,7 +150,6 @@ KIND = Kind(
     system=SYSTEM,
     own_wheel=_own_wheel,
     problem=_problem,
-    with_friction=_with_friction,
     quantities=_quantities,
     tree=_tree,
     contacts=_contacts,
@@ -181,8 +164,6 @@ KIND = Kind(
         "load.end_tension": SweepField(field="end_tension_N"),
         "load.payload": SweepField(field="payload_kg"),
     },
-    with_fields=_with_fields,
-    in_one_call=_in_one_call,
     answerable=answerable,
     scene_key=_scene_key,
 )

@@ -1,18 +1,15 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.friction.condition import FloatArray
-from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.kind import Kind, SweepField
 from ropefric.scenes.kinds.press_machine import press_problem
 from ropefric.scenes.kinds.press_report import press_quantities, press_tree
 from ropefric.scenes.kinds.press_schema import PressScene
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.problem import PressProblem
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
@@ -28,17 +25,8 @@ def _own_wheel(table: PressScene) -> tuple[float, float]:
     return (radii[len(radii) // 2] if radii else 1.0), (0.5 * belts[0].thickness if belts else 0.005)
 
 
-def _with_friction(problem: PressProblem, friction: WrapFriction) -> PressProblem:
-    return replace(problem, friction=friction)
-
-
-def _with_fields(problem: PressProblem, fields: Mapping[str, FloatArray]) -> PressProblem:
-    return replace(problem, **fields)  # type: ignore[arg-type]  # sweep_fields names arrays only
-
-
-def _contacts(problem: PressProblem, source: FrictionSource) -> Mapping[str, FloatArray]:
+def _contacts(problem: PressProblem) -> Mapping[str, FloatArray]:
     """Return every roller once, with the tension of its belt at rest."""
-    del source
     rollers = problem.press.rollers
     halves = [
         0.5 * max(belt.thickness_m for belt in problem.press.belts if roller.name in belt.loop)
@@ -54,9 +42,9 @@ def _contacts(problem: PressProblem, source: FrictionSource) -> Mapping[str, Flo
     }
 
 
-def _in_one_call(model: object) -> bool:
-    del model
-    return True
+def _in_one_call(problem: PressProblem) -> bool:
+    """Return whether no start-up is asked for: one is simulated at a time."""
+    return problem.start_up is None
 
 
 def _answerable(problem: PressProblem) -> npt.NDArray[np.bool_]:
@@ -112,7 +100,6 @@ KIND = Kind(
     system=SYSTEM,
     own_wheel=_own_wheel,
     problem=press_problem,
-    with_friction=_with_friction,
     quantities=press_quantities,
     tree=press_tree,
     contacts=_contacts,
@@ -121,7 +108,6 @@ KIND = Kind(
         "press.preload": SweepField(field="preload_N"),
         "press.load_factor": SweepField(field="load_factor"),
     },
-    with_fields=_with_fields,
     in_one_call=_in_one_call,
     answerable=_answerable,
     scene_key=_scene_key,

@@ -1,11 +1,11 @@
 """The answer to a press scene as a JSON tree: tensions, slip, what slips first and when, the start-up."""
 
-import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ropefric.scenes.jsonable import finite
 from ropefric.scenes.kind import Quantity
 from ropefric.systems.press.answer import PressAnswer, as_operated
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
@@ -49,7 +49,7 @@ def press_tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
         "tension_N": dict(zip(spans, answer.at_rest_N[0].tolist(), strict=True)),
         "effective_tension_N": dict(zip(spans, answer.state.effective_tension_N[0].tolist(), strict=True)),
         "slip": {
-            roller: {measure: _finite(float(slip.of(roller, measure)[0])) for measure in MEASURES}
+            roller: {measure: finite(float(slip.of(roller, measure)[0])) for measure in MEASURES}
             for roller in slip.rollers
         },
         "closure": answer.statics.closure,
@@ -114,7 +114,3 @@ def _answering_to_speed(press: Press, parts: Parts) -> Press:
     if not parts.keeps_tension:
         return press
     return replace(press, belts=tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts))
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -8,6 +8,7 @@ import numpy as np
 
 from ropefric.errors import RopefricError
 from ropefric.friction.condition import FloatArray
+from ropefric.scenes.jsonable import finite
 from ropefric.systems.bandsaw.answer import SawAnswer, SideAnswer
 from ropefric.systems.bandsaw.identify import identify
 from ropefric.systems.bandsaw.measured import deviations, explain_mounting
@@ -81,15 +82,11 @@ def _side(one: SideAnswer) -> dict[str, Any]:
         "tension_N": float(one.tension_N[0]),
         "wave_speed_m_s": float(one.wave_speed_m_s[0]),
         # A constant-force mounting has no critical speed.
-        "critical_speed_m_s": _finite(float(one.critical_speed_m_s[0])),
+        "critical_speed_m_s": finite(float(one.critical_speed_m_s[0])),
     }
     if one.torsion_Hz is not None:
         tree["torsion_Hz"] = one.torsion_Hz[0].tolist()
     return tree
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
@@ -116,7 +113,7 @@ def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
                 "harmonic": one.harmonic,
                 "speed_m_s": one.speed_m_s,
                 "frequency_Hz": one.frequency_Hz,
-                "speed_margin": _finite(one.speed_margin),
+                "speed_margin": finite(one.speed_margin),
             }
             for side in (Side.TIGHT, Side.SLACK)
             for one in find_crossings(saw, side, problem.excitations, speeds_m_s(saw, side), problem.n_modes)
@@ -208,8 +205,8 @@ def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
     return {
         "preload_N": found.preload_N,
         "mounting_factor": found.mounting_factor,
-        "preload_std_N": None if std is None else _finite(std[0]),
-        "mounting_factor_std": None if std is None else _finite(std[1]),
+        "preload_std_N": None if std is None else finite(std[0]),
+        "mounting_factor_std": None if std is None else finite(std[1]),
         "free_mounting_factor": found.free_mounting_factor,
         "status": found.status.value,
         "advice": found.status.advice,

@@ -14,13 +14,14 @@ from collections.abc import Callable, Iterator
 from itertools import product
 
 import numpy as np
+import numpy.typing as npt
 
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import CLAMPED
 from ropefric.systems.bandsaw.problem import SawProblem
 from ropefric.systems.bound import worst_case
 
-__all__ = ["bending_bound", "bounded", "difference_bound", "travel_bound", "wheels_bound"]
+__all__ = ["answerable", "bending_bound", "bounded", "difference_bound", "travel_bound", "wheels_bound"]
 
 Bound = Callable[[SawProblem], FloatArray]
 
@@ -52,6 +53,23 @@ def _wheels_N(problem: SawProblem) -> FloatArray:
 def _pull_N(problem: SawProblem) -> FloatArray:
     """Return ΔF/2 [N]."""
     return _zeros(problem) if problem.tension_difference_N is None else 0.5 * problem.tension_difference_N
+
+
+def answerable(problem: SawProblem) -> npt.NDArray[np.bool_]:
+    """Return for which of m cases both sides are tight and slower than their critical speed, shape (m,).
+
+    Examples
+    --------
+    >>> answerable(SawProblem(free_span_m=1.6, linear_density_kg_m=0.6, preload_N=3412.0, n_modes=1,
+    ...     wheel_radius_m=0.35, wheel_speed_rad_s=[100.0, 300.0])).tolist()
+    [True, False]
+    """
+    inertia_N = _inertia_N(problem)
+    stiff_N = _zeros(problem)
+    if problem.bending_stiffness_N_m2 is not None:
+        stiff_N = problem.ends.buckling * problem.bending_stiffness_N_m2 / problem.free_span_m**2
+    slack_N = problem.preload_N - _pull_N(problem) + _wheels_N(problem)
+    return np.asarray((slack_N > 0.0) & (slack_N - inertia_N + stiff_N > 0.0))
 
 
 def _log_frequency(tension_N: FloatArray, inertia_N: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The house: imports go downward, libraries stay in their rooms, files stay small, importing stays light."""
+"""The house: imports go downward, libraries stay in their rooms, importing stays light."""
 
 import ast
 import subprocess
@@ -11,18 +11,18 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "ropefric"
 MODULES = sorted(PACKAGE.rglob("*.py"))
-MAX_LINES = 300
 
 LEVELS = {
     "errors": 0, "glossary": 0, "quantities": 0, "registry": 0,
-    "traces": 1, "friction": 1,
-    "trials": 2, "rig": 2, "systems": 2,
-    "fitting": 3,
-    "scenes": 4,
-    "pipeline": 5, "accuracy": 5,
-    "plotting": 6,
-    "report": 7,
-    "cli": 8, "api": 8,
+    "files": 1, "friction": 1,
+    "traces": 2, "systems": 2,
+    "trials": 3, "rig": 3,
+    "fitting": 4,
+    "scenes": 5,
+    "pipeline": 6, "accuracy": 6,
+    "plotting": 7,
+    "report": 8,
+    "cli": 9, "api": 9,
 }  # fmt: skip
 # The package's own face and its `python -m` door stand outside the house: they may look at everything.
 DOORS = {"__init__", "__main__"}
@@ -62,13 +62,12 @@ def test_every_module_has_a_level_and_imports_only_downward(path):
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
-def test_libraries_stay_in_their_rooms_and_files_stay_small(path):
+def test_libraries_stay_in_their_rooms(path):
     for name in imported_names(path):
         library = name.split(".")[0]
         if library in ONLY_IN:
             assert room_of(path) == ONLY_IN[library], f"{path.name} imports {library}"
     assert path.name != "utils.py"
-    assert len(path.read_text(encoding="utf-8").splitlines()) <= MAX_LINES
 
 
 def graph() -> dict[str, set[str]]:

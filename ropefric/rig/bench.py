@@ -7,10 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from ropefric.errors import InputError
-from ropefric.rig.faults import FAULTS
-from ropefric.rig.faults.fault import Fault, Samples, Setup
-from ropefric.rig.protocols import RIG_PROTOCOLS
-from ropefric.rig.protocols.protocol import RigProtocol
+from ropefric.rig.faults import FAULTS, Fault, Samples, Setup
+from ropefric.rig.protocols import RIG_PROTOCOLS, RigProtocol
 from ropefric.rig.sensing import draw_sensor
 from ropefric.rig.settings import HELD_BENCH, Bench
 from ropefric.rig.truth import SimulatedRecording

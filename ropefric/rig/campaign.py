@@ -8,8 +8,7 @@ import numpy as np
 
 from ropefric.errors import InputError
 from ropefric.rig.bench import simulate_recording
-from ropefric.rig.faults import FAULTS
-from ropefric.rig.faults.saturation import MARGIN
+from ropefric.rig.faults import FAULTS, SATURATION_MARGIN
 from ropefric.rig.files import campaign_text, known_force, packed, recording_text, table_text, toml_value
 from ropefric.rig.plan import CampaignPlan, RigCondition
 from ropefric.rig.protocols import RIG_PROTOCOLS
@@ -111,7 +110,7 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
             # The honest cause is a cell too small for the force; only where there is none does a rope jam. Whole
             # conditions lie above it: choosing the strongest trials would bias the mean of those that are left.
             least_N = (1.0 - 4.0 * plan.bench.trial_scatter) * law_N
-            over = can & (least_N >= MARGIN * plan.bench.cells[0].full_scale_N)
+            over = can & (least_N >= SATURATION_MARGIN * plan.bench.cells[0].full_scale_N)
             can = over if over.any() else can
         places = np.flatnonzero(can)
         n = min(round(rate * law_N.size), places.size)

@@ -6,8 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.errors import InputError
-from ropefric.systems.press.closures import CLOSURES
-from ropefric.systems.press.closures.closure import Closure
+from ropefric.systems.press.closures import CLOSURES, Closure
 from ropefric.systems.press.determinacy import free_motions, in_words, matrix_rank
 from ropefric.systems.press.equations import has_balance, incidence, load_torques_N_m, pull_matrix, radii_m
 from ropefric.systems.press.machine import Press

@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ropefric.systems.bandsaw.campbell import SawChart
-    from ropefric.systems.bandsaw.excitation import Excitation
-    from ropefric.systems.bandsaw.resonance import Crossing
+    from ropefric.systems.bandsaw.resonance import Crossing, Excitation
 
 __all__ = ["draw_saw_chart"]
 
@@ -51,7 +50,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
     Examples
     --------
     >>> from ropefric.systems.bandsaw.campbell import saw_chart
-    >>> from ropefric.systems.bandsaw.excitation import wheel_rotation
+    >>> from ropefric.systems.bandsaw.resonance import wheel_rotation
     >>> from ropefric.systems.bandsaw.saw import Saw
     >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
     ...     wheel_speed_rad_s=101.58, tension_difference_N=210.95)

@@ -8,11 +8,11 @@ from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, sce
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.bandsaw.beam import scaled_beams, solve_beam
 from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
+from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.ends import CLAMPED
+from ropefric.systems.bandsaw.galerkin import ScaledBeam
 from ropefric.systems.bandsaw.saw import Side
-from ropefric.systems.bandsaw.scaled import ScaledBeam
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
-from ropefric.systems.bandsaw.system import SYSTEM as SAW
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.system import SYSTEM as HOIST
 from ropefric.systems.press.problem import PressProblem, StartUpTask

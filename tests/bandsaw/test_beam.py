@@ -18,10 +18,8 @@ from ropefric.systems.bandsaw.beam import (
 )
 from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
 from ropefric.systems.bandsaw.ends import CLAMPED, ENDS, PINNED
-from ropefric.systems.bandsaw.galerkin import galerkin_frequencies
-from ropefric.systems.bandsaw.layout import order_for, waves_of
+from ropefric.systems.bandsaw.galerkin import ScaledBeam, galerkin_frequencies, order_for, waves_of
 from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
-from ropefric.systems.bandsaw.scaled import ScaledBeam
 from ropefric.systems.bandsaw.span import Span
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 

@@ -16,12 +16,11 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import Registry
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.bandsaw.beam import solve_beam
+from ropefric.systems.bandsaw.effects import SYSTEM, SawProblem
 from ropefric.systems.bandsaw.ends import CLAMPED, PINNED
-from ropefric.systems.bandsaw.problem import SawProblem
+from ropefric.systems.bandsaw.galerkin import ScaledBeam
 from ropefric.systems.bandsaw.saw import Side
-from ropefric.systems.bandsaw.scaled import ScaledBeam
 from ropefric.systems.bandsaw.section import STEEL_85_09
-from ropefric.systems.bandsaw.system import SYSTEM
 from ropefric.systems.effect import Method, assemble
 from ropefric.systems.friction import WrapFriction
 

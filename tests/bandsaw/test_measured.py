@@ -6,9 +6,14 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.systems.bandsaw.identification import IdentificationStatus
-from ropefric.systems.bandsaw.identify import identify
-from ropefric.systems.bandsaw.measured import Measurement, MountingStatus, deviations, explain_mounting
+from ropefric.systems.bandsaw.measured import (
+    IdentificationStatus,
+    Measurement,
+    MountingStatus,
+    deviations,
+    explain_mounting,
+    identify,
+)
 from ropefric.systems.bandsaw.models import MODELS
 from ropefric.systems.bandsaw.saw import Side, frequencies_Hz
 

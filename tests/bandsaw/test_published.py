@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
+from ropefric.systems.bandsaw.answer import torsion_frequencies_Hz
 from ropefric.systems.bandsaw.drive import inertia_tension_N, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.printed import printed_frequencies_Hz
 from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
 from ropefric.systems.bandsaw.section import STEEL_85_09
 from ropefric.systems.bandsaw.string import frequency_Hz, string_frequencies_Hz
-from ropefric.systems.bandsaw.torsion import torsion_frequencies_Hz
 
 T, S, R = Side.TIGHT, Side.SLACK, Side.REST
 # f_1 unrounded; the tables' inertia tension acts whether or not the column regards the speed.

@@ -9,15 +9,16 @@ from hypothesis import strategies as st
 
 from ropefric.errors import InputError
 from ropefric.systems.bandsaw.campbell import saw_chart
-from ropefric.systems.bandsaw.excitation import (
+from ropefric.systems.bandsaw.inverse import preload_for_N
+from ropefric.systems.bandsaw.resonance import (
     Excitation,
     blade_passing,
+    find_crossings,
     fixed_frequency,
+    margins,
     tooth_passing,
     wheel_rotation,
 )
-from ropefric.systems.bandsaw.inverse import preload_for_N
-from ropefric.systems.bandsaw.resonance import find_crossings, margins
 from ropefric.systems.bandsaw.saw import Side, frequencies_Hz
 from ropefric.systems.bandsaw.strain import StrainStatus, recommend_preload
 

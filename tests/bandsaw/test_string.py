@@ -9,20 +9,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError
-from ropefric.systems.bandsaw.compensated import add, as_pair, divide, multiply, total
+from ropefric.systems.bandsaw.answer import torsion_frequencies_Hz, torsion_wave_speed_m_s
 from ropefric.systems.bandsaw.drive import inertia_tension_N, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.ends import CLAMPED, PINNED
 from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
 from ropefric.systems.bandsaw.section import STEEL_85_09, Section
-from ropefric.systems.bandsaw.span import Span
+from ropefric.systems.bandsaw.span import Span, add, as_pair, divide, multiply, total
 from ropefric.systems.bandsaw.string import (
     frequency_at_shortfall_Hz,
     frequency_Hz,
+    running_mode,
     string_frequencies_Hz,
     wave_times_s,
 )
-from ropefric.systems.bandsaw.torsion import torsion_frequencies_Hz, torsion_wave_speed_m_s
-from ropefric.systems.bandsaw.waves import running_mode
 
 
 def exact_hz(span, case=0):

@@ -6,9 +6,7 @@ import pytest
 from ropefric.systems.bandsaw.beam import solve_beam
 from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
 from ropefric.systems.bandsaw.ends import CLAMPED
-from ropefric.systems.bandsaw.galerkin import galerkin_frequencies
-from ropefric.systems.bandsaw.layout import widths_for
-from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.galerkin import ScaledBeam, galerkin_frequencies, widths_for
 from ropefric.systems.bandsaw.span import Span
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 

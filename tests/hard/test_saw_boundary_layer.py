@@ -11,9 +11,7 @@ from hard_saw import beam_frequencies
 
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, solve_beam
 from ropefric.systems.bandsaw.ends import CLAMPED, ENDS, PINNED
-from ropefric.systems.bandsaw.galerkin import galerkin_frequencies
-from ropefric.systems.bandsaw.layout import order_for, widths_for
-from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.galerkin import ScaledBeam, galerkin_frequencies, order_for, widths_for
 from ropefric.systems.bandsaw.span import Span
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 

@@ -9,7 +9,7 @@ from hard_saw import beam_frequencies, beam_of_span_Hz
 
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, solve_beam
 from ropefric.systems.bandsaw.ends import CLAMPED, ENDS
-from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.galerkin import ScaledBeam
 from ropefric.systems.bandsaw.span import Span
 
 REGIME = Regime(

@@ -10,11 +10,8 @@ from ropefric.accuracy.measured import Measured
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
-from ropefric.systems.bandsaw.elements import free_freedoms
 from ropefric.systems.bandsaw.ends import CLAMPED
-from ropefric.systems.bandsaw.galerkin import galerkin_frequencies
-from ropefric.systems.bandsaw.layout import widths_for
-from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.galerkin import ScaledBeam, free_freedoms, galerkin_frequencies, widths_for
 
 __all__ = ["FREQUENCIES", "SPEED", "STUDY", "string_frequencies"]
 

@@ -10,9 +10,9 @@ import numpy as np
 from ropefric.accuracy.studies.press_transient import SPEED_M_S, machine
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.systems.bandsaw.problem import SawProblem
+from ropefric.systems.bandsaw.effects import SYSTEM as SAW
+from ropefric.systems.bandsaw.effects import SawProblem
 from ropefric.systems.bandsaw.section import STEEL_85_09
-from ropefric.systems.bandsaw.system import SYSTEM as SAW
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.problem import HoistProblem

@@ -10,12 +10,10 @@ from ropefric.scenes.kind import Kind, Quantity, SweepField
 from ropefric.scenes.kinds.saw_report import saw_tree
 from ropefric.scenes.kinds.saw_schema import SawScene
 from ropefric.systems.bandsaw.answer import SawAnswer
+from ropefric.systems.bandsaw.effects import SYSTEM, SawProblem, answerable
 from ropefric.systems.bandsaw.ends import ENDS
-from ropefric.systems.bandsaw.influence import answerable
 from ropefric.systems.bandsaw.measured import Measurement
-from ropefric.systems.bandsaw.problem import SawProblem
 from ropefric.systems.bandsaw.saw import Side
-from ropefric.systems.bandsaw.system import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
 __all__ = ["KIND"]

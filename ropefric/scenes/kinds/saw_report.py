@@ -10,10 +10,9 @@ from ropefric.errors import RopefricError
 from ropefric.friction.condition import FloatArray
 from ropefric.scenes.jsonable import finite
 from ropefric.systems.bandsaw.answer import SawAnswer, SideAnswer
-from ropefric.systems.bandsaw.identify import identify
-from ropefric.systems.bandsaw.measured import deviations, explain_mounting
+from ropefric.systems.bandsaw.effects import SawProblem
+from ropefric.systems.bandsaw.measured import deviations, explain_mounting, identify
 from ropefric.systems.bandsaw.models import MODELS
-from ropefric.systems.bandsaw.problem import SawProblem
 from ropefric.systems.bandsaw.resonance import find_crossings, margins
 from ropefric.systems.bandsaw.saw import Saw, Side
 from ropefric.systems.bandsaw.strain import recommend_preload

@@ -8,7 +8,7 @@ from pydantic import Field, PlainValidator, model_validator
 from ropefric.scenes.schema import SceneTable, number, optional
 from ropefric.systems.bandsaw.drive import tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.ends import ENDS
-from ropefric.systems.bandsaw.excitation import Excitation, fixed_frequency, tooth_passing, wheel_rotation
+from ropefric.systems.bandsaw.resonance import Excitation, fixed_frequency, tooth_passing, wheel_rotation
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.section import Section
 from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number

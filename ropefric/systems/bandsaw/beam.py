@@ -8,9 +8,13 @@ import numpy as np
 from ropefric.errors import SolverError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import CLAMPED, Ends
-from ropefric.systems.bandsaw.galerkin import galerkin_frequencies
-from ropefric.systems.bandsaw.layout import MAX_ORDER, order_for, widths_for
-from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.galerkin import (
+    MAX_ORDER,
+    ScaledBeam,
+    galerkin_frequencies,
+    order_for,
+    widths_for,
+)
 from ropefric.systems.bandsaw.span import Span, refuse_overspeed, speed_that_uses_up
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 

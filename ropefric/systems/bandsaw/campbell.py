@@ -7,8 +7,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
-from ropefric.systems.bandsaw.excitation import Excitation
-from ropefric.systems.bandsaw.resonance import Crossing, find_crossings
+from ropefric.systems.bandsaw.resonance import Crossing, Excitation, find_crossings
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 
 __all__ = ["SawChart", "saw_chart"]
@@ -62,7 +61,7 @@ def saw_chart(
 
     Examples
     --------
-    >>> from ropefric.systems.bandsaw.excitation import wheel_rotation
+    >>> from ropefric.systems.bandsaw.resonance import wheel_rotation
     >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
     ...     wheel_speed_rad_s=101.58, tension_difference_N=210.95)
     >>> chart = saw_chart(saw, (wheel_rotation(0.35),), [0.0, 20.0, 40.0], n_modes=1)

@@ -11,7 +11,7 @@ import scipy.linalg
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
-from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.galerkin import ScaledBeam
 
 __all__ = ["chebyshev_frequencies"]
 

@@ -1,16 +1,442 @@
 """The moving beam's frequencies from its weak form, as a Hermitian eigenproblem that cannot but give real ones."""
 
+import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
+from scipy.special import ive, jv
 
 from ropefric.errors import InputError, SolverError
 from ropefric.friction.condition import FloatArray
-from ropefric.systems.bandsaw.elements import Matrices, assemble, free_freedoms, interpolate
-from ropefric.systems.bandsaw.scaled import ScaledBeam
+from ropefric.systems.bandsaw.ends import Ends
 
-__all__ = ["galerkin_frequencies"]
+__all__ = [
+    "MAX_ORDER",
+    "Matrices",
+    "ScaledBeam",
+    "Waves",
+    "assemble",
+    "free_freedoms",
+    "galerkin_frequencies",
+    "interpolate",
+    "order_for",
+    "waves_of",
+    "widths_for",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScaledBeam:
+    """w_ττ + 2V w_xτ − S w_xx + ε² w_xxxx = 0 on 0 ≤ x ≤ 1, with S = 1 − V².
+
+    Near the critical speed, V = √(1 + β ε²), all frequencies go with the margin S + β ε², which therefore is a number
+    of its own: computed from V it would have no digits left.
+
+    Attributes
+    ----------
+    stiffness : float
+        ε² = EI/(F l²) [-], positive.
+    speed : float
+        V = v/c [-], zero or more.
+    net : float
+        S = 1 − V² [-]; negative above the string's critical speed.
+    margin : float
+        S + β ε² [-], positive.
+    ends : Ends
+        How the ends are held.
+
+    Raises
+    ------
+    InputError
+        If a number is outside its range.
+
+    Examples
+    --------
+    >>> from ropefric.systems.bandsaw.ends import PINNED
+    >>> beam = ScaledBeam.at_speed(1e-2, 0.5, PINNED)
+    >>> beam.net, round(beam.margin, 6), round(beam.critical_speed, 6)
+    (0.75, 0.848696, 1.048187)
+    """
+
+    stiffness: float
+    speed: float
+    net: float
+    margin: float
+    ends: Ends
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.stiffness) and self.stiffness > 0.0):
+            raise InputError(
+                f"the stiffness ratio is {self.stiffness:g}; it must be finite and positive",
+                key="stiffness",
+                fix="a blade without stiffness is a string",
+            )
+        if not (np.isfinite(self.speed) and self.speed >= 0.0):
+            raise InputError(
+                f"the speed ratio is {self.speed:g}; it must be finite and zero or more", key="speed"
+            )
+        if not self.margin > 0.0:
+            raise InputError(
+                f"the speed ratio is {self.speed:.9g}, not below the critical {self.critical_speed:.9g}, where "
+                "the first frequency is zero",
+                code="RF530",
+                key="speed",
+                fix="run slower, or raise the tension",
+            )
+
+    @classmethod
+    def at_speed(cls, stiffness: float, speed: float, ends: Ends) -> "ScaledBeam":
+        """Return the beam at a speed ratio V.
+
+        Parameters
+        ----------
+        stiffness, speed, ends
+            ε², V and the ends.
+        """
+        net = (1.0 - speed) * (1.0 + speed)
+        return cls(
+            stiffness=stiffness, speed=speed, net=net, margin=net + ends.buckling * stiffness, ends=ends
+        )
+
+    @classmethod
+    def at_shortfall(cls, stiffness: float, shortfall: float, ends: Ends) -> "ScaledBeam":
+        """Return the beam at V = (1 − δ) V_c, as exact as δ is.
+
+        Parameters
+        ----------
+        stiffness : float
+            ε².
+        shortfall : float
+            δ from above 0 to 1, which is rest.
+        ends : Ends
+            How the ends are held.
+
+        Examples
+        --------
+        >>> from ropefric.systems.bandsaw.ends import PINNED
+        >>> round(ScaledBeam.at_shortfall(1e-2, 1e-15, PINNED).margin * 1e15, 9)
+        2.197392088
+        """
+        if not 0.0 < shortfall <= 1.0:
+            raise InputError(f"the shortfall is {shortfall:g}; it must be above 0 and at most 1")
+        limit_squared = 1.0 + ends.buckling * stiffness
+        margin = limit_squared * shortfall * (2.0 - shortfall)
+        speed = float(np.sqrt(limit_squared)) * (1.0 - shortfall)
+        return cls(
+            stiffness=stiffness, speed=speed, net=margin - ends.buckling * stiffness, margin=margin, ends=ends
+        )
+
+    @property
+    def critical_speed(self) -> float:
+        """Return V_c = √(1 + β ε²) [-]."""
+        return float(np.sqrt(1.0 + self.ends.buckling * self.stiffness))
+
+
+MAX_ORDER = 400
+"""Highest order that is tried: some 120 modes."""
+
+# A layer element spans e^{-0.8 p}: less than the polynomials of order p on it resolve anyway.
+_LAYER_REACH = 0.8
+# The middle part is no shorter than the layers.
+_WIDEST_LAYER = 1.0 / 3.0
+# A layer thinner than the inverse of this takes nothing that a float could show, and its powers stay floats.
+_STEEPEST_RATE = 1e60
+# Eigenvalues err with the square of the best approximation; how much more was found by experiment.
+_SAFETY = {True: 10.0, False: 40.0}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waves:
+    """Of what a mode is made: waves e^{ikx} inside, layers e^{−κx} at the ends.
+
+    Attributes
+    ----------
+    longest, shortest : float
+        The two real wave numbers q − m, q + m in amount [-].
+    layer_rate : float
+        κ [-], the inverse of the boundary layer's thickness, at most 1e60.
+    """
+
+    longest: float
+    shortest: float
+    layer_rate: float
+
+
+def waves_of(beam: ScaledBeam, mode: int) -> Waves:
+    """Return the waves of a mode, closely enough to choose an order by.
+
+    The four wave numbers solve ε²k⁴ + S k² − 2Vωk − ω² = 0: they are m ± q and −m ± iκ. With q given by
+    the half waves between the ends, what remains is one equation for m², which has one root in [0, q²].
+
+    Parameters
+    ----------
+    beam : ScaledBeam
+        The beam.
+    mode : int
+        n = 1, 2, …
+
+    Examples
+    --------
+    >>> from ropefric.systems.bandsaw.ends import PINNED
+    >>> waves = waves_of(ScaledBeam.at_speed(1e-8, 0.6, PINNED), 1)
+    >>> round(waves.shortest / math.pi, 4), round(waves.layer_rate)
+    (1.6, 8000)
+    """
+    waves = _waves_between(beam, mode * math.pi)
+    if not beam.ends.turns:
+        # A clamp turns the phase by arctan(q/κ) at each end: nothing for a string, a quarter wave for a bare beam.
+        turn = 2.0 * math.atan2(0.5 * (waves.shortest + waves.longest), waves.layer_rate)
+        waves = _waves_between(beam, mode * math.pi + turn)
+    return waves
+
+
+def _waves_between(beam: ScaledBeam, q: float) -> Waves:
+    # S + ε²q², written with the margin where S is negative.
+    lifted = beam.margin + beam.stiffness * (q**2 - beam.ends.buckling)
+
+    def surplus(m_squared: float) -> float:
+        rigid = lifted + beam.stiffness * (q**2 + 2.0 * m_squared)
+        moving = beam.speed**2 * (q**2 - m_squared) * (lifted + 3.0 * beam.stiffness * m_squared)
+        return moving - m_squared * rigid**2
+
+    low, high = 0.0, q**2
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if surplus(middle) > 0.0 else (low, middle)
+    m = math.sqrt(high)
+    rate_squared = lifted / beam.stiffness + 2.0 * m**2
+    rate = min(math.sqrt(max(rate_squared, 0.0)), _STEEPEST_RATE)
+    return Waves(longest=q - m, shortest=q + m, layer_rate=rate)
+
+
+def widths_for(beam: ScaledBeam, order: int) -> tuple[float, ...]:
+    """Return the lengths of the elements: one where the layers are thick, else three with a thin one at each end.
+
+    Examples
+    --------
+    >>> from ropefric.systems.bandsaw.ends import PINNED
+    >>> widths_for(ScaledBeam.at_speed(1e-2, 0.0, PINNED), 20)
+    (1.0,)
+    >>> [round(width, 6) for width in widths_for(ScaledBeam.at_speed(1e-8, 0.0, PINNED), 20)]
+    [0.0016, 0.9968, 0.0016]
+    """
+    rate = waves_of(beam, 1).layer_rate
+    if _LAYER_REACH * order >= _WIDEST_LAYER * rate:
+        return (1.0,)
+    thin = _LAYER_REACH * order / rate
+    return (thin, 1.0 - 2.0 * thin, thin)
+
+
+def order_for(beam: ScaledBeam, n_modes: int, accuracy: float) -> int:
+    """Return the smallest order expected to give the first modes to a relative accuracy.
+
+    A polynomial of degree p leaves J_p(kh/2) of a wave e^{ikx} on an element of length h, and I_p(κh/2) e^{−κh/2}
+    of a layer; the eigenvalue errs with the square.
+
+    Parameters
+    ----------
+    beam : ScaledBeam
+        The beam.
+    n_modes : int
+        How many modes are wanted, 1 or more.
+    accuracy : float
+        Relative accuracy of every frequency, from 1e-14 to 0.1.
+
+    Raises
+    ------
+    InputError
+        If an argument is outside its range.
+    SolverError
+        If more than `MAX_ORDER` is needed.
+
+    Examples
+    --------
+    >>> from ropefric.systems.bandsaw.ends import PINNED
+    >>> [order_for(ScaledBeam.at_speed(1e-4, 0.5, PINNED), 6, accuracy) for accuracy in (1e-2, 1e-6, 1e-10)]
+    [14, 17, 20]
+    """
+    if n_modes < 1:
+        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+    if not 1e-14 <= accuracy <= 0.1:
+        raise InputError(
+            f"the accuracy is {accuracy:g}; it must be from 1e-14 to 0.1", key="accuracy", fix="give 1e-10"
+        )
+    waves = waves_of(beam, n_modes)
+    for order in range(n_modes + 3, MAX_ORDER + 1):
+        if _expected_error(beam, waves, order) <= accuracy:
+            return order
+    raise SolverError(
+        f"{n_modes} modes need an order above {MAX_ORDER}", key="n_modes", fix="ask for fewer modes"
+    )
+
+
+def _expected_error(beam: ScaledBeam, waves: Waves, order: int) -> float:
+    widths = widths_for(beam, order)
+    wave = 0.5 * waves.shortest * max(widths)
+    # Below its turning point a Bessel function oscillates and tells nothing.
+    if order <= wave:
+        return math.inf
+    layer = 0.5 * waves.layer_rate * min(widths)
+    return _SAFETY[beam.ends.turns] * float(jv(order, wave) ** 2 + ive(order, layer) ** 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Matrices:
+    """What a moving beam of length 1 is made of in some basis φ_1 … φ_k; each (k, k).
+
+    Attributes
+    ----------
+    mass : ndarray
+        ∫ φ_i φ_j.
+    travel : ndarray
+        ∫ φ_i φ_j' − φ_i' φ_j, skew.
+    tension : ndarray
+        ∫ φ_i' φ_j'.
+    bending : ndarray
+        ∫ φ_i'' φ_j''.
+    """
+
+    mass: FloatArray
+    travel: FloatArray
+    tension: FloatArray
+    bending: FloatArray
+
+
+def assemble(widths: tuple[float, ...], order: int, *, turning_ends: bool) -> Matrices:
+    """Return the matrices of a span divided into elements, both ends held in place.
+
+    Parameters
+    ----------
+    widths : tuple of float
+        Lengths of the elements, left to right; their sum is 1.
+    order : int
+        Degree of the polynomials, 3 or more: 3 is Hermite's cubic beam element.
+    turning_ends : bool
+        Whether the ends may turn; if not, they are clamped.
+
+    Examples
+    --------
+    >>> pinned = assemble((1.0,), 3, turning_ends=True)
+    >>> pinned.bending.tolist()
+    [[4.0, 2.0], [2.0, 4.0]]
+    """
+    value, slope, curvature = _reference(order)
+    weights = 2.0 / (2.0 * np.arange(order + 1) + 1.0)
+    n_bubbles, n_nodes = order - 3, len(widths) + 1
+    size = 2 * n_nodes + n_bubbles * len(widths)
+    mass, travel, tension, bending = (np.zeros((size, size)) for _ in range(4))
+    blocks = (
+        (value * weights) @ value.T,
+        (value * weights) @ slope.T - (slope * weights) @ value.T,
+        (slope * weights) @ slope.T,
+        (curvature * weights) @ curvature.T,
+    )
+    for element, width in enumerate(widths):
+        place = np.ix_(*[_freedoms(element, n_nodes, n_bubbles)] * 2)
+        scale = _slope_scale(order, width)
+        both = np.outer(scale, scale)
+        factors = (0.5 * width, 1.0, 2.0 / width, (2.0 / width) ** 3)
+        for whole, block, factor in zip((mass, travel, tension, bending), blocks, factors, strict=True):
+            whole[place] += factor * both * block
+    kept = np.ix_(*[free_freedoms(len(widths), order, turning_ends=turning_ends)] * 2)
+    return Matrices(mass=mass[kept], travel=travel[kept], tension=tension[kept], bending=bending[kept])
+
+
+def interpolate(
+    widths: tuple[float, ...], order: int, values: FloatArray, slopes: FloatArray, curvature: list[FloatArray]
+) -> FloatArray:
+    """Return the coefficients of a function, whose bending energy and nodal values they keep.
+
+    Parameters
+    ----------
+    widths, order
+        As in `assemble`.
+    values, slopes : ndarray, shape (n_elements + 1,)
+        At the nodes.
+    curvature : list of ndarray, each (order + 1,)
+        w'' at the Gauss-Legendre points of each element.
+
+    Returns
+    -------
+    ndarray
+        For all freedoms, the held ones included.
+
+    Examples
+    --------
+    >>> interpolate((1.0,), 3, np.array([0.0, 1.0]), np.array([1.0, 1.0]), [np.zeros(4)]).tolist()
+    [0.0, 1.0, 1.0, 1.0]
+    """
+    points, weights = np.polynomial.legendre.leggauss(order + 1)
+    _, _, basis_curvature = _reference(order)
+    at_points = np.polynomial.legendre.legvander(points, order) @ basis_curvature[4:].T
+    bubbles = [
+        (0.5 * width) ** 2 * (at_points * weights[:, np.newaxis]).T @ values_there
+        for width, values_there in zip(widths, curvature, strict=True)
+    ]
+    nodal = np.stack([values, slopes], axis=1).ravel()
+    return np.concatenate([nodal, *bubbles])
+
+
+def free_freedoms(n_elements: int, order: int, *, turning_ends: bool) -> npt.NDArray[np.bool_]:
+    """Return which freedoms are not held at the ends, as a boolean array.
+
+    Examples
+    --------
+    >>> free_freedoms(1, 4, turning_ends=True).tolist()
+    [False, True, False, True, True]
+    """
+    kept = np.ones(2 * (n_elements + 1) + (order - 3) * n_elements, dtype=np.bool_)
+    kept[[0, 2 * n_elements]] = False
+    if not turning_ends:
+        kept[[1, 2 * n_elements + 1]] = False
+    return kept
+
+
+def _freedoms(element: int, n_nodes: int, n_bubbles: int) -> npt.NDArray[np.intp]:
+    first = 2 * n_nodes + n_bubbles * element
+    return np.concatenate([np.arange(2 * element, 2 * element + 4), np.arange(first, first + n_bubbles)])
+
+
+def _slope_scale(order: int, width: float) -> FloatArray:
+    scale = np.ones(order + 1)
+    scale[[1, 3]] = 0.5 * width
+    return scale
+
+
+@lru_cache(maxsize=128)
+def _reference(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return value, slope and curvature of the basis on [−1, 1] as Legendre series, each (order + 1, order + 1).
+
+    Bubbles are twice integrated Legendre polynomials, so the bending energy of all of them is a unit matrix:
+    nothing is lost to rounding at high order.
+    """
+    if order < 3:
+        raise InputError(f"the order is {order}; a beam element needs 3 or more", key="order")
+    value, slope, curvature = (np.zeros((order + 1, order + 1)) for _ in range(3))
+    value[0, [0, 1, 3]] = 0.5, -0.6, 0.1
+    value[1, :4] = 1 / 6, -0.1, -1 / 6, 0.1
+    value[2, [0, 1, 3]] = 0.5, 0.6, -0.1
+    value[3, :4] = -1 / 6, -0.1, 1 / 6, 0.1
+    slope[0, [0, 2]] = -0.5, 0.5
+    slope[1, [1, 2]] = -0.5, 0.5
+    slope[2, [0, 2]] = 0.5, -0.5
+    slope[3, [1, 2]] = 0.5, 0.5
+    curvature[0, 1], curvature[2, 1] = 1.5, -1.5
+    curvature[1, :2] = -0.5, 1.5
+    curvature[3, :2] = 0.5, 1.5
+    for row, k in enumerate(range(2, order - 1), start=4):
+        a = np.sqrt(k + 0.5)
+        curvature[row, k] = a
+        slope[row, [k + 1, k - 1]] = a / (2 * k + 1), -a / (2 * k + 1)
+        above, below = (2 * k + 1) * (2 * k + 3), (2 * k + 1) * (2 * k - 1)
+        value[row, [k + 2, k, k - 2]] = a / above, -a * (1 / above + 1 / below), a / below
+    for table in (value, slope, curvature):
+        table.flags.writeable = False
+    return value, slope, curvature
+
 
 # Below this share of its parts the margin no longer survives in the stiffness matrix by itself.
 _NEAR_CRITICAL = 0.1

@@ -8,9 +8,8 @@ from enum import StrEnum
 import numpy as np
 
 from ropefric.errors import InputError
-from ropefric.systems.bandsaw.excitation import Excitation
 from ropefric.systems.bandsaw.inverse import preload_for_N
-from ropefric.systems.bandsaw.resonance import margins
+from ropefric.systems.bandsaw.resonance import Excitation, margins
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 
 __all__ = ["StrainAdvice", "StrainStatus", "recommend_preload"]
@@ -101,7 +100,7 @@ def recommend_preload(
 
     Examples
     --------
-    >>> from ropefric.systems.bandsaw.excitation import wheel_rotation
+    >>> from ropefric.systems.bandsaw.resonance import wheel_rotation
     >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
     ...     wheel_speed_rad_s=101.58, tension_difference_N=210.95)
     >>> found = recommend_preload(saw, (wheel_rotation(0.35, (1,)),), margin=0.2, range_N=(2000.0, 6000.0))

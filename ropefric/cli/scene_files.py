@@ -29,7 +29,7 @@ def write_scene_files(solution: "Solution", folder: Path) -> list[Path]:
 def _figures(solution: "Solution") -> "list[tuple[str, FigureWithData]]":
     """Return a system's figures by file name; a hoist's are its sweeps."""
     if solution.scene.kind.name == "press" and solution.answer.start_up is not None:
-        from ropefric.plotting.press_start_up import draw_press_start_up  # noqa: PLC0415
+        from ropefric.plotting.press import draw_press_start_up  # noqa: PLC0415
 
         return [("start_up_figure", draw_press_start_up(solution.answer.start_up))]
     if solution.scene.kind.name == "bandsaw":

@@ -14,7 +14,7 @@ from ropefric.rig.truth import RecordingTruth
 from ropefric.traces.breakaway import Phase, Status
 from ropefric.traces.trace import FloatArray
 
-__all__ = ["RIG_PROTOCOLS", "HeldStory", "RigProtocol", "Story", "draw_breakaway", "draw_teeth"]
+__all__ = ["RIG_PROTOCOLS", "RigProtocol", "Story", "draw_breakaway", "draw_teeth"]
 
 
 class Story(TypingProtocol):

@@ -8,11 +8,10 @@ import pytest
 
 from ropefric.accuracy.assess import Counted, against, largest_error, over_seeds
 from ropefric.accuracy.machine import this_machine
-from ropefric.accuracy.measure import measure_studies, measure_study
+from ropefric.accuracy.measure import FULL, QUICK, Effort, measure_studies, measure_study, time_call
 from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, pareto_front
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
-from ropefric.accuracy.timing import FULL, QUICK, Effort, time_call
 from ropefric.errors import InputError, UnknownNameError
 
 

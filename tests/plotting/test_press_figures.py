@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.plotting.press_axes import name_lines
-from ropefric.plotting.press_map import draw_press_map, draw_roller_maps, draw_tension_maps
-from ropefric.plotting.press_slip import MEASURE_LABELS, draw_press_slip
-from ropefric.plotting.press_tension import draw_press_tension
+from ropefric.plotting.press import (
+    MEASURE_LABELS,
+    draw_press_map,
+    draw_press_slip,
+    draw_press_tension,
+    draw_roller_maps,
+    draw_tension_maps,
+    name_lines,
+)
 from ropefric.plotting.save import save_figure
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES

@@ -18,7 +18,6 @@ __all__ = [
     "SawAnswer",
     "SawModel",
     "SideAnswer",
-    "grip_utilisation",
     "solve_saw",
     "torsion_frequencies_Hz",
     "torsion_wave_speed_m_s",

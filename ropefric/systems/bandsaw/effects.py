@@ -32,18 +32,7 @@ from ropefric.systems.effect import Effect, Method, System
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.spread import Rule, spread
 
-__all__ = [
-    "EFFECTS",
-    "SYSTEM",
-    "SawProblem",
-    "answerable",
-    "bare",
-    "bending_bound",
-    "bounded",
-    "difference_bound",
-    "travel_bound",
-    "wheels_bound",
-]
+__all__ = ["SYSTEM", "SawProblem", "answerable"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

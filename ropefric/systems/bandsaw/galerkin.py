@@ -15,13 +15,9 @@ from ropefric.systems.bandsaw.ends import Ends
 
 __all__ = [
     "MAX_ORDER",
-    "Matrices",
     "ScaledBeam",
-    "Waves",
-    "assemble",
     "free_freedoms",
     "galerkin_frequencies",
-    "interpolate",
     "order_for",
     "waves_of",
     "widths_for",

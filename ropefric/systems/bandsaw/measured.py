@@ -18,11 +18,8 @@ from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 from ropefric.systems.bandsaw.span import Span
 
 __all__ = [
-    "Deviation",
-    "Identification",
     "IdentificationStatus",
     "Measurement",
-    "Mounting",
     "MountingStatus",
     "deviations",
     "explain_mounting",

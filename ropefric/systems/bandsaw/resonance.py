@@ -14,7 +14,6 @@ from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 __all__ = [
     "Crossing",
     "Excitation",
-    "Margin",
     "blade_passing",
     "find_crossings",
     "fixed_frequency",

@@ -16,18 +16,7 @@ from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import Ends
 from ropefric.systems.reach import refuse_beyond_reach
 
-__all__ = [
-    "Pair",
-    "Span",
-    "add",
-    "as_pair",
-    "divide",
-    "multiply",
-    "negative",
-    "refuse_overspeed",
-    "speed_that_uses_up",
-    "total",
-]
+__all__ = ["Span", "add", "as_pair", "divide", "multiply", "refuse_overspeed", "speed_that_uses_up", "total"]
 
 Pair = tuple[FloatArray, FloatArray]
 """An unevaluated sum of a float and what it lacks."""

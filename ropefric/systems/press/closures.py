@@ -48,7 +48,7 @@ from ropefric.errors import InputError, Problem
 from ropefric.registry import Registry
 from ropefric.systems.press.machine import Press, Roller
 
-__all__ = ["CLOSURES", "Closure", "Statement"]
+__all__ = ["CLOSURES", "Closure"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,7 @@ from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.systems.press.transient.polynomial import PiecewisePolynomial
 
-__all__ = ["DRIVE_LAWS", "DriveLaw"]
+__all__ = ["DRIVE_LAWS"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Figures of a press: tensions, slip measures and maps over speed, preload or load, and the histories of a start-up."""
+"""Figures of a press: tensions, slip and maps over speed, preload or load, and the histories of a start-up."""
 
 from typing import TYPE_CHECKING
 

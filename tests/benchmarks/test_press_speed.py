@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from ropefric.systems.press.contact import steady_contacts
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.slip import utilisation
+from ropefric.systems.press.slip import steady_contacts, utilisation
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 

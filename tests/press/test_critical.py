@@ -9,9 +9,8 @@ from ropefric.errors import UnknownNameError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.contact import steady_contacts
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
-from ropefric.systems.press.slip import utilisation
+from ropefric.systems.press.slip import steady_contacts, utilisation
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 

@@ -18,9 +18,9 @@ from ropefric.registry import Registry
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import ScaleTo, WrapFriction
+from ropefric.systems.press.answer import PressProblem, StartUpTask
+from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.problem import PressProblem, StartUpTask
-from ropefric.systems.press.system import SYSTEM
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 
 STEADY = (

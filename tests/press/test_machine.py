@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError
-from ropefric.systems.press.equations import carried_belts, incidence, pull_matrix, span_density_kg_m
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.statics import carried_belts, incidence, pull_matrix, span_density_kg_m
 
 
 def with_roller(press, which, **changes):

@@ -13,8 +13,14 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.contact import Contact, contacts_of, steady_contacts
-from ropefric.systems.press.slip import MEASURES, slip_table, utilisation
+from ropefric.systems.press.slip import (
+    MEASURES,
+    Contact,
+    contacts_of,
+    slip_table,
+    steady_contacts,
+    utilisation,
+)
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 from ropefric.systems.press.sweep import over_preload, over_speed, rim_speed_m_s

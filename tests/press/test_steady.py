@@ -11,11 +11,9 @@ from scipy.optimize import fsolve
 
 from ropefric.errors import InputError, SolverError, UnknownNameError
 from ropefric.systems.press.closures import CLOSURES
-from ropefric.systems.press.equations import incidence, load_torques_N_m, pull_matrix, radii_m
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.speed import loop_lengths_m, speed_shift_kg_m
-from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import steady_state
+from ropefric.systems.press.statics import incidence, load_torques_N_m, pull_matrix, radii_m, solve_statics
+from ropefric.systems.press.steady import loop_lengths_m, speed_shift_kg_m, steady_state
 
 AT_REST = {
     "1": 821.382, "2": 1170.716, "3": 1520.049, "4": 1520.049, "5": 3615.793, "6": 3783.793, "7": 3951.793,

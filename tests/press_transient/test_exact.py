@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError
-from ropefric.systems.press.equations import has_balance, incidence, load_torques_N_m, radii_m
-from ropefric.systems.press.speed import speed_shift_kg_m
-from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.statics import has_balance, incidence, load_torques_N_m, radii_m, solve_statics
+from ropefric.systems.press.steady import speed_shift_kg_m
 from ropefric.systems.press.transient.energy import energies_of
 from ropefric.systems.press.transient.exponential import Propagator
 from ropefric.systems.press.transient.ingredients import Ingredients

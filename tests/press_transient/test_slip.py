@@ -9,9 +9,8 @@ from scipy.integrate import solve_ivp
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.contact import contacts_of
-from ropefric.systems.press.equations import incidence, spans_into, spans_out_of
-from ropefric.systems.press.slip import utilisation
+from ropefric.systems.press.slip import contacts_of, utilisation
+from ropefric.systems.press.statics import incidence, spans_into, spans_out_of
 from ropefric.systems.press.transient.limit import friction_limit, friction_utilisation
 from ropefric.systems.press.transient.model import elastic_press
 from ropefric.systems.press.transient.rest import settled_tension_N

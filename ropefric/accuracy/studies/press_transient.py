@@ -14,8 +14,7 @@ from ropefric.friction.condition import FloatArray
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.inputs import press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS
-from ropefric.systems.press.transient.integrators.integrator import Settings
+from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
 from ropefric.systems.press.transient.model import elastic_press
 from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.spectrum import rk4_limit_s

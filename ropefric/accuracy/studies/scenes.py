@@ -22,8 +22,8 @@ from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.problem import HoistProblem
 from ropefric.systems.hoist.system import SYSTEM as HOIST
-from ropefric.systems.press.problem import PressProblem
-from ropefric.systems.press.system import SYSTEM as PRESS
+from ropefric.systems.press.answer import PressProblem
+from ropefric.systems.press.effects import SYSTEM as PRESS
 
 __all__ = ["ACCURACIES_WANTED", "N_SWEEP", "PROBLEMS", "STUDY", "Planned", "planned"]
 

@@ -10,10 +10,10 @@ from ropefric.scenes.kind import Kind, SweepField
 from ropefric.scenes.kinds.press_machine import press_problem
 from ropefric.scenes.kinds.press_report import press_quantities, press_tree
 from ropefric.scenes.kinds.press_schema import PressScene
-from ropefric.systems.press.problem import PressProblem
+from ropefric.systems.press.answer import PressProblem
+from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
-from ropefric.systems.press.system import SYSTEM
 
 __all__ = ["KIND"]
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ropefric.scenes.kinds.press_schema import BeltTable, PressScene, RollerTable, StartUpTable
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.answer import PressProblem, StartUpTask
 from ropefric.systems.press.loads import (
     distortion_energy_J_m3,
     gravity_pull_N,
@@ -14,7 +15,6 @@ from ropefric.systems.press.loads import (
     squeeze_torque_N_m,
 )
 from ropefric.systems.press.machine import Belt, Press, Role, Roller, Tensioner
-from ropefric.systems.press.problem import PressProblem, StartUpTask
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import Settings
 

@@ -7,14 +7,12 @@ import numpy as np
 
 from ropefric.scenes.jsonable import finite
 from ropefric.scenes.kind import Quantity
-from ropefric.systems.press.answer import PressAnswer, as_operated
+from ropefric.systems.press.answer import PressAnswer, PressProblem, as_operated
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.problem import PressProblem
-from ropefric.systems.press.response import Parts
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import drive_power_W
+from ropefric.systems.press.steady import Parts, drive_power_W
 
 __all__ = ["press_quantities", "press_tree"]
 

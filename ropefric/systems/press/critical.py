@@ -11,9 +11,7 @@ from scipy.optimize import brentq
 from ropefric.errors import UnknownNameError
 from ropefric.registry import did_you_mean
 from ropefric.systems.friction import EVERYTHING, WrapFriction
-from ropefric.systems.press.contact import steady_contacts
-from ropefric.systems.press.grip import available_pull_N, grip_on
-from ropefric.systems.press.slip import slip_table
+from ropefric.systems.press.slip import available_pull_N, grip_on, slip_table, steady_contacts
 from ropefric.systems.press.statics import Statics
 from ropefric.systems.press.steady import SteadyState, steady_state
 

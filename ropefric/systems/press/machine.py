@@ -1,16 +1,420 @@
 """A belt press: rollers, belts and a speed, checked as a whole."""
 
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
-from ropefric.errors import raise_problems
-from ropefric.systems.press.checks import press_problems
-from ropefric.systems.press.parts import Belt, Role, Roller, Tensioner
-from ropefric.systems.press.spans import Span, spans_of
+from ropefric.errors import Problem, raise_problems
+from ropefric.registry import did_you_mean
+from ropefric.systems.reach import beyond_reach
 
-__all__ = ["Belt", "Press", "Role", "Roller", "Span", "Tensioner"]
+__all__ = ["Belt", "Press", "Role", "Roller", "Tensioner"]
+
+Role = Literal["driver", "driven", "tensioner"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Tensioner:
+    """The spring, preload and geometry that carry a translating roller.
+
+    Its equation of motion is m ẍ + C1 ẋ + k1 x = T'_in cos(upstream) + T'_out cos(downstream) − F with the tensions
+    T' = T − ρAv², eqs. (21), (22).
+
+    Attributes
+    ----------
+    spring_N_m : float
+        Stiffness k1 [N/m], zero or more; zero is a cylinder of constant force.
+    travel_m : float
+        Travel x at rest [m], positive the way the belt pulls.
+    force_N : float
+        Preload F [N], zero or more.
+    mass_kg : float, optional
+        Mass m of what translates [kg].
+    damping_N_s_m : float
+        Damping C1 [N s/m].
+    upstream_angle_rad, downstream_angle_rad : float
+        Angles [rad] of the belt that arrives and of the belt that leaves, against the travel.
+
+    Examples
+    --------
+    >>> Tensioner(spring_N_m=2e4, travel_m=0.03, force_N=2000.0, downstream_angle_rad=0.35).upstream_angle_rad
+    0.0
+    """
+
+    spring_N_m: float
+    travel_m: float
+    force_N: float
+    mass_kg: float | None = None
+    damping_N_s_m: float = 0.0
+    upstream_angle_rad: float = 0.0
+    downstream_angle_rad: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Roller:
+    """A roller and the torques that hold it back.
+
+    Attributes
+    ----------
+    name : str
+        Its name; the paper numbers them.
+    radius_m : float
+        Radius R [m].
+    wrap_angle_rad : float
+        Wrap α of the belt [rad], up to a full turn.
+    role : {"driver", "driven", "tensioner"}
+        A driver turns at the speed it is given; the others obey a torque balance, and a tensioner translates too.
+    inertia_kg_m2 : float, optional
+        Moment of inertia J [kg m²]; only a transient needs it.
+    gravity_torque_N_m, squeeze_torque_N_m : float
+        M_G of the sludge's weight, eq. (6), and M_F of squeezing it, eq. (9) [N m], positive against the rotation.
+    tensioner : Tensioner, optional
+        What carries a roller of the role "tensioner".
+    overspeed : float, optional
+        (V − v)/v [-] of a driver's surface against the speed of the press; only the closure `speed-ratio` needs it.
+
+    Examples
+    --------
+    >>> Roller(name="5", radius_m=0.25, wrap_angle_rad=0.99, gravity_torque_N_m=15, squeeze_torque_N_m=84).torque_N_m
+    99
+    """
+
+    name: str
+    radius_m: float
+    wrap_angle_rad: float
+    role: Role = "driven"
+    inertia_kg_m2: float | None = None
+    gravity_torque_N_m: float = 0.0
+    squeeze_torque_N_m: float = 0.0
+    tensioner: Tensioner | None = None
+    overspeed: float | None = None
+
+    @property
+    def torque_N_m(self) -> float:
+        """Return the whole torque M = M_G + M_F that the belt has to overcome [N m]."""
+        return self.gravity_torque_N_m + self.squeeze_torque_N_m
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Belt:
+    """A belt and the way it takes.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    loop : tuple of str
+        Names of the rollers in the order of travel, each once; from the last one the belt returns to the first.
+    linear_density_kg_m : float
+        Mass per length ρA [kg/m].
+    thickness_m, width_m : float
+        Of its cross-section [m]. Half the thickness takes the place of a rope's radius in the size effect.
+    axial_stiffness_N : float, optional
+        EA [N].
+    damping_s : float
+        Time constant η [s] of the belt's material damping: T = EA (ε + η dε/dt).
+    span_lengths_m : tuple of float, optional
+        Free length [m] from each roller of `loop` to the next one, in the order of `loop`.
+
+    Examples
+    --------
+    >>> Belt(name="cloth", loop=("1", "2"), linear_density_kg_m=15, thickness_m=0.005, width_m=2).damping_s
+    0.0
+    """
+
+    name: str
+    loop: tuple[str, ...]
+    linear_density_kg_m: float
+    thickness_m: float
+    width_m: float
+    axial_stiffness_N: float | None = None
+    damping_s: float = 0.0
+    span_lengths_m: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Span:
+    """A piece of belt from one roller to the next; where belts run together it carries all of them.
+
+    Attributes
+    ----------
+    name : str
+        Its name; its tension is the force of all its belts together.
+    start, end : str
+        The rollers it leaves and reaches, in the direction of travel.
+    belts : tuple of str
+        The belts that run in it.
+
+    Examples
+    --------
+    >>> Span(name="5", start="5", end="6", belts=("upper", "lower")).end
+    '6'
+    """
+
+    name: str
+    start: str
+    end: str
+    belts: tuple[str, ...]
+
+
+def spans_of(belts: Sequence[Belt], names: Sequence[str] | None = None) -> tuple[Span, ...]:
+    """Return the spans in the order of the first belt's loop, then what the second adds, and so on.
+
+    Parameters
+    ----------
+    belts : sequence of Belt
+        The belts.
+    names : sequence of str, optional
+        One name a span; by default they are numbered from 1.
+
+    Returns
+    -------
+    tuple of Span
+        A step from one roller to the next that several belts take in the same direction is one span.
+
+    Examples
+    --------
+    >>> data = {"linear_density_kg_m": 1.0, "thickness_m": 0.005, "width_m": 1.0}
+    >>> upper = Belt(name="upper", loop=("1", "2", "3"), **data)
+    >>> lower = Belt(name="lower", loop=("3", "4", "2"), **data)
+    >>> [(span.name, span.start, span.end, len(span.belts)) for span in spans_of([upper, lower])]
+    [('1', '1', '2', 1), ('2', '2', '3', 2), ('3', '3', '1', 1), ('4', '3', '4', 1), ('5', '4', '2', 1)]
+    """
+    steps: dict[tuple[str, str], list[str]] = {}
+    for belt in belts:
+        for step in zip(belt.loop, belt.loop[1:] + belt.loop[:1], strict=True):
+            steps.setdefault(step, []).append(belt.name)
+    chosen = [str(i + 1) for i in range(len(steps))] if names is None else names
+    return tuple(
+        Span(name=name, start=start, end=end, belts=tuple(carried))
+        for name, ((start, end), carried) in zip(chosen, steps.items(), strict=False)
+    )
+
+
+_ROLES = ("driver", "driven", "tensioner")
+
+
+def press_problems(
+    rollers: Sequence[Roller], belts: Sequence[Belt], speed_m_s: float, span_names: Sequence[str] | None
+) -> list[Problem]:
+    """Return everything that is wrong with a press; empty where it can be computed.
+
+    Parameters
+    ----------
+    rollers, belts : sequence
+        The parts.
+    speed_m_s : float
+        Belt speed v [m/s].
+    span_names : sequence of str, optional
+        Names for the spans.
+
+    Examples
+    --------
+    >>> [problem.key for problem in press_problems((), (), -1.0, None)]
+    ['speed_m_s', 'rollers', 'belts']
+    """
+    problems: list[Problem] = []
+    if not (math.isfinite(speed_m_s) and speed_m_s >= 0.0):
+        problems.append(
+            _problem("speed_m_s", f"the speed is {speed_m_s} m/s; it must be finite and zero or more")
+        )
+    elif beyond_reach(speed_m_s, may_vanish=True):
+        problems.append(_beyond("speed_m_s", speed_m_s))
+    for kind, parts in (("rollers", rollers), ("belts", belts)):
+        if not parts:
+            problems.append(_problem(kind, f"a press without {kind} moves nothing"))
+        problems += _name_problems(kind, [part.name for part in parts])
+    for roller in rollers:
+        problems += _roller_problems(roller)
+    known = [roller.name for roller in rollers]
+    for belt in belts:
+        problems += _belt_problems(belt, known)
+    if problems:
+        return problems  # what follows is written on the graph, which such parts do not make
+    spans = spans_of(belts)
+    problems += _span_problems(spans, span_names)
+    problems += _length_problems(belts)
+    for roller in rollers:
+        problems += _place_problems(roller, spans, belts)
+    problems += _drive_problems(rollers, belts)
+    return problems
+
+
+def _name_problems(kind: str, names: Iterable[str]) -> Iterator[Problem]:
+    for name, count in Counter(names).items():
+        if not name:
+            yield _problem(kind, f"one of the {kind} has an empty name")
+        elif count > 1:
+            yield _problem(kind, f"{count} {kind} are called '{name}'", fix="give each a name of its own")
+
+
+def _roller_problems(roller: Roller) -> Iterator[Problem]:
+    where = f"rollers.{roller.name}"
+    yield from _number(f"{where}.radius_m", roller.radius_m, "positive")
+    yield from _number(f"{where}.wrap_angle_rad", roller.wrap_angle_rad, "positive")
+    if roller.wrap_angle_rad > 2.0 * math.pi:
+        yield _problem(
+            f"{where}.wrap_angle_rad",
+            f"roller '{roller.name}' is wrapped {math.degrees(roller.wrap_angle_rad):.6g} deg; a flat belt meets "
+            "itself after 360 deg",
+        )
+    if roller.inertia_kg_m2 is not None:
+        yield from _number(f"{where}.inertia_kg_m2", roller.inertia_kg_m2, "positive")
+    yield from _number(f"{where}.gravity_torque_N_m", roller.gravity_torque_N_m, "finite")
+    yield from _number(f"{where}.squeeze_torque_N_m", roller.squeeze_torque_N_m, "finite")
+    if roller.role not in _ROLES:
+        fix = did_you_mean(str(roller.role), _ROLES)
+        yield _problem(
+            f"{where}.role", f"roller '{roller.name}' has the unknown role '{roller.role}'", fix=fix
+        )
+    if (roller.tensioner is not None) != (roller.role == "tensioner"):
+        says = "has no tensioner" if roller.tensioner is None else "has a tensioner"
+        yield _problem(
+            f"{where}.tensioner",
+            f"roller '{roller.name}' {says}, but its role is '{roller.role}'",
+            fix="give the role 'tensioner' together with spring, travel and preload",
+        )
+    if roller.tensioner is not None:
+        yield from _tensioner_problems(f"{where}.tensioner", roller.tensioner)
+    if roller.overspeed is not None:
+        yield from _number(f"{where}.overspeed", roller.overspeed, "finite")
+        if roller.role != "driver":
+            yield _problem(
+                f"{where}.overspeed", f"roller '{roller.name}' is no driver; it has no speed of its own"
+            )
+
+
+def _tensioner_problems(where: str, tensioner: Tensioner) -> Iterator[Problem]:
+    yield from _number(f"{where}.spring_N_m", tensioner.spring_N_m, "zero or more")
+    yield from _number(f"{where}.travel_m", tensioner.travel_m, "finite")
+    yield from _number(f"{where}.force_N", tensioner.force_N, "zero or more")
+    yield from _number(f"{where}.damping_N_s_m", tensioner.damping_N_s_m, "zero or more")
+    if tensioner.mass_kg is not None:
+        yield from _number(f"{where}.mass_kg", tensioner.mass_kg, "positive")
+    angles = (tensioner.upstream_angle_rad, tensioner.downstream_angle_rad)
+    for side, angle in zip(("upstream", "downstream"), angles, strict=True):
+        yield from _number(f"{where}.{side}_angle_rad", angle, "finite")
+    if all(map(math.isfinite, angles)) and sum(map(math.cos, angles)) <= 1e-9:
+        yield _problem(
+            where, "the belt's two sides do not pull along the travel, so the spring cannot tension it"
+        )
+
+
+def _belt_problems(belt: Belt, known: Sequence[str]) -> Iterator[Problem]:
+    where = f"belts.{belt.name}"
+    yield from _number(f"{where}.linear_density_kg_m", belt.linear_density_kg_m, "zero or more")
+    yield from _number(f"{where}.thickness_m", belt.thickness_m, "positive")
+    yield from _number(f"{where}.width_m", belt.width_m, "positive")
+    yield from _number(f"{where}.damping_s", belt.damping_s, "zero or more")
+    if belt.axial_stiffness_N is not None:
+        yield from _number(f"{where}.axial_stiffness_N", belt.axial_stiffness_N, "positive")
+    if len(belt.loop) < 2:
+        yield _problem(
+            f"{where}.loop",
+            f"belt '{belt.name}' is not closed: it runs over {len(belt.loop)} roller(s), 2 are needed",
+        )
+    for name, count in Counter(belt.loop).items():
+        if name not in known:
+            fix = did_you_mean(name, known)
+            yield _problem(
+                f"{where}.loop", f"belt '{belt.name}' runs over the unknown roller '{name}'", fix=fix
+            )
+        if count > 1:
+            yield _problem(
+                f"{where}.loop",
+                f"belt '{belt.name}' names roller '{name}' {count} times",
+                fix="name each roller once; from the last one the belt returns to the first",
+            )
+    if belt.span_lengths_m is not None:
+        if len(belt.span_lengths_m) != len(belt.loop):
+            yield _problem(
+                f"{where}.span_lengths_m",
+                f"belt '{belt.name}' has {len(belt.loop)} spans and {len(belt.span_lengths_m)} lengths",
+            )
+        for length in belt.span_lengths_m:
+            yield from _number(f"{where}.span_lengths_m", length, "positive")
+
+
+def _span_problems(spans: Sequence[Span], names: Sequence[str] | None) -> Iterator[Problem]:
+    if names is None:
+        return
+    if len(names) != len(spans):
+        steps = ", ".join(f"{span.start}-{span.end}" for span in spans)
+        yield _problem("span_names", f"{len(names)} names for {len(spans)} spans: {steps}")
+    yield from _name_problems("span_names", names)
+
+
+def _length_problems(belts: Sequence[Belt]) -> Iterator[Problem]:
+    seen: dict[tuple[str, str], tuple[str, float]] = {}
+    for belt in belts:
+        steps = zip(belt.loop, belt.loop[1:] + belt.loop[:1], strict=True)
+        for step, length in zip(steps, belt.span_lengths_m or (), strict=False):
+            other, its = seen.setdefault(step, (belt.name, length))
+            if not math.isclose(its, length, rel_tol=1e-9):
+                yield _problem(
+                    f"belts.{belt.name}.span_lengths_m",
+                    f"belts '{other}' and '{belt.name}' run together from roller '{step[0]}' to '{step[1]}', "
+                    f"but their lengths there are {its:g} m and {length:g} m",
+                )
+
+
+def _place_problems(roller: Roller, spans: Sequence[Span], belts: Sequence[Belt]) -> Iterator[Problem]:
+    where = f"rollers.{roller.name}"
+    touching = [belt.name for belt in belts if roller.name in belt.loop]
+    if not touching:
+        yield _problem(
+            where, f"no belt runs over roller '{roller.name}'", fix="name it in the loop of a belt"
+        )
+    if roller.role == "driver" and len(touching) > 1:
+        yield _problem(
+            f"{where}.role",
+            f"driver '{roller.name}' is shared by the belts {', '.join(touching)}; a driver has no torque balance, "
+            "so nothing would say how they share its pull",
+            fix="give each belt a driver of its own, or let this roller be driven",
+        )
+    if roller.role == "tensioner":
+        arriving = sum(span.end == roller.name for span in spans)
+        leaving = sum(span.start == roller.name for span in spans)
+        if max(arriving, leaving) > 1:
+            yield _problem(
+                where,
+                f"{max(arriving, leaving)} spans meet tensioner '{roller.name}' on one side; it has one angle",
+            )
+
+
+def _drive_problems(rollers: Sequence[Roller], belts: Sequence[Belt]) -> Iterator[Problem]:
+    drivers = {roller.name for roller in rollers if roller.role == "driver"}
+    for belt in belts:
+        others = {name for other in belts if other is not belt for name in other.loop}
+        if not drivers & set(belt.loop) and not others & set(belt.loop):
+            yield _problem(
+                f"belts.{belt.name}.loop", f"nothing drives belt '{belt.name}': its loop has no driver"
+            )
+
+
+def _number(key: str, value: float, rule: str) -> Iterator[Problem]:
+    bad = {"positive": not value > 0.0, "zero or more": not value >= 0.0, "finite": False}[rule]
+    if bad or not math.isfinite(value):
+        yield _problem(
+            key, f"{key} is {value:g}; it must be finite" + ("" if rule == "finite" else f" and {rule}")
+        )
+    elif beyond_reach(value, may_vanish=rule != "positive"):
+        yield _beyond(key, value)
+
+
+def _beyond(key: str, value: float) -> Problem:
+    said = f"{key} is {value:g}, beyond anything from 1e-30 to 1e30 in SI units"
+    return _problem(key, said, fix="check the unit it was given in")
+
+
+def _problem(key: str, message: str, *, fix: str = "") -> Problem:
+    return Problem(code="RF520", message=message, key=key, fix=fix)
+
+
+@dataclass(frozen=True, kw_only=True)  # no slots: the spans are kept
 class Press:
     """The drive train of a belt filter press, or of any machine of rollers and closed belts.
 
@@ -54,7 +458,7 @@ class Press:
     def __post_init__(self) -> None:
         raise_problems(press_problems(self.rollers, self.belts, self.speed_m_s, self.span_names))
 
-    @property
+    @cached_property
     def spans(self) -> tuple[Span, ...]:
         """Return the spans, in the order of every array over spans."""
         return spans_of(self.belts, self.span_names)

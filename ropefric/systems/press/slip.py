@@ -1,19 +1,378 @@
-"""How near each roller is to gross slip, by the paper's factor and by measures that are 1 at the limit."""
+"""How near each roller is to gross slip, by the paper's factor and by measures that are 1 at the limit.
+
+What friction can hold on a roller: the limit of the belt element dT/dφ = ρAR²θ̈ − F over the whole wrap.
+
+Counted from the slack side, with a = ρAR²θ̈ towards the tight side and F' = T − ρAR²θ̇², gross slip is
+
+    F'_tight = F'_slack e^M(α) + a ∫₀^α e^(M(α) − M(s)) ds,      M(s) = ∫₀^s μ dφ,
+
+for driven and driving rollers alike; for constant μ it is (37)'s limit with a/μ added where friction brakes the belt
+and taken away where it drives it. The friction that this takes is the rise of F' less a α.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.errors import SolverError, UnknownNameError
+from ropefric.errors import InputError, SolverError, UnknownNameError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
-from ropefric.systems.press.contact import Contact
-from ropefric.systems.press.grip import Friction, Grip, available_pull_N, available_pull_slope_N, grip_on
+from ropefric.systems.press.machine import Press
+from ropefric.systems.press.statics import spans_into, spans_out_of
+from ropefric.systems.press.steady import SteadyState
 
-__all__ = ["MEASURES", "SlipTable", "slip_table", "utilisation"]
+__all__ = [
+    "MEASURES",
+    "Contact",
+    "SlipTable",
+    "available_pull_N",
+    "contacts_of",
+    "grip_on",
+    "slip_table",
+    "steady_contacts",
+    "utilisation",
+]
 
 FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Contact:
+    """A roller with what its belts do to it, at any number of operating points.
+
+    Attributes
+    ----------
+    roller : str
+        Its name.
+    radius_m, wrap_angle_rad : float
+        R [m] and α [rad].
+    half_thickness_m : float
+        Half the thickness of a belt [m], the mean where several lie on each other.
+    upstream_N, downstream_N : ndarray, shape (...)
+        T − ρAR²θ̇² before and behind the roller, all its belts together [N].
+    inertia_N : ndarray, shape (...), or 0.0
+        ρAR²θ̈ of all its belts [N]: what a radian of them needs to be accelerated.
+
+    Examples
+    --------
+    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=0.5, half_thickness_m=0.0025,
+    ...     upstream_N=np.array([800.0, 800.0]), downstream_N=np.array([900.0, 700.0]))
+    >>> contact.friction_pull_N.tolist(), contact.slack_N.tolist()
+    ([100.0, -100.0], [800.0, 700.0])
+    """
+
+    roller: str
+    radius_m: float
+    wrap_angle_rad: float
+    half_thickness_m: float
+    upstream_N: FloatArray
+    downstream_N: FloatArray
+    inertia_N: FloatArray | float = 0.0
+
+    def flat_part(self, shape: tuple[int, ...], block: slice) -> "Contact":
+        """Return a block of the operating points, spread to a shape and counted through its axes in C order."""
+        inertia: FloatArray | float = 0.0
+        if self.is_accelerated:
+            inertia = np.broadcast_to(self.inertia_N, shape).reshape(-1)[block]
+        return replace(
+            self,
+            upstream_N=np.broadcast_to(self.upstream_N, shape).reshape(-1)[block],
+            downstream_N=np.broadcast_to(self.downstream_N, shape).reshape(-1)[block],
+            inertia_N=inertia,
+        )
+
+    @property
+    def is_accelerated(self) -> bool:
+        """Return whether the belt on the roller gains or loses speed anywhere."""
+        return bool(np.any(self.inertia_N))
+
+    @property
+    def friction_pull_N(self) -> FloatArray:
+        """Return what the roller holds the belt back with, shape (...) [N]; negative where it drives the belt.
+
+        It is the belt's T_out − T_in less what its own mass on the arc takes, from dT/dφ = ρAR²θ̈ − F.
+        """
+        pull_N = self.downstream_N - self.upstream_N
+        return pull_N - self.inertia_N * self.wrap_angle_rad if self.is_accelerated else pull_N
+
+    @property
+    def slack_N(self) -> FloatArray:
+        """Return T − ρAR²θ̇² on the side that friction pulls less, shape (...) [N]."""
+        if self.is_accelerated:
+            return np.where(self.friction_pull_N >= 0.0, self.upstream_N, self.downstream_N)
+        return np.minimum(self.upstream_N, self.downstream_N)
+
+    @property
+    def tight_N(self) -> FloatArray:
+        """Return T − ρAR²θ̇² on the other side, shape (...) [N]."""
+        if self.is_accelerated:
+            return np.where(self.friction_pull_N >= 0.0, self.downstream_N, self.upstream_N)
+        return np.maximum(self.upstream_N, self.downstream_N)
+
+    @property
+    def inertia_towards_tight_N(self) -> FloatArray | float:
+        """Return ρAR²θ̈, counted positive where it adds to the tension from the slack side on [N]."""
+        if not self.is_accelerated:
+            return 0.0
+        return np.where(self.friction_pull_N >= 0.0, self.inertia_N, -np.asarray(self.inertia_N))
+
+
+def contacts_of(
+    press: Press,
+    tension_N: npt.ArrayLike,
+    *,
+    rim_speed_m_s: npt.ArrayLike = 0.0,
+    angular_acceleration_rad_s2: npt.ArrayLike = 0.0,
+) -> tuple[Contact, ...]:
+    """Return the contact of every roller, from tensions that need not be steady.
+
+    Parameters
+    ----------
+    press : Press
+        The machine.
+    tension_N : array_like, shape (..., n_spans)
+        T of every span [N], the sum over its belts.
+    rim_speed_m_s : array_like, broadcastable to shape (..., n_rollers)
+        R θ̇ [m/s]; zero where the tensions are T' already.
+    angular_acceleration_rad_s2 : array_like, broadcastable to shape (..., n_rollers)
+        θ̈ [rad/s²], positive in the direction of travel.
+
+    Raises
+    ------
+    InputError
+        If the last axis of the tensions is not that of the spans, or a number is not finite.
+
+    Examples
+    --------
+    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
+    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
+    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner",
+    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
+    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
+    >>> press = Press(rollers=(drive, load), belts=(belt,), speed_m_s=2.0)
+    >>> [float(contact.upstream_N) for contact in contacts_of(press, [475.0, 525.0], rim_speed_m_s=2.0)]
+    [521.0, 471.0]
+    """
+    tension = np.asarray(tension_N, dtype=np.float64)
+    if tension.ndim == 0 or tension.shape[-1] != len(press.spans):
+        raise InputError(
+            f"tensions of shape {tension.shape} for {len(press.spans)} spans",
+            key="tension_N",
+            fix="let the last axis be that of the spans",
+        )
+    speed, acceleration = (
+        np.asarray(value, dtype=np.float64) for value in (rim_speed_m_s, angular_acceleration_rad_s2)
+    )
+    for name, array in (("tension_N", tension), ("rim_speed_m_s", speed), ("θ̈", acceleration)):
+        if not _all_finite(array):
+            raise InputError(f"{name} must be finite", key=name)
+    by_roller = np.broadcast_to(speed, np.broadcast_shapes(speed.shape, (len(press.rollers),)))
+    spin = np.broadcast_to(acceleration, np.broadcast_shapes(acceleration.shape, (len(press.rollers),)))
+    into, out_of = spans_into(press), spans_out_of(press)
+    contacts = []
+    for i, roller in enumerate(press.rollers):
+        belts = [belt for belt in press.belts if roller.name in belt.loop]
+        density_kg_m = sum(belt.linear_density_kg_m for belt in belts)
+        circling_N = density_kg_m * by_roller[..., i] ** 2 if speed.any() else 0.0
+        contacts.append(
+            Contact(
+                roller=roller.name,
+                radius_m=roller.radius_m,
+                wrap_angle_rad=roller.wrap_angle_rad,
+                half_thickness_m=0.5 * sum(belt.thickness_m for belt in belts) / len(belts),
+                upstream_N=_sum_of(tension, into[i]) - circling_N,
+                downstream_N=_sum_of(tension, out_of[i]) - circling_N,
+                inertia_N=density_kg_m * roller.radius_m**2 * spin[..., i] if spin.any() else 0.0,
+            )
+        )
+    return tuple(contacts)
+
+
+def steady_contacts(
+    state: SteadyState, *, angular_acceleration_rad_s2: npt.ArrayLike = 0.0
+) -> tuple[Contact, ...]:
+    """Return the contact of every roller in a steady run.
+
+    Parameters
+    ----------
+    state : SteadyState
+        The run.
+    angular_acceleration_rad_s2 : array_like, broadcastable to shape (..., n_rollers)
+        θ̈ to be borne at these tensions [rad/s²].
+
+    Examples
+    --------
+    See `ropefric.systems.press.slip.slip_table`.
+    """
+    return contacts_of(
+        state.press, state.effective_tension_N, angular_acceleration_rad_s2=angular_acceleration_rad_s2
+    )
+
+
+def _all_finite(array: FloatArray) -> bool:
+    # A sum needs no array of its own, which sweeps feel; only where it is not finite the numbers are looked at.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(array.sum()) or np.isfinite(array).all())
+
+
+def _sum_of(tension: FloatArray, chosen: FloatArray) -> FloatArray:
+    """Return the sum of the chosen spans; of one span a view, which sweeps of a million points feel."""
+    first, *others = np.flatnonzero(chosen)
+    total = tension[..., first]
+    for other in others:
+        total = total + tension[..., other]
+    return total
+
+
+Friction: TypeAlias = float | FloatArray | WrapFriction
+"""A constant μ, one for each operating point, or a law."""
+
+# Below 1 N no wrap stands for the slack side, and the law's angle starts from zero.
+_LEAST_SLACK_N = 1.0
+_NODES = 48
+_LARGEST_EXPONENT = 500.0
+
+
+def _graded_rule() -> tuple[FloatArray, FloatArray]:
+    """Return nodes in (0, 1) and weights of ∫₀¹, crowded near 0, where a falling μ is steepest."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    u = 0.5 * (nodes + 1.0)
+    return u**4, 0.5 * weights * 4.0 * u**3
+
+
+_FRACTIONS, _WEIGHTS = _graded_rule()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Grip:
+    """The friction of one contact.
+
+    Attributes
+    ----------
+    exponent : ndarray, shape (...) or ()
+        M over the whole wrap [-].
+    remaining : ndarray, shape (..., n), optional
+        M(α) − M(s) at the nodes of the integral above, for a belt that is accelerated.
+    """
+
+    exponent: FloatArray
+    remaining: FloatArray | None = None
+
+
+def grip_on(contact: Contact, friction: Friction, *, told: frozenset[str] = EVERYTHING) -> Grip:
+    """Return the friction of one contact.
+
+    Parameters
+    ----------
+    contact : Contact
+        Roller and tensions.
+    friction : float, ndarray of shape (...) or WrapFriction
+        A constant μ, one for all points or one for each, or a law. Its wrap is counted from the angle that stands
+        for the slack side's tension, and half the belt's thickness stands for the rope's radius.
+    told : frozenset of str
+        What of the contact the law is told, see `WrapFriction.exponent`.
+
+    Raises
+    ------
+    InputError
+        If μ is not positive and finite, or the law has no answer or gives no friction.
+
+    Examples
+    --------
+    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=0.5, half_thickness_m=0.0025,
+    ...     upstream_N=np.array(800.0), downstream_N=np.array(900.0))
+    >>> float(grip_on(contact, 1.2).exponent)
+    0.6
+    """
+    accelerated = contact.is_accelerated
+    if isinstance(friction, WrapFriction):
+        slack_N = np.maximum(contact.slack_N, _LEAST_SLACK_N)
+        law = partial(
+            friction.exponent,
+            wheel_radius_m=contact.radius_m,
+            rope_radius_m=contact.half_thickness_m,
+            told=told,
+        )
+        alpha = contact.wrap_angle_rad
+        whole = _usable(law(wrap_angle_rad=alpha, slack_tension_N=slack_N), contact.roller)
+        if not accelerated:
+            return Grip(exponent=whole)
+        reached = law(wrap_angle_rad=alpha * _FRACTIONS, slack_tension_N=slack_N[..., None])
+        return Grip(exponent=whole, remaining=whole[..., None] - reached)
+    mu = np.asarray(friction, dtype=np.float64)
+    bad = ~((mu > 0.0) & (mu < np.inf))
+    if bad.any():
+        raise InputError(
+            f"the friction coefficient is {mu[bad].ravel()[0]:g}; it must be positive and finite", key="mu"
+        )
+    exponent = _usable(mu * contact.wrap_angle_rad, contact.roller)
+    return Grip(
+        exponent=exponent, remaining=exponent[..., None] * (1.0 - _FRACTIONS) if accelerated else None
+    )
+
+
+def _usable(exponent: FloatArray, roller: str) -> FloatArray:
+    """Return M where e^M is a number that means something.
+
+    Raises
+    ------
+    InputError
+        If M is not positive, or so large that floats overflow.
+    """
+    if not ((exponent > 0.0) & (exponent < _LARGEST_EXPONENT)).all():
+        wrong = exponent[~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))].ravel()[0]
+        if wrong <= 0.0:
+            what = "there is no friction at all"
+        else:
+            what = f"M = {wrong:.4g} is more than {_LARGEST_EXPONENT:g}, and e^M no number to reckon with"
+        raise InputError(
+            what,
+            code="RF420",
+            key=f"roller {roller}",
+            fix="check the coefficient or the law's parameters",
+        )
+    return exponent
+
+
+def available_pull_N(contact: Contact, grip: Grip, *, share: npt.ArrayLike = 1.0) -> FloatArray:
+    """Return the friction pull at impending gross slip, from the slack side's tension, shape (...) [N].
+
+    Parameters
+    ----------
+    contact : Contact
+        Roller and tensions.
+    grip : Grip
+        Its friction.
+    share : array_like, shape (...)
+        Factor on the coefficient [-].
+
+    Examples
+    --------
+    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=0.5, half_thickness_m=0.0025,
+    ...     upstream_N=np.array(800.0), downstream_N=np.array(900.0))
+    >>> float(available_pull_N(contact, grip_on(contact, 1.2)).round(3))
+    657.695
+    """
+    share = np.asarray(share, dtype=np.float64)
+    pull_N = contact.slack_N * np.expm1(share * grip.exponent)
+    if grip.remaining is None:
+        return np.asarray(pull_N)
+    swell = np.expm1(share[..., None] * grip.remaining) @ _WEIGHTS
+    return np.asarray(pull_N + contact.inertia_towards_tight_N * contact.wrap_angle_rad * swell)
+
+
+def available_pull_slope_N(contact: Contact, grip: Grip, *, share: npt.ArrayLike) -> FloatArray:
+    """Return the derivative of `available_pull_N` by `share`, shape (...) [N]."""
+    share = np.asarray(share, dtype=np.float64)
+    slope_N = contact.slack_N * grip.exponent * np.exp(share * grip.exponent)
+    if grip.remaining is None:
+        return np.asarray(slope_N)
+    swell = (grip.remaining * np.exp(share[..., None] * grip.remaining)) @ _WEIGHTS
+    return np.asarray(slope_N + contact.inertia_towards_tight_N * contact.wrap_angle_rad * swell)
+
 
 MEASURES = {
     "utilisation": "required over available friction pull; 0 without torque, 1 at gross slip",
@@ -74,7 +433,7 @@ def utilisation(
     """Return required over available friction pull of every roller, shape (..., n_rollers) [-].
 
     U = (T'_tight − T'_slack) / (T'_slack (e^M − 1)) at constant speed; what an angular acceleration adds is in
-    `ropefric.systems.press.grip`. It is 0 without torque and exactly 1 at impending gross slip.
+    `ropefric.systems.press.slip`. It is 0 without torque and exactly 1 at impending gross slip.
 
     For constant μ and the closures "share" and "equal-torque" it never rises with the preload of all tensioners and
     never falls with the factor on all loads: the pull then is λP with P fixed by the loads, the slack tension is

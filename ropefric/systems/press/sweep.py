@@ -8,8 +8,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
-from ropefric.systems.press.contact import steady_contacts
-from ropefric.systems.press.slip import SlipTable, slip_table
+from ropefric.systems.press.slip import SlipTable, slip_table, steady_contacts
 from ropefric.systems.press.statics import Statics
 from ropefric.systems.press.steady import steady_state
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from ropefric.systems.friction import EVERYTHING, WrapFriction
-from ropefric.systems.press.contact import contacts_of
-from ropefric.systems.press.grip import available_pull_N, grip_on
+from ropefric.systems.press.slip import available_pull_N, contacts_of, grip_on
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import FrictionLimit
 from ropefric.systems.press.transient.polynomial import FloatArray
@@ -30,7 +29,7 @@ def friction_limit(
     Raises
     ------
     InputError
-        As `ropefric.systems.press.grip.grip_on`.
+        As `ropefric.systems.press.slip.grip_on`.
     """
     press = model.press
     growth, share = np.empty(len(press.rollers)), np.empty(len(press.rollers))

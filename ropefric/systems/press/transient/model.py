@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.errors import InputError, Problem
-from ropefric.systems.press.equations import (
+from ropefric.systems.press.machine import Press
+from ropefric.systems.press.statics import (
     carried_belts,
     has_balance,
     incidence,
@@ -15,7 +16,6 @@ from ropefric.systems.press.equations import (
     radii_m,
     span_density_kg_m,
 )
-from ropefric.systems.press.machine import Press
 from ropefric.systems.press.transient.ingredients import Ingredients
 from ropefric.systems.press.transient.polynomial import FloatArray
 

@@ -11,7 +11,7 @@ from ropefric.rig.faults import FAULTS, Fault, Samples, Setup
 from ropefric.rig.protocols import RIG_PROTOCOLS, RigProtocol
 from ropefric.rig.sensing import draw_sensor
 from ropefric.rig.settings import HELD_BENCH, Bench
-from ropefric.rig.truth import SimulatedRecording
+from ropefric.rig.story import SimulatedRecording
 from ropefric.traces.breakaway import Status
 
 __all__ = ["HELD_BENCH", "Bench", "simulate_recording"]

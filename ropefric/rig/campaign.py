@@ -12,7 +12,7 @@ from ropefric.rig.faults import FAULTS, SATURATION_MARGIN
 from ropefric.rig.files import campaign_text, known_force, packed, recording_text, table_text, toml_value
 from ropefric.rig.plan import CampaignPlan, RigCondition
 from ropefric.rig.protocols import RIG_PROTOCOLS
-from ropefric.rig.truth import RecordingTruth, SimulatedRecording
+from ropefric.rig.story import RecordingTruth, SimulatedRecording
 from ropefric.traces.trace import FloatArray
 
 __all__ = ["PlannedTrial", "plan_trials", "record_trial", "simulate_campaign"]

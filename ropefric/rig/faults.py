@@ -10,9 +10,7 @@ from ropefric.registry import Registry
 from ropefric.rig.protocols import Story, draw_teeth
 from ropefric.rig.sensing import Sensor
 from ropefric.rig.settings import Bench
-from ropefric.rig.story import BreakawayStory
-from ropefric.rig.teeth import lay_teeth
-from ropefric.rig.wander import draw_wander
+from ropefric.rig.story import BreakawayStory, draw_wander, lay_teeth
 from ropefric.traces.breakaway import Status
 from ropefric.traces.trace import FloatArray
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from ropefric.rig.plan import CampaignPlan, RigCondition
 from ropefric.rig.protocols import RIG_PROTOCOLS
-from ropefric.rig.truth import SimulatedRecording
+from ropefric.rig.story import SimulatedRecording
 
 __all__ = [
     "campaign_text",

@@ -8,9 +8,7 @@ import numpy as np
 
 from ropefric.registry import Registry
 from ropefric.rig.settings import Bench
-from ropefric.rig.story import BreakawayStory
-from ropefric.rig.teeth import Snap, Teeth, lay_teeth
-from ropefric.rig.truth import RecordingTruth
+from ropefric.rig.story import BreakawayStory, RecordingTruth, Snap, Teeth, lay_teeth
 from ropefric.traces.breakaway import Phase, Status
 from ropefric.traces.trace import FloatArray
 

@@ -2,16 +2,242 @@
 
 import math
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 
-from ropefric.rig.teeth import Snap, Teeth
-from ropefric.rig.truth import RecordingTruth
-from ropefric.rig.wander import NO_WANDER, Wander
 from ropefric.traces.breakaway import Phase, Status
-from ropefric.traces.trace import FloatArray
+from ropefric.traces.trace import FloatArray, frozen_array
 
-__all__ = ["BreakawayStory"]
+__all__ = [
+    "BreakawayStory",
+    "RecordingTruth",
+    "SimulatedRecording",
+    "Snap",
+    "Teeth",
+    "draw_wander",
+    "lay_teeth",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingTruth:
+    """What is true of one simulated recording, before noise, conversion and damage; NaN where nothing is.
+
+    Attributes
+    ----------
+    status : Status
+        What an honest reading of the recording must end in.
+    lift_force_N : float
+        Static friction F_A [N]. Also given where the recording cannot show it: `no-breakaway` (never reached),
+        `saturated` (above the ceiling), `no-peak` (the level it slides at).
+    breakaway_time_s : float
+        When the rope breaks away [s].
+    kinetic_N : float
+        Mean force while sliding [N], from 30 ms after break-away until the motor is off.
+    faults : tuple of str
+        Names of the faults put in.
+    cell : str
+        The force cell used.
+    dwell_s : float
+        Time under load before the pull [s].
+    tooth_tops_N, tooth_times_s : tuple of float
+        Top [N] and time [s] of every stick-slip tooth; the first is the break-away.
+    plateaus_N : tuple of float
+        Protocol `held`: the force each plateau settles to [N].
+    phases : tuple of Phase
+        What happens when.
+
+    Examples
+    --------
+    >>> RecordingTruth(status=Status.OK, lift_force_N=320.7).faults
+    ()
+    """
+
+    status: Status
+    lift_force_N: float
+    breakaway_time_s: float = nan
+    kinetic_N: float = nan
+    faults: tuple[str, ...] = ()
+    cell: str = ""
+    dwell_s: float = nan
+    tooth_tops_N: tuple[float, ...] = ()
+    tooth_times_s: tuple[float, ...] = ()
+    plateaus_N: tuple[float, ...] = ()
+    phases: tuple[Phase, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedRecording:
+    """One recording of the virtual rig.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (n,)
+        Time stamps [s] as the logger wrote them; a fault may make them repeat.
+    counts : ndarray, shape (n,)
+        ADC counts, whole numbers as float64; NaN where a sample is missing.
+    true_time_s, true_force_N : ndarray, shape (m,)
+        The force on the rope before sensor and damage [N], on the undamaged clock [s].
+    truth : RecordingTruth
+        What is true of it.
+    """
+
+    time_s: FloatArray
+    counts: FloatArray
+    true_time_s: FloatArray
+    true_force_N: FloatArray
+    truth: RecordingTruth
+
+    def __post_init__(self) -> None:
+        for key in ("time_s", "counts", "true_time_s", "true_force_N"):
+            object.__setattr__(self, key, frozen_array(getattr(self, key)))
+
+
+ONSET_S = 0.05
+TONES = 6
+BAND_HZ = (3.0, 15.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Wander:
+    """A sum of tones that sets in with sliding.
+
+    Attributes
+    ----------
+    amplitude_N, frequency_Hz, phase_rad : ndarray, shape (k,)
+        The tones; none for perfectly smooth sliding.
+    """
+
+    amplitude_N: FloatArray
+    frequency_Hz: FloatArray
+    phase_rad: FloatArray
+
+    def force_N(self, elapsed_s: FloatArray) -> FloatArray:
+        """Return the force above the level [N] at times since sliding began [s]."""
+        angle = 2.0 * np.pi * np.multiply.outer(elapsed_s, self.frequency_Hz) + self.phase_rad
+        return np.asarray(-np.expm1(-elapsed_s / ONSET_S) * (np.sin(angle) @ self.amplitude_N))
+
+
+NO_WANDER = Wander(amplitude_N=np.empty(0), frequency_Hz=np.empty(0), phase_rad=np.empty(0))
+
+
+def draw_wander(rng: np.random.Generator, std_N: float) -> Wander:
+    """Return tones between 3 and 15 Hz whose sum has a standard deviation of `std_N` [N].
+
+    Examples
+    --------
+    >>> wander = draw_wander(np.random.default_rng(0), 2.0)
+    >>> bool(abs(wander.force_N(np.arange(1.0, 60.0, 1e-3)).std() - 2.0) < 0.1)
+    True
+    """
+    share = rng.dirichlet(np.full(TONES, 3.0))
+    return Wander(
+        amplitude_N=std_N * np.sqrt(2.0 * share),
+        frequency_Hz=rng.uniform(*BAND_HZ, TONES),
+        phase_rad=rng.uniform(0.0, 2.0 * np.pi, TONES),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Snap:
+    """How the force falls when the rope slips: a mass on a spring, released.
+
+    Attributes
+    ----------
+    natural_Hz : float
+        Undamped natural frequency [Hz].
+    damping_ratio : float
+        Damping ratio [-], below 1.
+
+    Examples
+    --------
+    >>> Snap(natural_Hz=100.0, damping_ratio=0.3).remaining(np.array([0.0, 0.005])).round(3).tolist()
+    [1.0, -0.368]
+    """
+
+    natural_Hz: float
+    damping_ratio: float
+
+    def remaining(self, elapsed_s: FloatArray) -> FloatArray:
+        """Return the part of the fall still to come: 1 at the slip, with slope 0, then a decaying overshoot.
+
+        Solves x'' + 2ζω x' + ω² x = 0, x(0) = 1, x'(0) = 0.
+        """
+        omega = 2.0 * np.pi * self.natural_Hz
+        zeta = self.damping_ratio
+        root = np.sqrt(1.0 - zeta**2)
+        phase = omega * root * elapsed_s
+        answer = np.exp(-zeta * omega * elapsed_s) * (np.cos(phase) + zeta / root * np.sin(phase))
+        return np.asarray(answer, dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Teeth:
+    """Stick-slip teeth after break-away, as deviations from the kinetic level.
+
+    Tooth 0 is the break-away itself: its top is reached by the loading, not by a reload.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (n,)
+        When each top is reached [s] after break-away; the first is 0.
+    top_N, bottom_N : ndarray, shape (n,)
+        The top of each tooth and the level it slips back to, as deviations from the kinetic level [N].
+
+    Examples
+    --------
+    >>> teeth = lay_teeth(top_N=np.array([9.0, 1, 2]), bottom_N=np.array([-1.0, -1, -1]), reload_N_s=20.0)
+    >>> teeth.force_N(np.array([0.0, 0.1, 0.25]), Snap(natural_Hz=100.0, damping_ratio=0.3)).round(6).tolist()
+    [9.0, 1.0, 2.0]
+    """
+
+    time_s: FloatArray
+    top_N: FloatArray
+    bottom_N: FloatArray
+
+    def force_N(self, elapsed_s: FloatArray, snap: Snap) -> FloatArray:
+        """Return the deviation from the kinetic level at times after break-away [N].
+
+        Continuous: what an earlier snap still rings with when the next top is due is taken off the reload.
+
+        Parameters
+        ----------
+        elapsed_s : ndarray, shape (m,)
+            Times after break-away [s], from 0 to the last tooth.
+        snap : Snap
+            How each slip falls.
+        """
+        period_s = np.diff(self.time_s)
+        fall_N = (self.top_N - self.bottom_N)[:-1]
+        left = snap.remaining(period_s)
+        slope_N_s = (self.top_N[1:] - self.bottom_N[:-1] - fall_N * left) / (period_s * (1.0 - left))
+        tooth = np.clip(np.searchsorted(self.time_s, elapsed_s, side="right") - 1, 0, period_s.size - 1)
+        since_s = elapsed_s - self.time_s[tooth]
+        left = snap.remaining(since_s)
+        # The reload sets in as the fall does its work, so that no top is passed after its slip has begun.
+        reload_N = slope_N_s[tooth] * since_s * (1.0 - left)
+        return self.bottom_N[tooth] + reload_N + fall_N[tooth] * left
+
+
+def lay_teeth(*, top_N: FloatArray, bottom_N: FloatArray, reload_N_s: float) -> Teeth:
+    """Return teeth that follow each other as the reload allows: stiffness times speed, the same for all.
+
+    Parameters
+    ----------
+    top_N, bottom_N : ndarray, shape (n,)
+        Tops and bottoms as deviations from the kinetic level [N], n >= 2.
+    reload_N_s : float
+        Rate at which the force rises between slips [N/s].
+
+    Examples
+    --------
+    >>> lay_teeth(top_N=np.array([9.0, 1, 2]), bottom_N=np.array([-1.0, -1, -1]), reload_N_s=20.0).time_s
+    array([0.  , 0.1 , 0.25])
+    """
+    period_s = (top_N[1:] - bottom_N[:-1]) / reload_N_s
+    return Teeth(time_s=np.concatenate(([0.0], np.cumsum(period_s))), top_N=top_N, bottom_N=bottom_N)
+
 
 SETTLED_S = 0.03  # after break-away from which the sliding force counts as kinetic
 RELAXATION_S = 0.4  # in which a held rope relaxes

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.rig.bench import Bench, simulate_recording
 from ropefric.rig.protocols import draw_breakaway
-from ropefric.rig.teeth import Snap
+from ropefric.rig.story import Snap
 from ropefric.traces.breakaway import Status
 
 

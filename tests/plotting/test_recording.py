@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from ropefric.errors import InputError
 from ropefric.plotting.recording import draw_recording, draw_trial
-from ropefric.plotting.window_sweep import draw_window_sweep, sweep_windows
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
 from ropefric.traces.protocols.breakaway import pick_breakaway
@@ -139,34 +137,3 @@ def test_a_trial_is_drawn_from_its_outline(make_trial):
     assert made.alt.startswith("Recording t1: break-away force F_A = 320 N at 8 s")
     held = make_trial("h1", 30.0, slack=True)
     assert "plateau F_B = 30 N" in draw_trial(held).alt
-
-
-def test_a_longer_window_reads_lower_as_first_order_says(trace, found, assert_repeats, assert_readable):
-    windows_s = (0.0, 0.01, 0.1)
-    sweep = sweep_windows(trace, windows_s=windows_s)
-    made = assert_repeats(lambda: draw_window_sweep(sweep, found, name="ramp"))
-    assert_readable(made)
-    rows = made.tables[0].rows
-    for row, window_s in zip(rows, windows_s, strict=True):
-        direct = pick_breakaway(trace, PickSettings(window_s=window_s))[0]
-        assert row[2] == direct.peak_N
-    # 200 N/s over half of 100 ms: 10 N low.
-    assert rows[2][2] == pytest.approx(300.0 - 200.0 * 0.1 / 2.0, abs=0.5)
-    assert rows[2][5] == pytest.approx(rows[2][2], abs=0.5)
-    (axes,) = made.figure.axes
-    (mark,) = [line for line in axes.lines if line.get_marker() == "D"]
-    assert mark.get_xydata()[0].tolist() == [1e3 * found.window_s, found.peak_N]
-    assert (axes.get_xlabel()[-4:], axes.get_ylabel()[-3:]) == ("[ms]", "[N]")
-    drawn = [line.get_linestyle() for line in axes.lines if line.get_linestyle() != "None"]
-    assert len(set(drawn)) == len(drawn) == 4
-    assert "k = 1" in axes.get_title()
-    assert f"{rows[2][2]:.4g} N at {1e3 * rows[2][0]:.3g} ms" in made.alt
-
-
-def test_a_sweep_may_hold_one_window_or_flagged_ones_but_not_none(trace, found):
-    lost = Breakaway(status=Status.NO_PEAK)
-    made = draw_window_sweep([found, lost], lost)
-    assert [row[1] for row in made.tables[0].rows] == ["ok", "no-peak"]
-    assert "In use" not in made.alt
-    with pytest.raises(InputError, match="no window"):
-        draw_window_sweep([], found)

@@ -119,7 +119,7 @@ def make_plan(
     --------
     >>> from ropefric.systems.friction import WrapFriction
     >>> from ropefric.systems.hoist.problem import HoistProblem
-    >>> from ropefric.systems.hoist.system import SYSTEM
+    >>> from ropefric.systems.hoist.effects import SYSTEM
     >>> rope = HoistProblem(friction=WrapFriction.constant(0.2), wheel_radius_m=0.04, rope_radius_m=0.005,
     ...     wrap_angle_rad=9.42, end_tension_N=80.0, speed_m_s=0.3, linear_density_kg_m=0.062)
     >>> plan, model = make_plan(SYSTEM, rope, accuracy=0.01, effects="auto")

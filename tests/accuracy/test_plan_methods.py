@@ -14,7 +14,7 @@ from ropefric.systems.bandsaw.galerkin import ScaledBeam
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.system import SYSTEM as HOIST
+from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem, StartUpTask
 from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS

@@ -16,8 +16,8 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.lift import log_lift_moving
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import lifted_arc_rad
+from ropefric.systems.hoist.effects import SYSTEM
 from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
-from ropefric.systems.hoist.system import SYSTEM
 
 
 def own(problem):

@@ -20,8 +20,8 @@ from ropefric.systems.bandsaw.effects import SawProblem
 from ropefric.systems.bandsaw.section import STEEL_85_09
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.hoist.problem import HoistProblem
-from ropefric.systems.hoist.system import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 

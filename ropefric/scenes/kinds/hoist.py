@@ -12,9 +12,8 @@ from ropefric.scenes.kind import Kind, Quantity, SweepField
 from ropefric.scenes.schema import FrictionTable, SceneTable, optional
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import Lift
-from ropefric.systems.hoist.influence import answerable
+from ropefric.systems.hoist.effects import SYSTEM, answerable
 from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
-from ropefric.systems.hoist.system import SYSTEM
 from ropefric.trials.toml_fields import StrictTable, reject
 
 __all__ = ["KIND"]

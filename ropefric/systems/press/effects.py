@@ -1,7 +1,5 @@
 """The effects a belt press may be simulated with, and how much each can matter at most.
 
-How much each effect of a press can change tensions and slip at most, before slip is solved for.
-
 Tensions are linear: each load, the preload and the speed have their own share, got by one small linear solution each.
 So the tensions of every subset of effects are sums of the same few columns, and the largest change that an effect
 makes among all subsets bounds it. What is bounded is |ΔT'| of each span over its T' with everything in, |ΔU| of each

@@ -48,7 +48,7 @@ SIGNATURES = {
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
     "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None)",
-    "save_fit": "(fit, path)",
+    "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None)",
     "solve": "(scene, *, level=0.95)",
     "sweep": "(scene, *axes, progress=None)",

@@ -23,17 +23,19 @@ _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
 
 EXIT_CODES = (
     "Exit codes: 0 done, 1 fault in ropefric, 2 wrong usage, 3 bad data or configuration, "
-    "4 result not to be trusted, 130 interrupted."
+    "4 result not to be trusted, 130 interrupted (129, 143: by SIGHUP, SIGTERM)."
 )
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | None = None) -> int:
     """Run one command line and return its exit code; no exception leaves.
 
     Parameters
     ----------
     argv : sequence of str, optional
         The words after `ropefric`; those of the process by default.
+    on_start : callable, optional
+        Called when the command line is understood and the command begins.
 
     Returns
     -------
@@ -47,13 +49,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     ...     main(["chekc", "campaign.toml"])
     2
     """
-    if argv is None:
-        argv = sys.argv[1:]
-        for stream in (sys.stdout, sys.stderr):  # a terminal that cannot show φ must not end the work
-            if hasattr(stream, "reconfigure"):
-                stream.reconfigure(errors="backslashreplace")
+    argv = sys.argv[1:] if argv is None else argv
     try:
-        code = build_app()(args=list(argv), prog_name="ropefric", standalone_mode=False)
+        code = build_app(on_start)(args=list(argv), prog_name="ropefric", standalone_mode=False)
     except SystemExit as stop:  # typer's answer to a reader of --help that went away
         return 0 if isinstance(stop.__context__, BrokenPipeError) else int(stop.code or 0)
     except BaseException as error:  # noqa: BLE001  (the boundary: everything becomes words and a code)
@@ -61,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else 0
 
 
-def build_app() -> typer.Typer:
+def build_app(on_start: Callable[[], None] | None = None) -> typer.Typer:
     """Return the typer application with every command of the registry.
 
     Examples
@@ -79,7 +77,7 @@ def build_app() -> typer.Typer:
     app.callback(invoke_without_command=True)(_top)
     for command in find_commands().values():
         app.command(command.name, help=inspect.getdoc(command.run), epilog=f"Example: {command.example}")(
-            _with_global_options(command)
+            _with_global_options(command, on_start)
         )
     return app
 
@@ -101,7 +99,7 @@ def _top(
         typer.echo(context.get_help())
 
 
-def _with_global_options(command: Command) -> Callable[..., int]:
+def _with_global_options(command: Command, on_start: Callable[[], None] | None) -> Callable[..., int]:
     """Return the command as typer wants it: its own parameters and those that every command has."""
 
     def call(context: typer.Context, **arguments: Any) -> int:
@@ -113,6 +111,8 @@ def _with_global_options(command: Command) -> Callable[..., int]:
             color=top.color and not flags["no_color"],
         )
         try:
+            if on_start is not None:
+                on_start()
             return _emit(command.answer(out, arguments), out)
         except KeyboardInterrupt as interrupt:  # typer would end here without a word
             return report_failure(interrupt, out)

@@ -1,5 +1,6 @@
 """The one place where failures become words and exit codes."""
 
+import errno
 import os
 import sys
 import traceback
@@ -13,6 +14,7 @@ from ropefric.registry import did_you_mean
 __all__ = ["INTERNAL", "INTERRUPTED", "USAGE", "report_failure"]
 
 INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
+_OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
 
 
 @runtime_checkable
@@ -39,7 +41,8 @@ def report_failure(error: BaseException, out: Output) -> int:
     Returns
     -------
     int
-        1 internal, 2 usage, 3 bad data or configuration, 4 not to be trusted, 130 interrupted.
+        1 internal, 2 usage, 3 bad data or configuration, 4 not to be trusted, 130 interrupted; 129 and 143 if it was
+        by SIGHUP and SIGTERM, whose number a KeyboardInterrupt then carries.
 
     Examples
     --------
@@ -50,7 +53,7 @@ def report_failure(error: BaseException, out: Output) -> int:
     >>> heard.getvalue()
     'error RF101 run07.csv  the file is empty\n'
     """
-    known, exit_code = _in_known_words(error)
+    known, exit_code = _in_known_words(_interrupt_behind(error) or error)
     if out.json:
         out.result(json_text(known.to_dict()) + "\n")
     else:
@@ -60,14 +63,21 @@ def report_failure(error: BaseException, out: Output) -> int:
     return exit_code
 
 
+def _interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
+    """Return the interrupt that a library has put into its own words, such as an import that was broken off."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error
+
+
 def _in_known_words(error: BaseException) -> tuple[RopefricError, int]:
     if isinstance(error, RopefricError):
         return error, error.exit_code
     if isinstance(error, KeyboardInterrupt):
-        return RopefricError("interrupted", code="RF001"), INTERRUPTED
+        return RopefricError("interrupted", code="RF001"), 128 + error.args[0] if error.args else INTERRUPTED
     if isinstance(error, UsageFailure):
         return _usage_error(error), USAGE
-    if isinstance(error, OSError) and error.filename is not None:
+    if isinstance(error, OSError) and (error.filename is not None or error.errno in _OUT_OF):
         refused = _file_error(error)
         return refused, refused.exit_code
     fault = RopefricError(
@@ -81,7 +91,7 @@ def _in_known_words(error: BaseException) -> tuple[RopefricError, int]:
 
 def _file_error(error: OSError) -> DataError:
     """Return a file the user named and the system refuses as what it is: bad data, not a bug."""
-    path = os.fsdecode(error.filename)
+    path = os.fsdecode(error.filename or "")
     reason = (error.strerror or str(error)).lower()
     return DataError(
         reason, code="RF101", path=path, fix="check the path, its permissions and the space left"

@@ -1,13 +1,13 @@
 """Drawing the figures of a campaign, in several processes where that pays."""
 
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 
 if TYPE_CHECKING:
+    from ropefric.files.folder import Folder
     from ropefric.trials.result import Extraction
 
 __all__ = ["SERIAL_FIGURES", "draw_figures"]
@@ -16,22 +16,21 @@ SERIAL_FIGURES = 8
 """Figures below which starting worker processes costs more than it saves."""
 
 
-def draw_figures(extraction: "Extraction", folder: Path, n_jobs: int, out: Output) -> None:
-    """Draw one figure per condition into a folder, telling how far it is.
+def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output) -> None:
+    """Draw one figure per condition into figures/ of a folder and publish them, telling how far it is.
 
     Parameters
     ----------
     extraction : Extraction
         What to draw.
-    folder : Path
-        Made where it is missing.
+    folder : Folder
+        Where the results are.
     n_jobs : int
         Number of processes.
     out : Output
         Where progress is told.
     """
-    import signal  # noqa: PLC0415  (these: quick start-up)
-    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415
+    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
 
     from ropefric.plotting.campaign import write_condition_figures  # noqa: PLC0415
 
@@ -39,8 +38,18 @@ def draw_figures(extraction: "Extraction", folder: Path, n_jobs: int, out: Outpu
         executor = None
         if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
             # Ctrl-C reaches the workers too, but only this process is to answer it.
-            executor = ProcessPoolExecutor(
-                n_jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)
-            )
+            executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
             stack.callback(executor.shutdown, cancel_futures=True)
-        write_condition_figures(extraction, folder, executor=executor, progress=progress.update)
+        write_condition_figures(
+            extraction, folder, under="figures/", executor=executor, progress=progress.update
+        )
+    folder.publish("figures")
+
+
+def _work_quietly() -> None:
+    import logging  # noqa: PLC0415  (these: quick start-up)
+    import signal  # noqa: PLC0415
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What matplotlib tells of its fonts and folders is for no reader of ours.
+    logging.getLogger().addHandler(logging.NullHandler())

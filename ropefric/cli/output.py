@@ -9,6 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TextIO
 
 from ropefric.errors import Problem
+from ropefric.files.write import cannot_write
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -56,9 +57,11 @@ class Output:
         try:
             sys.stdout.write(text)
             sys.stdout.flush()
-        except BrokenPipeError:
+        except OSError as error:
             # Else the interpreter's last flush would complain.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            if not isinstance(error, BrokenPipeError):
+                raise cannot_write(error, "the result") from None
 
     def note(self, text: str) -> None:
         """Say something on stderr, unless asked to be quiet."""
@@ -72,8 +75,8 @@ class Output:
                 self._say(partial(_print_problem, problem))
 
     def _say(self, show: "Callable[[Console], None]") -> None:
-        # The work goes on when nobody listens any more (`2>&1 | head`).
-        with suppress(BrokenPipeError):
+        # The work goes on when nobody listens any more (`2>&1 | head`), or the log's disk is full.
+        with suppress(OSError):
             sys.stderr.write(rendered(self.stderr, show))
             sys.stderr.flush()
 

@@ -4,13 +4,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ropefric.files.folder import Folder
     from ropefric.plotting.figure import FigureWithData
     from ropefric.scenes.solve import Solution
 
 __all__ = ["write_scene_files"]
 
 
-def write_scene_files(solution: "Solution", folder: Path) -> list[Path]:
+def write_scene_files(solution: "Solution", folder: "Folder") -> list[Path]:
     """Write the figures and tables of a solved scene, as far as its system has any; return their paths."""
     from ropefric.plotting.save import save_figure  # noqa: PLC0415  (quick start-up)
 
@@ -20,9 +21,9 @@ def write_scene_files(solution: "Solution", folder: Path) -> list[Path]:
     start_up = getattr(solution.answer, "start_up", None)
     if start_up is not None:
         from ropefric.scenes.histories import start_up_columns  # noqa: PLC0415
-        from ropefric.scenes.table import write_columns  # noqa: PLC0415
+        from ropefric.scenes.table import columns_text  # noqa: PLC0415
 
-        written.append(write_columns(start_up_columns(start_up), folder / "start_up.csv"))
+        written += folder.write({"start_up.csv": columns_text(start_up_columns(start_up))})
     return written
 
 

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.fitting.result import SCHEMA, FitResult
 from ropefric.fitting.soundness import faults
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 
-__all__ = ["fit_text", "load_fit", "save_fit"]
+__all__ = ["check_target", "fit_text", "load_fit", "save_fit"]
 
 _FAMILY, _VERSION = SCHEMA.split("/")
 _FIELDS = {
@@ -53,7 +54,7 @@ def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:
     return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def save_fit(fit: FitResult, path: str | os.PathLike[str]) -> Path:
+def save_fit(fit: FitResult, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
     """Write a fit as JSON of schema `ropefric.fit/1` and return the file's path.
 
     Parameters
@@ -61,22 +62,55 @@ def save_fit(fit: FitResult, path: str | os.PathLike[str]) -> Path:
     fit : FitResult
         The fit.
     path : path-like
-        The file; its folder is made if it is not there.
+        The file; its folder is made if it is not there. A fit that stands there is replaced.
+    overwrite : bool
+        Replace any other file too, except the table the fit was made from.
 
     Raises
     ------
     DataError
-        If the file cannot be written.
+        RF105 if the file cannot be written, RF140 if another than a fit stands there, RF141 if it is the fit's table.
     """
     target = Path(path)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(fit_text(fit, target.parent), encoding="utf-8", newline="\n")
-    except OSError as error:
+    table = fit.provenance.get("input", {}).get("path")
+    check_target(target, Path(str(table)) if table else None, overwrite=overwrite)
+    return write_file(target, fit_text(fit, target.parent))
+
+
+def check_target(path: Path, table: Path | None, *, overwrite: bool = False) -> None:
+    """Refuse a place where a fit must not be stored: its own table, or what is there and is no fit.
+
+    Parameters
+    ----------
+    path : Path
+        Where the fit is to be stored.
+    table : Path or None
+        What it is made from.
+    overwrite : bool
+        Allow any other file than the table.
+
+    Raises
+    ------
+    DataError
+        RF105, RF140 or RF141.
+    """
+    refuse_special(path)
+    refuse_input(path, table)
+    if not overwrite and path.is_file() and not _is_fit(path):
         raise DataError(
-            f"cannot write the fit: {error.strerror}", code="RF105", path=target, fix="choose another folder"
-        ) from None
-    return target
+            "the file is there already, and it is no stored fit",
+            code="RF140",
+            path=path.as_posix(),
+            fix="choose another name, or replace it with --force (in Python, overwrite=True)",
+        )
+
+
+def _is_fit(path: Path) -> bool:
+    try:
+        tree = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(tree, dict) and str(tree.get("schema", "")).partition("/")[0] == _FAMILY
 
 
 def load_fit(path: str | os.PathLike[str]) -> FitResult:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, TypeVar
 
 from ropefric.errors import RopefricError
@@ -18,7 +17,7 @@ from ropefric.fitting.planning.result import LabPlan
 from ropefric.pipeline.design_views import chart_of_design, plan_for_design, state_design, swings_of_design
 from ropefric.pipeline.run import CampaignRun
 
-__all__ = ["Evidence", "MeasuredBudget", "gather_evidence", "write_evidence"]
+__all__ = ["Evidence", "MeasuredBudget", "evidence_files", "gather_evidence"]
 
 T = TypeVar("T")
 
@@ -135,34 +134,20 @@ def _measured(run: CampaignRun) -> tuple[MeasuredBudget, ...]:
     )
 
 
-def write_evidence(evidence: Evidence, folder: Path) -> tuple[Path, ...]:
-    """Write uncertainty.json and next_tests.csv; return the paths. What an earlier run left and this one lacks goes.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        What to write.
-    folder : Path
-        Where.
+def evidence_files(evidence: Evidence) -> dict[str, str]:
+    """Return uncertainty.json and next_tests.csv by name, as far as there are such.
 
     Examples
     --------
-    >>> write_evidence(Evidence(), Path("nowhere"))
-    ()
+    >>> evidence_files(Evidence())
+    {}
     """
-    texts = {
-        "uncertainty.json": None if evidence.lift is None else _json(evidence.lift.to_dict()),
-        "next_tests.csv": None if evidence.plan is None else evidence.plan.to_csv(),
-    }
-    written = []
-    for name, text in texts.items():
-        target = folder / name
-        if text is None:
-            target.unlink(missing_ok=True)
-        else:
-            target.write_text(text, encoding="utf-8", newline="\n")
-            written.append(target)
-    return tuple(written)
+    texts = {}
+    if evidence.lift is not None:
+        texts["uncertainty.json"] = _json(evidence.lift.to_dict())
+    if evidence.plan is not None:
+        texts["next_tests.csv"] = evidence.plan.to_csv()
+    return texts
 
 
 def _json(tree: dict[str, Any]) -> str:

@@ -20,9 +20,9 @@ __all__ = [
     "SCHEMA",
     "InputFile",
     "Provenance",
+    "manifest_text",
     "recorded_run",
     "trace_provenance",
-    "write_manifest",
 ]
 
 SCHEMA = "ropefric.run/1"
@@ -161,13 +161,13 @@ def _recordings(run: CampaignRun) -> tuple[InputFile, ...]:
     return tuple(InputFile(path=name, sha256=sha256) for name, sha256 in found.items())
 
 
-def write_manifest(provenance: Provenance, campaign: Path, folder: Path) -> Path:
-    """Write manifest.json, by which a folder of results finds its campaign again; return its path.
+def manifest_text(provenance: Provenance, campaign: Path, folder: Path) -> str:
+    """Return the manifest, by which a folder of results finds its campaign again.
 
     Parameters
     ----------
     provenance : Provenance
-        What to write.
+        What it says.
     campaign : Path
         The campaign file; named relative to the folder.
     folder : Path
@@ -178,10 +178,7 @@ def write_manifest(provenance: Provenance, campaign: Path, folder: Path) -> Path
     except ValueError:  # another drive on Windows
         shown = campaign.resolve().as_posix()
     tree = provenance.to_dict() | {"campaign": shown}
-    text = json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
-    target = folder / MANIFEST
-    target.write_text(text + "\n", encoding="utf-8", newline="\n")
-    return target
+    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def recorded_run(folder: Path) -> tuple[Path, str]:
@@ -190,7 +187,7 @@ def recorded_run(folder: Path) -> tuple[Path, str]:
     Parameters
     ----------
     folder : Path
-        What `write_manifest` wrote into.
+        A folder that `run` or `report` wrote into.
 
     Raises
     ------

@@ -1,18 +1,19 @@
 """A campaign from its recordings to the answer, with everything written that others can check."""
 
 import csv
+import io
 import json
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.folder import Folder, as_folder
 from ropefric.fitting.comparison import Comparison
-from ropefric.fitting.prediction import Prediction
-from ropefric.fitting.store import save_fit
+from ropefric.fitting.store import fit_text
 from ropefric.fitting.table import read_trial_table
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.pipeline.answer import CampaignAnswer, Progress, answer_trials
 from ropefric.pipeline.usable import set_aside_impossible
 from ropefric.traces.breakaway import Status
@@ -70,7 +71,7 @@ class CampaignRun:
 
 def run_campaign(
     campaign: Campaign,
-    folder: Path,
+    folder: Folder | str | os.PathLike[str],
     *,
     law: str = "",
     jobs: int = 1,
@@ -88,8 +89,9 @@ def run_campaign(
     ----------
     campaign : Campaign
         From `load_campaign`.
-    folder : Path
-        Made where it is missing; files of these names are replaced.
+    folder : Folder or path-like
+        Made where it is missing; files of these names are replaced. The tables are published as "tables" before
+        the fit; the rest is for the caller to publish.
     law : str
         The law to use; "" for the best that is to be trusted.
     jobs : int
@@ -99,7 +101,7 @@ def run_campaign(
     extract_progress, fit_progress : callable, optional
         Told how far the work is; see `extract_campaign` and `compare_laws`.
     on_extracted : callable, optional
-        Called with the extraction as soon as its tables are written.
+        Called with the extraction as soon as its tables are published.
 
     Raises
     ------
@@ -110,7 +112,9 @@ def run_campaign(
     """
     found = extract_campaign(campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress)
     extraction = set_aside_impossible(found, campaign)
-    tables = write_tables(extraction, folder)
+    target = as_folder(folder)
+    tables = write_tables(extraction, target)
+    target.publish("tables")
     if on_extracted is not None:
         on_extracted(extraction)
     _require_a_force(extraction, campaign)
@@ -126,7 +130,7 @@ def run_campaign(
         campaign=campaign,
         extraction=extraction,
         answer=answer,
-        written=(*tables, *write_answer(answer, folder)),
+        written=(*tables, *write_answer(answer, target)),
     )
 
 
@@ -150,21 +154,16 @@ def count_trials(extraction: Extraction) -> dict[str, Any]:
     }
 
 
-def write_answer(answer: CampaignAnswer, folder: Path) -> tuple[Path, ...]:
-    """Write fits/LAW.json for every law, comparison.csv and prediction.json; return their paths.
-
-    A law's fit or a prediction that an earlier run left and this one does not have is removed.
-    """
-    fits = [save_fit(fit, folder / "fits" / f"{fit.law}.json") for fit in answer.fits]
-    for name in ALL_LAWS.keys() - {fit.law for fit in answer.fits}:
-        (folder / "fits" / f"{name}.json").unlink(missing_ok=True)
-    written = [*fits, _write_ranking(answer.comparison, folder / "comparison.csv")]
-    target = folder / "prediction.json"
-    if answer.prediction is None:
-        target.unlink(missing_ok=True)
-    else:
-        written.append(_write_prediction(answer.prediction, target))
-    return tuple(written)
+def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
+    """Write fits/LAW.json for every law, comparison.csv and, if there is one, prediction.json; return their paths."""
+    target = as_folder(folder)
+    texts = {f"fits/{fit.law}.json": fit_text(fit, target.path / "fits") for fit in answer.fits}
+    texts["comparison.csv"] = _ranking_text(answer.comparison)
+    if answer.prediction is not None:
+        tree = answer.prediction.to_dict()
+        text = json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
+        texts["prediction.json"] = text + "\n"
+    return target.write(texts)
 
 
 def _require_a_force(extraction: Extraction, campaign: Campaign) -> None:
@@ -178,21 +177,15 @@ def _require_a_force(extraction: Extraction, campaign: Campaign) -> None:
     )
 
 
-def _write_ranking(comparison: Comparison, path: Path) -> Path:
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.DictWriter(stream, _RANKING, lineterminator="\n")
-        writer.writeheader()
-        for entry in comparison.ranking:
-            row = entry.to_dict()
-            writer.writerow({name: _cell(row[name]) for name in _RANKING})
-    return path
+def _ranking_text(comparison: Comparison) -> str:
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, _RANKING, lineterminator="\n")
+    writer.writeheader()
+    for entry in comparison.ranking:
+        row = entry.to_dict()
+        writer.writerow({name: _cell(row[name]) for name in _RANKING})
+    return stream.getvalue()
 
 
 def _cell(value: Any) -> Any:
     return str(value).lower() if isinstance(value, bool) else value
-
-
-def _write_prediction(prediction: Prediction, path: Path) -> Path:
-    text = json.dumps(prediction.to_dict(), sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8", newline="\n")
-    return path

@@ -1,13 +1,15 @@
 """All figures of a campaign: one a condition."""
 
+import os
 from collections.abc import Callable
 from concurrent.futures import Executor, as_completed
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ropefric.files.folder import Folder, as_folder
 from ropefric.plotting.condition import draw_condition
 from ropefric.plotting.labels import name_condition, name_files
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.save import figure_files
 
 if TYPE_CHECKING:
     from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
@@ -17,8 +19,9 @@ __all__ = ["write_condition_figures"]
 
 def write_condition_figures(
     extraction: "Extraction",
-    folder: Path,
+    folder: Folder | str | os.PathLike[str],
     *,
+    under: str = "",
     formats: tuple[str, ...] = ("png",),
     executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
@@ -29,8 +32,10 @@ def write_condition_figures(
     ----------
     extraction : Extraction
         Conditions and trials.
-    folder : Path
+    folder : Folder or path-like
         Made where it is missing.
+    under : str
+        Sub-folder, with a "/" at its end.
     formats : tuple of str
         "png", "svg", "pdf".
     executor : concurrent.futures.Executor, optional
@@ -50,27 +55,25 @@ def write_condition_figures(
         name_condition(summary, measures_slack=any(trial.measures_slack for trial in trials))
         for summary, trials in groups
     )
-    jobs = [(*group, folder, stem, formats) for group, stem in zip(groups, stems, strict=True)]
+    target = as_folder(folder)
+    jobs = [(*group, f"{under}{stem}", formats) for group, stem in zip(groups, stems, strict=True)]
     written: list[tuple[Path, ...]] = [()] * len(jobs)
     if executor is None:
         for place, job in enumerate(jobs):
-            written[place] = _write_one(*job)
+            written[place] = target.write(_draw_one(*job))
             if progress is not None:
-                progress(place + 1, len(jobs), job[3])
+                progress(place + 1, len(jobs), stems[place])
     else:
-        places = {executor.submit(_write_one, *job): place for place, job in enumerate(jobs)}
+        places = {executor.submit(_draw_one, *job): place for place, job in enumerate(jobs)}
         for done, future in enumerate(as_completed(places), start=1):
-            written[places[future]] = future.result()
+            # Workers draw, and this process alone writes.
+            written[places[future]] = target.write(future.result())
             if progress is not None:
-                progress(done, len(jobs), jobs[places[future]][3])
+                progress(done, len(jobs), stems[places[future]])
     return tuple(path for paths in written for path in paths)
 
 
-def _write_one(
-    summary: "ConditionSummary",
-    trials: "list[TrialResult]",
-    folder: Path,
-    stem: str,
-    formats: tuple[str, ...],
-) -> tuple[Path, ...]:
-    return save_figure(draw_condition(summary, trials), folder, stem, formats=formats)
+def _draw_one(
+    summary: "ConditionSummary", trials: "list[TrialResult]", stem: str, formats: tuple[str, ...]
+) -> dict[str, bytes]:
+    return figure_files(draw_condition(summary, trials), stem, formats=formats)

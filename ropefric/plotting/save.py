@@ -1,15 +1,18 @@
 """Figures into files: the same input gives the same bytes."""
 
 import csv
+import io
 import math
+import os
 from pathlib import Path
 
 from ropefric.errors import InputError
+from ropefric.files.folder import Folder, as_folder
 from ropefric.plotting.figure import DataTable, FigureWithData
 from ropefric.plotting.style import house_style
 from ropefric.registry import did_you_mean
 
-__all__ = ["FORMATS", "save_figure"]
+__all__ = ["FORMATS", "figure_files", "save_figure"]
 
 # Dates and version strings would change the bytes of an unchanged figure.
 FORMATS: dict[str, dict[str, None]] = {
@@ -21,7 +24,11 @@ FORMATS: dict[str, dict[str, None]] = {
 
 
 def save_figure(
-    figure: FigureWithData, folder: Path, stem: str, *, formats: tuple[str, ...] = ("png",)
+    figure: FigureWithData,
+    folder: Folder | str | os.PathLike[str],
+    stem: str,
+    *,
+    formats: tuple[str, ...] = ("png",),
 ) -> tuple[Path, ...]:
     """Write a figure and the CSV of its data; return the paths, pictures first.
 
@@ -29,10 +36,11 @@ def save_figure(
     ----------
     figure : FigureWithData
         What to write.
-    folder : Path
+    folder : Folder or path-like
         Made where it is missing.
     stem : str
-        File name without suffix; tables beyond the main one add their name to it.
+        File name without suffix, after a sub-folder and "/" where it is to be in one; tables beyond the main one
+        add their name to it.
     formats : tuple of str
         "png", "svg", "pdf".
 
@@ -50,26 +58,33 @@ def save_figure(
     ...     [path.name for path in save_figure(made, Path(folder), "empty")]
     ['empty.png', 'empty.csv']
     """
+    return as_folder(folder).write(figure_files(figure, stem, formats=formats))
+
+
+def figure_files(
+    figure: FigureWithData, stem: str, *, formats: tuple[str, ...] = ("png",)
+) -> dict[str, bytes]:
+    """Return what `save_figure` writes, by file name."""
     for name in formats:
         if name not in FORMATS:
             raise InputError(f"no figures in format {name!r}", fix=did_you_mean(name, FORMATS))
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
+    contents: dict[str, bytes] = {}
     with house_style():
         for name in formats:
-            paths.append(folder / f"{stem}.{name}")
-            figure.figure.savefig(paths[-1], format=name, metadata=FORMATS[name])
+            stream = io.BytesIO()
+            figure.figure.savefig(stream, format=name, metadata=FORMATS[name])
+            contents[f"{stem}.{name}"] = stream.getvalue()
     for table in figure.tables:
-        paths.append(folder / (f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"))
-        _write_csv(table, paths[-1])
-    return tuple(paths)
+        contents[f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"] = _csv_text(table).encode()
+    return contents
 
 
-def _write_csv(table: DataTable, path: Path) -> None:
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(table.header)
-        writer.writerows([_cell(value) for value in row] for row in table.rows)
+def _csv_text(table: DataTable) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(table.header)
+    writer.writerows([_cell(value) for value in row] for row in table.rows)
+    return stream.getvalue()
 
 
 def _cell(value: object) -> str:

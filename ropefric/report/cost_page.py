@@ -1,5 +1,6 @@
 """What accuracy costs, on one page: a figure, the cheapest method for each accuracy, and what was found."""
 
+import os
 import re
 from collections.abc import Sequence
 from html import escape
@@ -9,6 +10,7 @@ from ropefric.accuracy.machine import Machine
 from ropefric.accuracy.measure import StudyResult
 from ropefric.accuracy.measured import Measured
 from ropefric.accuracy.words import time_text
+from ropefric.files.folder import Folder, as_folder
 from ropefric.plotting.save import save_figure
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import as_page
@@ -154,7 +156,9 @@ def _unbroken(page: str) -> str:
     return re.sub(r"(?<=\de)-(?=\d)", "-\u2060", page)
 
 
-def write_cost(results: Sequence[StudyResult], machine: Machine, folder: Path) -> tuple[Path, ...]:
+def write_cost(
+    results: Sequence[StudyResult], machine: Machine, folder: Folder | str | os.PathLike[str]
+) -> tuple[Path, ...]:
     """Write a figure and a CSV for each study, and cost.md and cost.html; return their paths.
 
     Parameters
@@ -163,21 +167,21 @@ def write_cost(results: Sequence[StudyResult], machine: Machine, folder: Path) -
         What was measured.
     machine : Machine
         What ran.
-    folder : Path
-        Made where it is missing.
+    folder : Folder or path-like
+        Made where it is missing. What other studies left stays: a study's measurement is a part of its own.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    target = as_folder(folder)
     page = _unbroken(as_page(TITLE, cost_sections(results, machine)))
     paths: list[Path] = []
     for result in results:
         drawn = draw_work_precision(result)
-        paths += save_figure(drawn, folder, result.study.name)
+        paths += save_figure(drawn, target, result.study.name)
+        target.publish(result.study.name)
         heading = f"<h2>{escape(_heading(result))}</h2>\n"
         image = (
             f'<img src="{escape(result.study.name)}.png" alt="{escape(drawn.alt)}" style="max-width:100%">\n'
         )
         page = page.replace(heading, heading + image, 1)
-    for name, text in (("cost.md", cost_markdown(results, machine)), ("cost.html", page)):
-        paths.append(folder / name)
-        paths[-1].write_text(text, encoding="utf-8", newline="\n")
+    paths += target.write({"cost.md": cost_markdown(results, machine), "cost.html": page})
+    target.publish("page")
     return tuple(paths)

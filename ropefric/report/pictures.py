@@ -1,8 +1,8 @@
 """The figures of a report, drawn for the inside of the page, each with its numbers as CSV beside the page."""
 
 from collections.abc import Callable
-from pathlib import Path
 
+from ropefric.files.folder import Folder
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 from ropefric.plotting.save import save_figure
@@ -22,7 +22,7 @@ FOLDER = "figures"
 def draw_pictures(
     run: CampaignRun,
     evidence: Evidence,
-    folder: Path,
+    folder: Folder,
     *,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Pictures:
@@ -34,7 +34,7 @@ def draw_pictures(
         The result.
     evidence : Evidence
         What was made beside it.
-    folder : Path
+    folder : Folder
         Where the page will stand.
     progress : callable, optional
         Called with done, total and the name of the figure just finished.
@@ -48,9 +48,9 @@ def draw_pictures(
     return {chapter: tuple(pictures) for chapter, pictures in found.items()}
 
 
-def _picture(drawing: Drawing, folder: Path) -> Picture:
+def _picture(drawing: Drawing, folder: Folder) -> Picture:
     drawn = drawing.draw()
-    paths = save_figure(drawn, folder / FOLDER, drawing.stem, formats=())
+    paths = save_figure(drawn, folder, f"{FOLDER}/{drawing.stem}", formats=())
     return Picture(
         stem=drawing.stem,
         svg=svg_text(drawn, stem=drawing.stem),

@@ -1,10 +1,12 @@
 """A campaign's result as files for people: summary.txt and report.html."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
-from ropefric.pipeline.evidence import gather_evidence, write_evidence
-from ropefric.pipeline.provenance import trace_provenance, write_manifest
+from ropefric.files.folder import Folder, as_folder
+from ropefric.pipeline.evidence import evidence_files, gather_evidence
+from ropefric.pipeline.provenance import MANIFEST, manifest_text, trace_provenance
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.campaign_report import campaign_report
 from ropefric.report.pictures import draw_pictures
@@ -19,7 +21,11 @@ Progress = Callable[[int, int, str], None]
 
 
 def write_report(
-    run: CampaignRun, folder: Path, *, figures: bool = True, progress: Progress | None = None
+    run: CampaignRun,
+    folder: Folder | str | os.PathLike[str],
+    *,
+    figures: bool = True,
+    progress: Progress | None = None,
 ) -> tuple[Path, ...]:
     """Write summary.txt, report.html with the numbers of its figures, and what they rest on; return the paths.
 
@@ -30,26 +36,23 @@ def write_report(
     ----------
     run : CampaignRun
         The result.
-    folder : Path
-        Where it was written.
+    folder : Folder or path-like
+        Where it was written; what is written is for the caller to publish.
     figures : bool
         Whether to draw figures, which takes most of the time.
     progress : callable, optional
         Called with done, total and the name of the figure just finished.
     """
+    target = as_folder(folder)
     evidence = gather_evidence(run)
     provenance = trace_provenance(run, evidence)
-    pictures = draw_pictures(run, evidence, folder, progress=progress) if figures else {}
+    pictures = draw_pictures(run, evidence, target, progress=progress) if figures else {}
     numbers = [
-        folder / name for chapter in pictures.values() for picture in chapter for name in picture.files
+        target.path / name for chapter in pictures.values() for picture in chapter for name in picture.files
     ]
-    written = [
-        *numbers,
-        *write_evidence(evidence, folder),
-        write_manifest(provenance, run.campaign.path, folder),
-    ]
-    page = as_html(campaign_report(run, evidence, provenance, pictures))
-    for name, text in (("summary.txt", summary_text(run)), (REPORT, page)):
-        written.append(folder / name)
-        written[-1].write_text(text, encoding="utf-8", newline="\n")
-    return tuple(written)
+    texts = evidence_files(evidence) | {
+        MANIFEST: manifest_text(provenance, run.campaign.path, target.path),
+        "summary.txt": summary_text(run),
+        REPORT: as_html(campaign_report(run, evidence, provenance, pictures)),
+    }
+    return (*numbers, *target.write(texts))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ropefric.errors import InputError
+from ropefric.files.write import write_file
 from ropefric.rig.bench import simulate_recording
 from ropefric.rig.faults import FAULTS, SATURATION_MARGIN
 from ropefric.rig.files import campaign_text, known_force, packed, recording_text, table_text, toml_value
@@ -191,7 +192,7 @@ def simulate_campaign(
     truths: list[RecordingTruth] = []
     try:
         (base / "traces").mkdir(parents=True, exist_ok=True)
-        taken = sorted(path.name for path in base.iterdir() if path.name != "traces")
+        taken = sorted(path.name for path in base.iterdir() if path.name != "traces" or path.is_symlink())
         taken += sorted(f"traces/{path.name}" for path in (base / "traces").iterdir())
         if taken:
             raise InputError(
@@ -201,7 +202,7 @@ def simulate_campaign(
             )
         for done, trial in enumerate(trials, start=1):
             recording, data = record_trial(plan, trial, seed=seed)
-            (base / trial.file).write_bytes(data)
+            write_file(base / trial.file, data, durable=False)
             truths.append(recording.truth)
             if progress is not None:
                 progress(done, len(trials), trial.name)
@@ -211,7 +212,7 @@ def simulate_campaign(
             "truth.toml": "\n".join([*_truth_lines(plan, trials, truths, seed), ""]),
         }
         for name, text in texts.items():
-            (base / name).write_bytes(text.encode())
+            write_file(base / name, text)
     except OSError as error:
         raise InputError(
             f"cannot write there: {error.strerror or error}", path=base, fix="name a folder you may write to"

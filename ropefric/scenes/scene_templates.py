@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ropefric.errors import UnknownNameError
+from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
-from ropefric.trials.new_files import write_new_files
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
@@ -92,7 +92,7 @@ def write_scenes(
         content = (_folder() / fit).read_bytes()
         if not _holds(Path(folder) / fit, content):
             contents[fit] = content
-    return write_new_files(folder, contents, overwrite=overwrite)
+    return write_files(folder, contents, overwrite=overwrite)
 
 
 def _holds(path: Path, content: bytes) -> bool:

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ropefric.errors import DataError
+from ropefric.files.folder import Folder
 from ropefric.friction.condition import FloatArray
 from ropefric.scenes.sweep import Sweep
 
-__all__ = ["header_of", "write_columns", "write_sweep"]
+__all__ = ["columns_text", "header_of", "write_sweep"]
 
 _BLOCK = 50_000
 
@@ -21,7 +21,7 @@ def header_of(sweep: Sweep) -> tuple[str, ...]:
     return (*keys, *sweep.columns)
 
 
-def write_sweep(sweep: Sweep, path: Path) -> Path:
+def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
     """Write a sweep as CSV, one row a point, the last axis fastest; return the path.
 
     Swept values stand in the unit in which they were asked for; a point without an answer has empty cells.
@@ -30,8 +30,10 @@ def write_sweep(sweep: Sweep, path: Path) -> Path:
     ----------
     sweep : Sweep
         What to write.
-    path : Path
-        The file; its folder is made where it is missing.
+    folder : Folder
+        Where to.
+    name : str
+        Of the file.
 
     Raises
     ------
@@ -43,42 +45,21 @@ def write_sweep(sweep: Sweep, path: Path) -> Path:
     cells = ",".join(["%.9g"] * len(sweep.columns)) + "\n"
     lines = [word + cells for word in words[-1]]
     values = np.stack(list(sweep.columns.values()), axis=-1)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", encoding="utf-8", newline="") as stream:
-            stream.write(",".join(header_of(sweep)) + "\n")
-            for place, outer in enumerate(product(*words[:-1])):
-                for start in range(0, len(lines), _BLOCK):
-                    rows = lines[start : start + _BLOCK]
-                    first = place * len(lines) + start
-                    stream.write(_rows("".join(outer), rows, values[first : first + len(rows)]))
-    except OSError as error:
-        raise DataError(
-            f"cannot write the sweep: {error.strerror}", code="RF105", path=path, fix="choose another folder"
-        ) from None
-    return path
+    with folder.stream(name) as stream:
+        stream.write((",".join(header_of(sweep)) + "\n").encode())
+        for place, outer in enumerate(product(*words[:-1])):
+            for start in range(0, len(lines), _BLOCK):
+                rows = lines[start : start + _BLOCK]
+                first = place * len(lines) + start
+                stream.write(_rows("".join(outer), rows, values[first : first + len(rows)]).encode())
+    return folder.path / name
 
 
-def write_columns(columns: Mapping[str, FloatArray], path: Path) -> Path:
-    """Write columns of one length as CSV; return the path.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be written.
-    """
+def columns_text(columns: Mapping[str, FloatArray]) -> str:
+    """Return columns of one length as CSV."""
+    values = np.stack(list(columns.values()), axis=-1)
     row = ",".join(["%.9g"] * len(columns)) + "\n"
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", encoding="utf-8", newline="") as stream:
-            stream.write(",".join(columns) + "\n")
-            values = np.stack(list(columns.values()), axis=-1)
-            stream.write(_rows("", [row] * len(values), values))
-    except OSError as error:
-        raise DataError(
-            f"cannot write the table: {error.strerror}", code="RF105", path=path, fix="choose another folder"
-        ) from None
-    return path
+    return ",".join(columns) + "\n" + _rows("", [row] * len(values), values)
 
 
 def _rows(outer: str, rows: list[str], values: FloatArray) -> str:

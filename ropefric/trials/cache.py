@@ -6,7 +6,6 @@ package; time stamps and paths of files do not matter. A damaged entry counts as
 
 import hashlib
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from math import isfinite, nan
@@ -16,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from ropefric import __version__
-from ropefric.errors import Problem
+from ropefric.errors import DataError, Problem
+from ropefric.files.write import write_file
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.trials.result import Outline, TrialResult
@@ -79,12 +79,8 @@ class ResultCache:
         path = self._path(specs, sha256)
         text = json.dumps([_to_plain(result) for result in results], separators=(",", ":"))
         try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            # Written aside and renamed: an interrupted run leaves no half entry.
-            partial = path.with_suffix(f".{os.getpid()}.part")
-            partial.write_text(f"{_checksum(text)}\n{text}", encoding="utf-8", newline="\n")
-            partial.replace(path)
-        except OSError:
+            write_file(path, f"{_checksum(text)}\n{text}", durable=False)
+        except DataError:
             return
 
 

@@ -4,7 +4,7 @@ import os
 from importlib.resources import files
 from pathlib import Path
 
-from ropefric.trials.new_files import write_new_files
+from ropefric.files.write import write_files
 
 __all__ = ["TEMPLATES", "write_templates"]
 
@@ -36,4 +36,4 @@ def write_templates(folder: str | os.PathLike[str], *, overwrite: bool = False) 
     """
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}
-    return write_new_files(folder, contents, overwrite=overwrite)
+    return write_files(folder, contents, overwrite=overwrite)

@@ -1,10 +1,13 @@
 """The extraction as three CSV files that a spreadsheet opens."""
 
 import csv
+import io
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ropefric.files.folder import Folder, as_folder
 from ropefric.trials.result import Extraction
 
 __all__ = ["write_tables"]
@@ -13,7 +16,7 @@ _PROBLEM_COLUMNS = ("severity", "code", "path", "line", "key", "message", "fix")
 _NAME_SEPARATOR = "; "
 
 
-def write_tables(extraction: Extraction, folder: Path) -> tuple[Path, ...]:
+def write_tables(extraction: Extraction, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
     """Write trials.csv, conditions.csv and problems.csv; return their paths.
 
     UTF-8, comma, decimal point, one header line with units in the names, empty cells where there is no number; the
@@ -23,10 +26,9 @@ def write_tables(extraction: Extraction, folder: Path) -> tuple[Path, ...]:
     ----------
     extraction : Extraction
         What to write.
-    folder : Path
+    folder : Folder or path-like
         Made where it is missing.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     problems = [
         {
             "severity": p.severity,
@@ -39,19 +41,21 @@ def write_tables(extraction: Extraction, folder: Path) -> tuple[Path, ...]:
         }
         for p in extraction.problems
     ]
-    return (
-        _write(folder / "trials.csv", [trial.to_dict() for trial in extraction.trials]),
-        _write(folder / "conditions.csv", [condition.to_dict() for condition in extraction.conditions]),
-        _write(folder / "problems.csv", problems, columns=_PROBLEM_COLUMNS),
+    return as_folder(folder).write(
+        {
+            "trials.csv": _text([trial.to_dict() for trial in extraction.trials]),
+            "conditions.csv": _text([condition.to_dict() for condition in extraction.conditions]),
+            "problems.csv": _text(problems, columns=_PROBLEM_COLUMNS),
+        }
     )
 
 
-def _write(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> Path:
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.DictWriter(stream, columns or list(rows[0] if rows else ()), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
-    return path
+def _text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> str:
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns or list(rows[0] if rows else ()), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
+    return stream.getvalue()
 
 
 def _cell(value: Any) -> Any:

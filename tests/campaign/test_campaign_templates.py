@@ -53,4 +53,4 @@ def test_templates_need_a_folder(tmp_path, name):
     (tmp_path / "file").write_text("")
     with pytest.raises(ValueError) as caught:
         write_templates(tmp_path / name)
-    assert caught.value.code == "RF110"
+    assert caught.value.code == "RF105"

@@ -114,7 +114,9 @@ def test_a_sweep_of_two_axes_is_a_table_a_figure_and_a_summary(call, tmp_path):
     assert lifts == pytest.approx(tree["columns"]["lift_force_N"], rel=1e-8)
     figures = [path for path in (tmp_path / "out").iterdir() if path.name.startswith("sweep_figure")]
     assert any(path.suffix == ".png" and path.stat().st_size > 10_000 for path in figures)
-    assert {Path(one).name for one in tree["files"]} == {path.name for path in (tmp_path / "out").iterdir()}
+    assert {Path(one).name for one in tree["files"]} == {
+        path.name for path in (tmp_path / "out").glob("[!.]*")
+    }
 
 
 def test_a_sweep_of_three_axes_has_a_table_and_no_figure(call, tmp_path):
@@ -127,7 +129,7 @@ def test_a_sweep_of_three_axes_has_a_table_and_no_figure(call, tmp_path):
         *("--out", tmp_path / "out", "--json"),
     )
     assert done.json()["points"] == 12
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["sweep.csv"]
+    assert [path.name for path in (tmp_path / "out").glob("[!.]*")] == ["sweep.csv"]
     with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.reader(stream))
     assert rows[0][:3] == ["wheel.wrap [turn]", "load.end_tension [N]", "wheel.radius [mm]"]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError, FitError, UnknownNameError
+from ropefric.files.folder import OutputFolder
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.status import FitStatus
 from ropefric.pipeline.answer import answer_trials
@@ -109,14 +110,20 @@ def test_a_design_without_an_answer_is_a_doubt_and_no_number(pulls):
 def test_what_an_earlier_run_left_is_removed_and_what_others_left_is_not(pulls, tmp_path):
     answer = answer_trials(pulls("constant", 0.2), design=WHEEL)
     (tmp_path / "fits").mkdir()
-    for name in ("wrap-power-from-zero", "prth-constant"):
-        (tmp_path / "fits" / f"{name}.json").write_text("{}")
-    write_answer(answer, tmp_path)
-    before = tree(tmp_path)
-    assert "fits/wrap-power-from-zero.json" not in before
-    assert "fits/prth-constant.json" in before
-    write_answer(replace(answer, prediction=None), tmp_path)
-    assert before.keys() - tree(tmp_path).keys() == {"prediction.json"}
+    (tmp_path / "fits" / "mine.json").write_text("{}")
+
+    def written(answer):
+        with OutputFolder(tmp_path, family="campaign") as folder:
+            write_answer(answer, folder)
+            folder.publish("answer")
+        return tree(tmp_path)
+
+    before = written(answer)
+    gone = answer.comparison.ranking[-1].law
+    ranking = tuple(entry for entry in answer.comparison.ranking if entry.law != gone)
+    fewer = replace(answer, prediction=None, comparison=replace(answer.comparison, ranking=ranking))
+    assert before.keys() - written(fewer).keys() == {"prediction.json", f"fits/{gone}.json"}
+    assert "fits/mine.json" in tree(tmp_path)
 
 
 @pytest.fixture

@@ -61,7 +61,7 @@ def test_design_draws_it_if_asked(tmp_path, capsys):
     words = ["--lift", "900 N", "--solve-for", "wrap", "--wheel-radius", "35 mm", "--end-tension", "60 N"]
     assert main(["design", "--fit", str(FIT), *words, "--chart", str(tmp_path / "chart"), "--json"]) == 0
     assert '"files": [' in capsys.readouterr().out
-    assert {path.name for path in (tmp_path / "chart").iterdir()} == {
+    assert {path.name for path in (tmp_path / "chart").glob("[!.]*")} == {
         "design_chart.png",
         "design_chart.csv",
         "design_chart_smallest_wrap.csv",

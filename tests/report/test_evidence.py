@@ -14,7 +14,7 @@ from ropefric.fitting.predict import predict
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline.design_views import STEP, chart_of_design, state_design, swings_of_design
-from ropefric.pipeline.evidence import Evidence, gather_evidence, write_evidence
+from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence
 from ropefric.pipeline.provenance import recorded_run
 
 WHEEL = one_condition(0.04, 0.005, 5.0, 60.0)
@@ -90,13 +90,14 @@ def test_the_plan_stays_within_what_the_rig_has_done_and_helps(run, evidence):
     assert plan.repeats == 6
 
 
-def test_what_an_earlier_run_left_goes(evidence, tmp_path):
-    written = write_evidence(evidence, tmp_path)
-    assert [path.name for path in written] == ["uncertainty.json", "next_tests.csv"]
-    with written[1].open(encoding="utf-8", newline="") as stream:
-        assert len(list(csv.DictReader(stream))) == len(evidence.plan)
-    assert write_evidence(Evidence(), tmp_path) == ()
-    assert list(tmp_path.iterdir()) == []
+def test_there_is_a_file_for_what_there_is():
+    assert evidence_files(Evidence()) == {}
+
+
+def test_the_next_tests_are_a_table(evidence):
+    texts = evidence_files(evidence)
+    assert list(texts) == ["uncertainty.json", "next_tests.csv"]
+    assert len(list(csv.DictReader(texts["next_tests.csv"].splitlines()))) == len(evidence.plan)
 
 
 @pytest.mark.parametrize(

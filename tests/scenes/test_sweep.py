@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError, InputError, UnknownNameError
+from ropefric.files.folder import Folder
 from ropefric.scenes.axis import parse_axis, scalar_keys
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import sweep_scene
-from ropefric.scenes.table import write_columns, write_sweep
+from ropefric.scenes.table import columns_text, write_sweep
 
 
 def test_ranges_and_lists_in_any_unit(hoist_of):
@@ -81,7 +82,7 @@ def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
     assert np.isnan(swept.columns["lift_force_N"]).tolist() == floating.tolist()
     assert swept.failed == floating.sum()
     assert "lifts off the wheel" in swept.first_failure
-    path = write_sweep(swept, tmp_path / "deep" / "sweep.csv")
+    path = write_sweep(swept, Folder(tmp_path / "deep"), "sweep.csv")
     rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
     assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average"]
     assert len(rows) == 1 + 122
@@ -90,10 +91,9 @@ def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
     assert rows[-1][2:] == ["", ""]
 
 
-def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known(tmp_path):
+def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known():
     columns = {"time_s": np.array([0.0, 0.5]), "tension_N": np.array([1.25, np.nan])}
-    path = write_columns(columns, tmp_path / "deep" / "histories.csv")
-    assert path.read_text(encoding="utf-8") == "time_s,tension_N\n0,1.25\n0.5,\n"
+    assert columns_text(columns) == "time_s,tension_N\n0,1.25\n0.5,\n"
 
 
 @pytest.mark.parametrize("block", [2, 5, 50_000])
@@ -104,7 +104,7 @@ def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
     scene = hoist_of(effects="all")
     axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
     swept = sweep_scene(scene, axes)
-    path = write_sweep(swept, tmp_path / "sweep.csv")
+    path = write_sweep(swept, Folder(tmp_path), "sweep.csv")
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     count = axes[1].values.size
     assert table[:, 0].tolist() == [1.0] * count + [2.0] * count

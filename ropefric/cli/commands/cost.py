@@ -7,6 +7,7 @@ import typer
 
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import show_sections
+from ropefric.cli.out_folder import Force, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 
@@ -18,12 +19,17 @@ __all__ = ["COMMAND"]
 Names = Annotated[
     list[str] | None, typer.Argument(metavar="[STUDY …]", help="Studies to measure, all by default.")
 ]
-OutFolder = Annotated[Path, typer.Option("--out", "-o", help="Where figures, tables and page are written.")]
+OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where figures, tables and page are written.")]
 Quick = Annotated[bool, typer.Option("--quick", help="Some settings only, and little time for each.")]
 
 
 def cost(
-    out: Output, studies: Names = None, *, folder: OutFolder = Path("cost"), quick: Quick = False
+    out: Output,
+    studies: Names = None,
+    *,
+    folder: OutFolder = Path("cost"),
+    quick: Quick = False,
+    force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
 
@@ -38,14 +44,18 @@ def cost(
     from ropefric.report.cost_page import cost_sections, write_cost  # noqa: PLC0415
 
     chosen = [STUDIES[name] for name in dict.fromkeys(studies or STUDIES)]
-    folder.mkdir(
-        parents=True, exist_ok=True
-    )  # before the work, so that a folder that cannot be made costs nothing
-    machine = this_machine()
-    out.note(f"measuring on {machine.line}")
-    with Progress(out, "cost") as progress:
-        results = measure_studies(chosen, quick=quick, progress=progress.update)
-    written = write_cost(results, machine, folder)
+    names = [
+        "cost.md",
+        "cost.html",
+        *(f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")),
+    ]
+    # Before the work, so that a folder that cannot be used costs nothing.
+    with open_folder(folder, family="cost", names=names, force=force) as target:
+        machine = this_machine()
+        out.note(f"measuring on {machine.line}")
+        with Progress(out, "cost") as progress:
+            results = measure_studies(chosen, quick=quick, progress=progress.update)
+        written = write_cost(results, machine, target)
     data = {
         "machine": machine.to_dict(),
         "quick": quick,

@@ -1,6 +1,7 @@
 """`ropefric design`: the smallest wrap, wheel or end tension that lifts a load."""
 
 import math
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,10 +16,12 @@ from ropefric.cli.fitting_options import (
     rope_radius,
     show_sections,
 )
+from ropefric.cli.out_folder import Force, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.quantity_option import read_quantity
 
 if TYPE_CHECKING:
+    from ropefric.files.folder import Folder
     from ropefric.fitting.design_result import Design
     from ropefric.fitting.result import FitResult
     from ropefric.report.section import Section
@@ -40,8 +43,8 @@ Probability = Annotated[
 ]
 Chart = Annotated[
     Path | None,
-    typer.Option(
-        metavar="FOLDER", help="Draw the lift force over wheel radius and wrap at this end tension there."
+    folder_option(
+        "--chart", help="Draw the lift force over wheel radius and wrap at this end tension there."
     ),
 ]
 OnAverage = Annotated[bool, typer.Option("--on-average", help="Ask only that the mean law lifts the load.")]
@@ -63,6 +66,7 @@ def design(
     probability: Probability = 0.95,
     on_average: OnAverage = False,
     chart: Chart = None,
+    force: Force = False,
 ) -> Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
@@ -76,18 +80,23 @@ def design(
     from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (quick start-up)
 
     stored = read_fit(fit, out)
-    found = find_design(
-        stored,
-        lift_N=load_N,
-        rope_radius_m=rope_radius(stored, rope_m),
-        solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
-        probability=None if on_average else probability,
-        wheel_radius_m=R_w,
-        wrap_angle_rad=phi,
-        end_tension_N=F_B,
-    )
-    reached = bool(found.reached[0])
-    files = _write_chart(stored, found, chart, probability) if chart is not None and reached else ()
+    with ExitStack() as stack:
+        if chart is not None:  # before the work
+            target = stack.enter_context(
+                open_folder(chart, family="chart", names=["design_chart*"], inputs=[fit], force=force)
+            )
+        found = find_design(
+            stored,
+            lift_N=load_N,
+            rope_radius_m=rope_radius(stored, rope_m),
+            solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
+            probability=None if on_average else probability,
+            wheel_radius_m=R_w,
+            wrap_angle_rad=phi,
+            end_tension_N=F_B,
+        )
+        reached = bool(found.reached[0])
+        files = _write_chart(stored, found, target, probability) if chart is not None and reached else ()
     for path in files:
         out.note(f"wrote {path}")
     return Answer(
@@ -98,7 +107,7 @@ def design(
     )
 
 
-def _write_chart(fit: "FitResult", found: "Design", folder: Path, probability: float) -> tuple[Path, ...]:
+def _write_chart(fit: "FitResult", found: "Design", folder: "Folder", probability: float) -> tuple[Path, ...]:
     """Draw the wheels and wraps that were tested, and some way beyond, at the design's end tension."""
     import numpy as np  # noqa: PLC0415  (these: quick start-up)
 
@@ -118,7 +127,9 @@ def _write_chart(fit: "FitResult", found: "Design", folder: Path, probability: f
         probability=probability,
     )
     drawn = draw_design_chart(chart, required_N=float(found.required_N[0]))
-    return save_figure(drawn, folder, "design_chart")
+    files = save_figure(drawn, folder, "design_chart")
+    folder.publish("chart")
+    return files
 
 
 def _section(found: "Design") -> "Section":

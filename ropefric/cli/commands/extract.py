@@ -9,10 +9,12 @@ from ropefric.cli.campaign_file import CampaignArgument, campaign_file, what_was
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.figures import draw_figures
 from ropefric.cli.jobs import parse_jobs
+from ropefric.cli.out_folder import EXTRACTED, Force, campaign_inputs, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 from ropefric.cli.summary import end_line, other_problems, show_extraction
 from ropefric.errors import DataError
+from ropefric.files.folder import CACHE
 from ropefric.traces.breakaway import Status
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMMAND"]
 
-OutFolder = Annotated[Path, typer.Option("--out", "-o", help="Where tables and figures go.")]
+OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where tables and figures go.")]
 Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw one figure per condition.")]
 Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
@@ -34,11 +36,12 @@ def extract(
     jobs: Jobs = "auto",
     figures: Figures = True,
     cache: Cache = True,
+    force: Force = False,
 ) -> Answer:
     """Find the break-away force of every recording, reject outliers, and write tables and figures.
 
     Writes trials.csv (a row a recording), conditions.csv (a row a condition), problems.csv and, in figures/,
-    one figure per condition with the data it shows.
+    one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
@@ -47,17 +50,26 @@ def extract(
     campaign = campaign_file(campaign)
     loaded = load_campaign(campaign, missing_recordings="flag")
     n_jobs = parse_jobs(jobs, len(loaded.trials))
-    # Before the work, so that a folder that cannot be made costs nothing.
-    folder.mkdir(parents=True, exist_ok=True)
-    cache_folder = folder / ".cache" if cache else None
+    cache_folder = folder / CACHE if cache else None
+    # Before the work, so that a folder that cannot be used costs nothing.
+    target = open_folder(
+        folder,
+        family="campaign",
+        names=EXTRACTED,
+        inputs=campaign_inputs(loaded),
+        basis="trials.csv",
+        force=force,
+    )
     try:
-        with Progress(out, "extract") as progress:
-            extraction = extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
-            )
-        write_tables(extraction, folder)
-        if figures:
-            draw_figures(extraction, folder / "figures", n_jobs, out)
+        with target:
+            with Progress(out, "extract") as progress:
+                extraction = extract_campaign(
+                    loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
+                )
+            write_tables(extraction, target)
+            target.publish("tables")
+            if figures:
+                draw_figures(extraction, target, n_jobs, out)
     except KeyboardInterrupt:
         out.note(what_was_kept(cache_folder))
         raise

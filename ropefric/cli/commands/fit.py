@@ -34,6 +34,7 @@ Loss = Annotated[
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Of the search's further starts and of the bootstrap.")]
 FitFile = Annotated[Path | None, typer.Option("--out", "-o", metavar="FIT.json", help="Store the fit there.")]
+Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there and is no fit.")]
 
 
 def fit(
@@ -48,6 +49,7 @@ def fit(
     loss: Loss = "linear",
     seed: Seed = 0,
     file: FitFile = None,
+    force: Force = False,
 ) -> Answer:
     """Fit a friction law to a trial table: parameters with 95 % intervals, and whether to trust them.
 
@@ -55,7 +57,7 @@ def fit(
     """
     from ropefric.fitting.fit import fit_law  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.fitting.intervals import with_intervals  # noqa: PLC0415
-    from ropefric.fitting.store import save_fit  # noqa: PLC0415
+    from ropefric.fitting.store import check_target, save_fit  # noqa: PLC0415
     from ropefric.report.parts import fit_section, notes_sections  # noqa: PLC0415
 
     options = {
@@ -63,10 +65,12 @@ def fit(
         "bounds": parse_spans(bound or (), option="--bound"),
         "start": parse_assignments(start or (), option="--start"),
     }
+    if file is not None:  # before the work
+        check_target(file, trials, overwrite=force)
     fitted = fit_law(read_table(trials, out), law, loss=loss, seed=seed, **options)  # type: ignore[arg-type]
     result = with_intervals(fitted, intervals, seed=seed)
     if file is not None:
-        out.note(f"wrote {save_fit(result, file)}")
+        out.note(f"wrote {save_fit(result, file, overwrite=force)}")
     sections = [fit_section(result), *notes_sections(result)]
     return Answer(
         data=result.to_dict(),

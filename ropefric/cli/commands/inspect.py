@@ -9,6 +9,7 @@ from ropefric.cli.command import Answer, Command
 from ropefric.cli.looks import show_inspection
 from ropefric.cli.output import Output
 from ropefric.errors import DataError, InputError
+from ropefric.files.write import refuse_input, refuse_special, write_file
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -48,10 +49,12 @@ def inspect(
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
     if not file.is_file():
         raise DataError("there is no such file", path=file, fix="check the path")
+    if write_profile is not None:  # before the work
+        _check_target(write_profile, file, force=force)
     found = inspect_file(file, ImportProfile(format=file_format))
     profile = profile_to_toml(found.profile)
     if write_profile is not None:
-        _write(profile, write_profile, force=force)
+        write_file(write_profile, profile)
         out.note(f"wrote {write_profile}")
 
     def show(console: "Console") -> None:
@@ -70,10 +73,13 @@ def _fix_of_folder(folder: Path) -> str:
     return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
 
 
-def _write(profile: str, path: Path, *, force: bool) -> None:
+def _check_target(path: Path, recording: Path, *, force: bool) -> None:
+    refuse_special(path)
+    refuse_input(path, recording)
     if path.exists() and not force:
-        raise InputError("the file is there already", path=path, fix="choose another name, or add --force")
-    path.write_text(profile, encoding="utf-8", newline="\n")
+        raise InputError(
+            "the file is there already", code="RF140", path=path, fix="choose another name, or add --force"
+        )
 
 
 COMMAND = Command(

@@ -11,6 +11,8 @@ from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import exit_code_of, read_fit, rope_radius, show_sections
 from ropefric.cli.output import Output
 from ropefric.cli.quantity_option import read_quantity
+from ropefric.errors import InputError
+from ropefric.files.write import refuse_input, refuse_special, write_file
 
 if TYPE_CHECKING:
     from ropefric.fitting.planning.exchange import Criterion
@@ -62,6 +64,9 @@ Seed = Annotated[int, typer.Option(min=0, help="Of those drawn at random.")]
 OutFile = Annotated[
     Path | None, typer.Option("--out", "-o", metavar="PLAN.csv", help="Write the plan there.")
 ]
+Force = Annotated[
+    bool, typer.Option("--force", help="Write over a file that holds anything else than this plan.")
+]
 
 
 def plan_tests(
@@ -90,6 +95,7 @@ def plan_tests(
     starts: Starts = 10,
     seed: Seed = 0,
     file: OutFile = None,
+    force: Force = False,
 ) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
@@ -98,6 +104,13 @@ def plan_tests(
     """
     if (fit is None) == (not law):
         raise typer.BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
+    before = None
+    if file is not None:  # before the work, as far as it can be known
+        refuse_special(file)
+        refuse_input(file, fit)
+        before = file.read_bytes() if file.is_file() and not force else None
+        if before is not None and not before.startswith(b"condition,wheel_radius_mm"):
+            raise _taken(file)
     radii_m = read_levels(wheels, "m", "--wheels", levels)
     wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
     loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
@@ -147,13 +160,25 @@ def plan_tests(
         seed=seed,
     )
     if file is not None:
-        file.write_text(found.to_csv(), encoding="utf-8", newline="")
+        if before is not None and before != found.to_csv().encode():
+            raise _taken(file)
+        write_file(file, found.to_csv())
         out.note(f"wrote {file}")
     sections = plan_sections(found)
     return Answer(
         data=found.to_dict() | known | {"written": file},
         show=lambda console: show_sections(sections, console),
         exit_code=exit_code,
+    )
+
+
+def _taken(path: Path) -> InputError:
+    # A lab writes into its plans, and nothing tells such a one from one as it was written.
+    return InputError(
+        "the file is there already, with other content than this plan",
+        code="RF140",
+        path=path.as_posix(),
+        fix="choose another name, or replace it with --force",
     )
 
 

@@ -8,6 +8,7 @@ import typer
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.commands.run import work_through
 from ropefric.cli.jobs import parse_jobs
+from ropefric.cli.out_folder import Force, folder_option
 from ropefric.cli.output import Output
 
 __all__ = ["COMMAND"]
@@ -21,7 +22,7 @@ Source = Annotated[
 ]
 OutFolder = Annotated[
     Path | None,
-    typer.Option("--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."),
+    folder_option("--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."),
 ]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins; by default as in the run before.")]
 Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
@@ -36,11 +37,12 @@ def report(
     law: Law = "",
     jobs: Jobs = "auto",
     figures: Figures = True,
+    force: Force = False,
 ) -> Answer:
     """Make report.html again, without extracting again what the cache holds.
 
     The tables, fits and numbers beside it are brought up to date with it; pictures of single conditions are left as
-    they are. Exits with 4 when the law that is used is not to be trusted.
+    they are, and removed if the forces have changed. Exits with 4 when the law that is used is not to be trusted.
     """
     from ropefric.pipeline.provenance import MANIFEST, recorded_run  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
@@ -59,7 +61,13 @@ def report(
     loaded = load_campaign(campaign)
     drawing = frozenset({"report"} if figures else ())
     return work_through(
-        out, loaded, folder, law=law, n_jobs=parse_jobs(jobs, len(loaded.trials)), drawing=drawing
+        out,
+        loaded,
+        folder,
+        law=law,
+        n_jobs=parse_jobs(jobs, len(loaded.trials)),
+        drawing=drawing,
+        force=force,
     )
 
 

@@ -10,9 +10,11 @@ from ropefric.cli.command import Answer, Command
 from ropefric.cli.figures import draw_figures
 from ropefric.cli.fitting_options import exit_code_of, show_sections
 from ropefric.cli.jobs import parse_jobs
+from ropefric.cli.out_folder import EXTRACTED, Force, campaign_inputs, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 from ropefric.cli.summary import end_line, other_problems
+from ropefric.files.folder import CACHE
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMMAND", "work_through"]
 
-OutFolder = Annotated[Path, typer.Option("--out", "-o", help="Where everything is written.")]
+OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where everything is written.")]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins.")]
 Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
 Figures = Annotated[
@@ -31,6 +33,24 @@ Figures = Annotated[
     typer.Option("--figures/--no-figures", help="Draw figures: one per condition, and those of the report."),
 ]
 Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
+
+
+_FIGURES = (
+    "overview",
+    "mu_facets",
+    "capstan",
+    "fit_over_",
+    "residuals",
+    "ladder",
+    "tornado",
+    "design_chart",
+    "budget_",
+)
+_ANSWERS = (
+    *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),
+    *("report.html", "summary.txt"),
+    *(f"figures/{stem}*.csv" for stem in _FIGURES),
+)
 
 
 def run(
@@ -42,19 +62,22 @@ def run(
     jobs: Jobs = "auto",
     figures: Figures = True,
     cache: Cache = True,
+    force: Force = False,
 ) -> Answer:
     """Do everything: extract the forces, reject outliers, fit and compare all laws, predict the campaign's wheel.
 
     Writes report.html, summary.txt, trials.csv, conditions.csv, problems.csv, figures/, fits/ (a file a law),
-    comparison.csv, prediction.json, uncertainty.json, next_tests.csv and manifest.json. Exits with 4 when the
-    law that is used is not to be trusted.
+    comparison.csv, prediction.json, uncertainty.json, next_tests.csv and manifest.json. What an earlier run wrote
+    there and no longer fits is removed. Exits with 4 when the law that is used is not to be trusted.
     """
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (quick start-up)
 
     loaded = load_campaign(campaign_file(campaign))
     n_jobs = parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"conditions", "report"}) if figures else frozenset()
-    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing)
+    return work_through(
+        out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing, force=force
+    )
 
 
 def work_through(
@@ -66,6 +89,7 @@ def work_through(
     n_jobs: int = 1,
     cache: bool = True,
     drawing: frozenset[str] = frozenset({"report"}),
+    force: bool = False,
 ) -> Answer:
     """Return the answer to a campaign, and write everything into a folder.
 
@@ -85,35 +109,46 @@ def work_through(
         Whether recordings that have not changed are skipped.
     drawing : frozenset of str
         Which figures are drawn: those of the "report", and one of each of the "conditions".
+    force : bool
+        Replace files that ropefric did not write.
     """
     from ropefric.pipeline.run import run_campaign  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.report.write import write_report  # noqa: PLC0415
 
-    # Before the work, so that a folder that cannot be made and a law that is not known cost nothing.
-    folder.mkdir(parents=True, exist_ok=True)
+    # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     _check_law(law)
-    cache_dir = folder / ".cache" if cache else None
+    cache_dir = folder / CACHE if cache else None
+    target = open_folder(
+        folder,
+        family="campaign",
+        names=_names(),
+        inputs=campaign_inputs(campaign),
+        basis="trials.csv",
+        force=force,
+    )
 
     def draw(extraction: "Extraction") -> None:
         out.problems(other_problems(extraction))
         out.note(end_line(extraction, folder / "problems.csv"))
         if "conditions" in drawing:
-            draw_figures(extraction, folder / "figures", n_jobs, out)
+            draw_figures(extraction, target, n_jobs, out)
 
     try:
-        with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
-            result = run_campaign(
-                campaign,
-                folder,
-                law=law,
-                jobs=n_jobs,
-                cache_dir=cache_dir,
-                extract_progress=extracting.update,
-                fit_progress=lambda name, done, total: fitting.update(done, total, name),
-                on_extracted=draw,
-            )
-        with Progress(out, "report") as reporting:
-            pages = write_report(result, folder, figures="report" in drawing, progress=reporting.update)
+        with target:
+            with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
+                result = run_campaign(
+                    campaign,
+                    target,
+                    law=law,
+                    jobs=n_jobs,
+                    cache_dir=cache_dir,
+                    extract_progress=extracting.update,
+                    fit_progress=lambda name, done, total: fitting.update(done, total, name),
+                    on_extracted=draw,
+                )
+            with Progress(out, "report") as reporting:
+                pages = write_report(result, target, figures="report" in drawing, progress=reporting.update)
+            target.publish("answer")
     except KeyboardInterrupt:
         out.note(what_was_kept(cache_dir))
         raise
@@ -122,6 +157,13 @@ def work_through(
         show=lambda console: _show(result, folder, console),
         exit_code=exit_code_of(result.answer.fit),
     )
+
+
+def _names() -> tuple[str, ...]:
+    """Return what may be written, as far as it is known before the work."""
+    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (quick start-up)
+
+    return (*EXTRACTED, *_ANSWERS, *(f"fits/{law}.json" for law in ALL_LAWS))
 
 
 def _check_law(law: str) -> None:

@@ -1,5 +1,6 @@
 """`ropefric solve`: the answer to a scene, or to a grid of scenes."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -7,10 +8,12 @@ import typer
 
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import show_sections
+from ropefric.cli.out_folder import Force, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 
 if TYPE_CHECKING:
+    from ropefric.files.folder import Folder
     from ropefric.scenes.scene import Scene
     from ropefric.scenes.solve import Solution
     from ropefric.scenes.sweep import Sweep
@@ -27,13 +30,15 @@ SweepOption = Annotated[
     ),
 ]
 OutFolder = Annotated[
-    Path | None, typer.Option("--out", "-o", help="Write the answer (and a sweep's CSV and figure) there.")
+    Path | None, folder_option("--out", "-o", help="Write the answer (and a sweep's CSV and figure) there.")
 ]
 Plot = Annotated[str, typer.Option(help="Which number of a sweep the figure shows; by default the first.")]
 Level = Annotated[float, typer.Option(help="Coverage of the intervals, between 0 and 1; a sweep has none.")]
 
 NOT_TRUSTED = 4
 _LISTED_POINTS = 1000
+_SOLVED = ("answer.json", "start_up.csv", "start_up_figure*", "campbell*")
+_SWEPT = ("sweep.csv", "sweep_figure*")
 
 
 def solve(
@@ -44,6 +49,7 @@ def solve(
     level: Level = 0.95,
     folder: OutFolder = None,
     plot: Plot = "",
+    force: Force = False,
 ) -> Answer:
     """Solve a scene: a hoist, a belt press or a band saw, with the effects that its accuracy calls for.
 
@@ -52,15 +58,33 @@ def solve(
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
 
     loaded = load_scene(scene)
-    if sweep:
-        return _swept(out, loaded, sweep, folder, plot)
-    from ropefric.report.scene import solution_sections  # noqa: PLC0415
+    family, names = ("sweep", _SWEPT) if sweep else ("scene", _SOLVED)
+    # Before the work, so that a folder that cannot be used costs nothing.
+    with ExitStack() as stack:
+        target = None
+        if folder is not None:
+            inputs = (scene, *_fits(loaded))
+            target = stack.enter_context(
+                open_folder(folder, family=family, names=names, inputs=inputs, force=force)
+            )
+        return _swept(out, loaded, sweep, target, plot) if sweep else _solved(out, loaded, level, target)
+
+
+def _fits(scene: "Scene") -> list[Path]:
+    """Return where the fit may be that a scene names."""
+    friction = scene.document.data.get("friction")
+    name = friction.get("fit") if isinstance(friction, dict) else None
+    return [scene.folder / name, Path(name)] if isinstance(name, str) else []
+
+
+def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") -> Answer:
+    from ropefric.report.scene import solution_sections  # noqa: PLC0415  (quick start-up)
     from ropefric.scenes.solve import solve_scene  # noqa: PLC0415
 
-    solution = solve_scene(loaded, level=level)
+    solution = solve_scene(scene, level=level)
     tree = solution.to_dict()
     files = [] if folder is None else _write(out, solution, tree, folder)
-    trusted = loaded.source is None or not loaded.source.warnings
+    trusted = scene.source is None or not scene.source.warnings
     return Answer(
         data=tree | {"files": files},
         show=lambda console: show_sections(solution_sections(solution, tree), console),
@@ -68,20 +92,18 @@ def solve(
     )
 
 
-def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: Path) -> list[Path]:
+def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> list[Path]:
     from ropefric.cli.jsontext import json_text  # noqa: PLC0415
     from ropefric.cli.scene_files import write_scene_files  # noqa: PLC0415
 
-    folder.mkdir(parents=True, exist_ok=True)
-    answer = folder / "answer.json"
-    answer.write_text(json_text(tree), encoding="utf-8", newline="\n")
-    files = [answer, *write_scene_files(solution, folder)]
+    files = [*folder.write({"answer.json": json_text(tree)}), *write_scene_files(solution, folder)]
+    folder.publish("answer")
     for path in files:
         out.note(f"wrote {path}")
     return files
 
 
-def _swept(out: Output, scene: "Scene", asked: list[str], folder: Path | None, plot: str) -> Answer:
+def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None", plot: str) -> Answer:
     from ropefric.report.scene import sweep_sections  # noqa: PLC0415
     from ropefric.scenes.axis import parse_axis  # noqa: PLC0415
     from ropefric.scenes.sweep import sweep_scene  # noqa: PLC0415
@@ -96,15 +118,16 @@ def _swept(out: Output, scene: "Scene", asked: list[str], folder: Path | None, p
     )
 
 
-def _write_sweep(out: Output, found: "Sweep", folder: Path, plot: str) -> list[Path]:
+def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> list[Path]:
     from ropefric.scenes.table import write_sweep  # noqa: PLC0415
 
-    files = [write_sweep(found, folder / "sweep.csv")]
+    files = [write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
         from ropefric.plotting.save import save_figure  # noqa: PLC0415
         from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
 
         files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")
+    folder.publish("answer")
     for path in files:
         out.note(f"wrote {path}")
     return files

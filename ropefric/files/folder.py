@@ -1,0 +1,544 @@
+"""The folder a command writes into: one run at a time, nothing of others replaced, no results mixed.
+
+A command's folder keeps a list of what ropefric wrote there, with hashes, in `.ropefric/files.json`. A file that is
+not on the list, or was changed since, belongs to somebody else. New files are written aside and put in place
+together, and what an earlier run left and no longer fits goes at the same moment; so a run that is stopped leaves the
+old result or the new one, and the list is written before the files it names.
+"""
+
+import errno
+import hashlib
+import json
+import os
+import platform
+import stat
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from fnmatch import fnmatchcase
+from pathlib import Path, PurePosixPath
+from types import TracebackType
+from typing import Any, BinaryIO, Self
+
+from ropefric.errors import DataError, Problem, data_error
+from ropefric.files.write import (
+    PART,
+    cannot_write,
+    discard,
+    new_part,
+    put_in_place,
+    refuse_special,
+    replacing,
+    write_file,
+)
+
+if sys.platform != "win32":
+    import fcntl
+
+__all__ = ["CACHE", "OWN", "Folder", "OutputFolder", "as_folder"]
+
+OWN = ".ropefric"
+"""Folder within a command's folder: the list of its files, its lock, and what is still being written."""
+CACHE = ".cache"
+"""Folder within a command's folder for what can be made again at any time."""
+SCHEMA = "ropefric.files/1"
+
+_NO_LOCKS = {errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL}
+_held: set[tuple[int, int]] = set()
+
+
+class Folder:
+    """A folder whose files are replaced one by one as they are written; the caller knows that it may.
+
+    Parameters
+    ----------
+    path : path-like
+        Made where it is missing, when the first file is written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     [path.name for path in Folder(place).write({"sub/a.txt": "12 N"})]
+    ['a.txt']
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+
+    def write(self, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
+        """Write files, named relative to the folder with "/"; return their paths."""
+        return tuple(write_file(self.path / name, content) for name, content in contents.items())
+
+    def stream(self, name: str) -> AbstractContextManager[BinaryIO]:
+        """Return a context whose stream becomes a file, for what is too long to be held."""
+        return replacing(self.path / name)
+
+    def publish(self, part: str) -> None:
+        """Let everybody see what was written since the last time, as one part of the result."""
+
+
+def as_folder(folder: "Folder | str | os.PathLike[str]") -> Folder:
+    """Return a folder to write into, whichever way it is given."""
+    return folder if isinstance(folder, Folder) else Folder(folder)
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    """What is known of a file of ours: the hashes it may have, the parts it is of, and the hash it rests on."""
+
+    sha256: tuple[str, ...]
+    parts: frozenset[str]
+    basis: str
+
+
+class OutputFolder(Folder):
+    """The folder of a command, as a context: locked, checked before the work, and never left half done.
+
+    What is written appears when it is published, at once; what is not published when the context ends is dropped.
+
+    Parameters
+    ----------
+    path : path-like
+        The folder; made where it is missing, and removed again if nothing comes to stand in it.
+    family : str
+        What results fit together: those of a campaign, of a scene, ….
+    names : iterable of str
+        Files the command may write, relative with "/"; `*` stands for any letters. Refused at the start if they are
+        somebody else's.
+    inputs : iterable of path
+        Files that the command reads, none of which is ever replaced.
+    basis : str
+        The file of the family that all others rest on: when it changes, those that are not written again go.
+    force : bool
+        Replace what ropefric did not write.
+    command : str
+        Told to a second run that has to wait.
+
+    Raises
+    ------
+    DataError
+        RF105 if it cannot be written to, or a link or file stands in the way; RF140 for a file that ropefric did not
+        write, or that was changed since; RF141 for an input; RF142 while another run works in the folder.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     for text in ("old", "new"):
+    ...         with OutputFolder(place, family="scene", names=["answer.json"]) as folder:
+    ...             (answer,) = folder.write({"answer.json": text})
+    ...             folder.publish("answer")
+    ...     answer.read_text()
+    'new'
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        family: str,
+        names: Iterable[str] = (),
+        inputs: Iterable[Path] = (),
+        basis: str = "",
+        force: bool = False,
+        command: str = "",
+    ) -> None:
+        super().__init__(path)
+        self._family = family
+        self._names = tuple(names)
+        self._sources = tuple(inputs)
+        self._basis = basis
+        self._force = force
+        self._command = command
+        self._own = self.path / OWN
+        self._entries: dict[str, _Entry] = {}
+        self._staged: dict[str, Path] = {}
+        self._inputs: set[tuple[int, int]] = set()
+        self._made: list[Path] = []
+        self._lock = -1
+        self._key = (0, 0)
+
+    def __enter__(self) -> Self:
+        try:
+            self._make()
+            self._take_lock()
+            for left in self._own.glob(f".*{PART}"):
+                discard(left)
+            self._entries = self._read_entries()
+            self._inputs = {key for key in map(_file_key, self._sources) if key is not None}
+            self._refuse_others(self._existing())
+        except BaseException:
+            self._release()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for part in self._staged.values():
+            discard(part)
+        self._staged.clear()
+        self._release()
+
+    def write(self, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
+        """Write files aside until they are published; return the paths they will have."""
+        for name, content in contents.items():
+            with self.stream(name) as stream:
+                stream.write(content.encode() if isinstance(content, str) else content)
+        return tuple(self.path / name for name in contents)
+
+    @contextmanager
+    def stream(self, name: str) -> Iterator[BinaryIO]:
+        """Yield a stream whose bytes become a file when it is published."""
+        part = new_part(self._own)
+        try:
+            try:
+                with part.open("xb") as stream:
+                    yield stream
+                    stream.flush()
+                    os.fsync(stream.fileno())
+            except BaseException:
+                discard(part)
+                raise
+        except OSError as error:
+            raise cannot_write(error, self.path / name) from None
+        if name in self._staged:
+            discard(self._staged[name])
+        self._staged[name] = part
+
+    def publish(self, part: str) -> None:
+        """Put in place what was written since the last time, as one whole part of the result.
+
+        Files of this part that an earlier run wrote and this one did not are removed, and so is all of the family
+        that rests on another basis; what was changed by hand meanwhile stays.
+        """
+        label = f"{self._family}/{part}"
+        self._refuse_others(self._staged)
+        try:
+            new = {name: _sha256(path) for name, path in self._staged.items()}
+            basis = new.get(self._basis, "")
+            if not basis and self._basis in self._entries:
+                basis = self._entries[self._basis].sha256[-1]
+            kept, stale = self._sort_out(label, new, basis)
+            # Before the files: whatever comes in between, a file of ours is never taken for somebody else's.
+            self._write_entries(
+                self._entries | {name: self._either(name, new[name], label, basis) for name in new}
+            )
+            for name in stale:
+                self._remove(name)
+            for name, staged in list(self._staged.items()):
+                path = self.path / name
+                path.parent.mkdir(exist_ok=True)
+                put_in_place(staged, path)
+                del self._staged[name]
+            for name, sha256 in new.items():
+                before = kept[name].parts if name in kept else frozenset[str]()
+                kept[name] = _Entry((sha256,), before | {label}, basis)
+            self._write_entries(kept)
+        except OSError as error:
+            raise cannot_write(error, error.filename2 or error.filename or self.path) from None
+
+    def _sort_out(
+        self, label: str, new: Mapping[str, str], basis: str
+    ) -> tuple[dict[str, _Entry], tuple[str, ...]]:
+        """Return the entries that stay, without this part where it is not written again, and names that go."""
+        kept: dict[str, _Entry] = {}
+        for name, entry in self._entries.items():
+            if not any(part.startswith(f"{self._family}/") for part in entry.parts):
+                kept[name] = entry
+                continue
+            parts = entry.parts if name in new else entry.parts - {label}
+            if name in new or (parts and entry.basis == basis):
+                kept[name] = _Entry(entry.sha256, parts, entry.basis)
+        return kept, tuple(name for name in self._entries if name not in kept)
+
+    def _either(self, name: str, sha256: str, label: str, basis: str) -> _Entry:
+        """Return what is known of a file about to be replaced: it is the old one or the new one."""
+        before = self._entries.get(name)
+        if before is None:
+            return _Entry((sha256,), frozenset({label}), basis)
+        return _Entry((*before.sha256, sha256), before.parts, before.basis)
+
+    def _remove(self, name: str) -> None:
+        path = self.path / name
+        if not self._behind_a_link(name) and self._is_ours(name):
+            path.unlink()
+            if path.parent != self.path:
+                with suppress(OSError):
+                    path.parent.rmdir()
+
+    # --- whose files these are ---
+
+    def _existing(self) -> list[str]:
+        """Return the names the command may write that are taken."""
+        found: list[str] = []
+        for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
+            folder = self.path / parent
+            if folder.is_symlink():
+                raise DataError(
+                    f"this is a link, to {folder.readlink()}, and nothing is written through links",
+                    code="RF105",
+                    path=folder.as_posix(),
+                    fix="remove the link, or choose another folder",
+                )
+            if not os.path.lexists(folder) or parent == CACHE:
+                continue
+            patterns = [PurePosixPath(name).name for name in self._names
+                        if PurePosixPath(name).parent.as_posix() == parent]  # fmt: skip
+            if not os.access(folder, os.W_OK | os.X_OK):
+                raise cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), folder)
+            names = sorted(path.name for path in folder.iterdir())
+            taken = [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
+            found += [name if parent == "." else f"{parent}/{name}" for name in taken]
+        return found
+
+    def _refuse_others(self, names: Iterable[str]) -> None:
+        """Refuse to replace what others wrote, telling of every such file."""
+        problems = []
+        for name in names:
+            path = self.path / name
+            if self._behind_a_link(name):
+                raise DataError(
+                    "its folder is a link, and nothing is written through links",
+                    code="RF105",
+                    path=path.as_posix(),
+                    fix="remove the link, or choose another folder",
+                )
+            refuse_special(path)
+            code, what, fix = "", "", "choose another folder, or move the file away"
+            if _file_key(path) in self._inputs:
+                code, what = "RF141", "this is an input of the same command and is never replaced"
+                fix = "choose another folder for the results"
+            elif os.path.lexists(path) and not self._force and not self._is_ours(name):
+                known = "it was changed since ropefric wrote it" if name in self._entries else (
+                    "ropefric did not write this file, or an earlier version of it did"
+                )  # fmt: skip
+                code, what = "RF140", f"{known}, and it is not replaced"
+                fix += ", or replace it with --force"
+            if code:
+                problems.append(Problem(code=code, message=what, path=path.as_posix(), fix=fix))
+        if problems:
+            raise data_error(problems)
+
+    def _behind_a_link(self, name: str) -> bool:
+        return any(
+            (self.path / parent).is_symlink() for parent in PurePosixPath(name).parents if parent.parts
+        )
+
+    def _is_ours(self, name: str) -> bool:
+        path = self.path / name
+        try:
+            return (
+                name in self._entries
+                and stat.S_ISREG(path.lstat().st_mode)
+                and _sha256(path) in self._entries[name].sha256
+            )
+        except OSError:
+            return False
+
+    def _read_entries(self) -> dict[str, _Entry]:
+        """Return the list of our files; a damaged one lists none."""
+        try:
+            tree = json.loads((self._own / "files.json").read_bytes())
+            if tree["schema"] != SCHEMA:
+                return {}
+            return {
+                name: _Entry(tuple(item["sha256"]), frozenset(item["parts"]), str(item["basis"]))
+                for name, item in tree["files"].items()
+                if _stays_inside(name) and item["sha256"]
+            }
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            return {}
+
+    def _write_entries(self, entries: Mapping[str, _Entry]) -> None:
+        self._entries = dict(sorted(entries.items()))
+        files = {
+            name: {"sha256": list(entry.sha256), "parts": sorted(entry.parts), "basis": entry.basis}
+            for name, entry in self._entries.items()
+        }
+        text = json.dumps({"schema": SCHEMA, "files": files}, indent=1, sort_keys=True) + "\n"
+        write_file(self._own / "files.json", text)
+
+    # --- one run at a time ---
+
+    def _make(self) -> None:
+        try:
+            missing = [
+                path for path in (self._own, self.path, *self.path.parents) if not os.path.lexists(path)
+            ]
+            self._own.mkdir(parents=True, exist_ok=True)
+            self._made = missing
+            if self._own.is_symlink():
+                raise DataError(
+                    "this is a link, and nothing is written through links",
+                    code="RF105",
+                    path=self._own.as_posix(),
+                    fix="remove the link, or choose another folder",
+                )
+            if not os.access(self.path, os.W_OK | os.X_OK):
+                raise cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
+        except OSError as error:
+            raise cannot_write(error, self.path) from None
+        except ValueError as error:
+            if isinstance(error, DataError):
+                raise
+            raise DataError(
+                "this is not a usable folder name", code="RF105", path=repr(str(self.path))
+            ) from None
+
+    def _take_lock(self) -> None:
+        path = self._own / "lock"
+        refuse_special(path)
+        key = _file_key(self._own)
+        assert key is not None  # noqa: S101  (it was just made)
+        if key in _held:
+            raise _busy({"pid": os.getpid(), "host": platform.node()}, self.path)
+        try:
+            handle = -1
+            while handle < 0:
+                handle = self._open_lock(path)
+        except OSError as error:
+            raise cannot_write(error, path) from None
+        self._lock, self._key = handle, key
+        _held.add(key)
+
+    def _open_lock(self, path: Path) -> int:
+        """Return the lock, open and ours; -1 where its owner removed it meanwhile."""
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        try:
+            busy = False
+            try:
+                sure = _lock_file(handle)
+            except BlockingIOError:
+                busy = sure = True
+            holder = _holder(os.read(handle, 4096))
+            # Of another machine nothing can be known; here, a lock that could be taken was left by the dead.
+            busy = busy or holder.get("host", platform.node()) != platform.node()
+            busy = busy or (bool(holder) and not sure and _is_alive(holder))
+            if not busy and _file_key(path) == (os.fstat(handle).st_dev, os.fstat(handle).st_ino):
+                os.ftruncate(handle, 0)
+                os.lseek(handle, 0, os.SEEK_SET)
+                os.write(handle, json.dumps(_me(self._command)).encode())
+                return handle
+        except BaseException:
+            os.close(handle)
+            raise
+        os.close(handle)
+        if busy:
+            raise _busy(holder, self.path)
+        return -1
+
+    def _release(self) -> None:
+        if self._lock >= 0:
+            discard(self._own / "lock")
+            os.close(self._lock)
+            self._lock = -1
+            _held.discard(self._key)
+        for path in self._made:  # those that hold nothing
+            try:
+                path.rmdir()
+            except OSError:
+                break
+        with suppress(OSError):
+            self._own.rmdir()
+
+
+def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
+    command = f"`{holder['command']}`, " if holder.get("command") else ""
+    since = f", since {holder['started']}" if "started" in holder else ""
+    host = holder.get("host", platform.node())
+    where = "" if host == platform.node() else f" on {host}"
+    fix = "wait until it has ended, or choose another folder"
+    if where:
+        fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
+    return DataError(
+        f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}",
+        code="RF142",
+        path=folder.as_posix(),
+        fix=fix,
+    )
+
+
+def _me(command: str) -> dict[str, Any]:
+    return {
+        "pid": os.getpid(),
+        "host": platform.node(),
+        "command": command,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "process_start": _process_start(os.getpid()),
+    }
+
+
+def _holder(text: bytes) -> dict[str, Any]:
+    """Return what a lock says of its owner; nothing for one that was never finished."""
+    try:
+        tree = json.loads(text)
+    except ValueError:
+        return {}
+    return tree if isinstance(tree, dict) else {}
+
+
+def _lock_file(handle: int) -> bool:
+    """Lock an open file for this process; return whether the system knows locks here.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process has it. The system takes the lock from a process that ends, however it ends.
+    """
+    if sys.platform == "win32":
+        return False
+    try:
+        # Not flock: that lock would go on with every worker process that was forked from this one.
+        fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in {errno.EACCES, errno.EAGAIN}:
+            raise BlockingIOError(error.errno, error.strerror) from None
+        if error.errno in _NO_LOCKS:
+            return False
+        raise
+    return True
+
+
+def _is_alive(holder: Mapping[str, Any]) -> bool:
+    """Return whether the process that a lock names still runs; another with its number does not count."""
+    pid = holder.get("pid")
+    if not isinstance(pid, int) or pid <= 0:
+        return False
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        pass
+    return bool(_process_start(pid) == holder.get("process_start", ""))
+
+
+def _process_start(pid: int) -> str:
+    """Return when a process started, in the system's own count; "" where that cannot be known."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
+    except (OSError, IndexError, ValueError):
+        return ""
+
+
+def _file_key(path: Path) -> tuple[int, int] | None:
+    """Return what identifies a file under all its names; None if there is none."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _stays_inside(name: str) -> bool:
+    path = PurePosixPath(name)
+    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts and "\\" not in name
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

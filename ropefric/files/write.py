@@ -1,0 +1,227 @@
+"""One way to write a file: the whole new one or the whole old one stands there, whatever happens meanwhile."""
+
+import errno
+import os
+import stat
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from ropefric.errors import DataError, InputError
+
+__all__ = [
+    "PART",
+    "cannot_write",
+    "discard",
+    "new_part",
+    "put_in_place",
+    "refuse_input",
+    "refuse_special",
+    "replacing",
+    "write_file",
+    "write_files",
+]
+
+PART = ".part"
+"""How the name of a file that is still being written ends."""
+
+_NO_SPACE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_FIXES = {
+    **dict.fromkeys(_NO_SPACE, "make room, or choose another place; what stood there before is as it was"),
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.EISDIR: "name a file; this is a folder",
+    errno.ENOTDIR: "a part of this path is a file, not a folder; choose another",
+    errno.EEXIST: "a part of this path is a file, not a folder; choose another",
+}
+
+
+def cannot_write(error: OSError, path: str | os.PathLike[str]) -> DataError:
+    """Return what the system answered to an attempt to write, as an error that says what to do.
+
+    Examples
+    --------
+    >>> print(cannot_write(OSError(errno.ENOSPC, "No space left on device"), "out/trials.csv"))
+    out/trials.csv: cannot be written: no space left on device Fix: make room, or choose another place; what stood \
+there before is as it was
+    """
+    reason = (error.strerror or str(error) or type(error).__name__).lower()
+    fix = _FIXES.get(error.errno or 0, "choose another place, one you may write to")
+    return DataError(f"cannot be written: {reason}", code="RF105", path=Path(path).as_posix(), fix=fix)
+
+
+def refuse_special(path: Path) -> None:
+    """Refuse to replace what is not a plain file: what a link leads to belongs to others, a device is none.
+
+    Raises
+    ------
+    DataError
+        RF105 for a link, folder, pipe or device, and for a file that is write-protected.
+    """
+    try:
+        mode = path.lstat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except OSError as error:
+        raise cannot_write(error, path) from None
+    except ValueError:  # a null character
+        raise DataError("this is not a usable file name", code="RF105", path=repr(str(path))) from None
+    what = ""
+    if stat.S_ISLNK(mode):
+        what = f"this is a link, to {path.readlink()}, and nothing is written through links"
+    elif stat.S_ISDIR(mode):
+        what = "this is a folder, not a file"
+    elif not stat.S_ISREG(mode):
+        what = "this is a device or pipe, not a file"
+    elif not os.access(path, os.W_OK):
+        what = "the file is write-protected"
+    if what:
+        raise DataError(what, code="RF105", path=path.as_posix(), fix="choose another name, or remove it")
+
+
+def refuse_input(path: Path, *inputs: Path | None) -> None:
+    """Refuse to write over a file that the same command reads, under whatever name.
+
+    Raises
+    ------
+    DataError
+        RF141 if `path` is one of `inputs`; None among them is none.
+    """
+    for source in inputs:
+        try:
+            same = source is not None and path.samefile(source)
+        except (OSError, ValueError):  # one of them is not there
+            continue
+        if same:
+            raise DataError(
+                "this is an input of the same command and is never replaced",
+                code="RF141",
+                path=path.as_posix(),
+                fix="choose another name for what is written",
+            )
+
+
+def new_part(folder: Path) -> Path:
+    """Return a name in `folder` for a file that is still being written; no other process or thread uses it."""
+    # Short, whatever the name of the file will be: the system allows names of 255 bytes only.
+    return folder / f".{os.urandom(6).hex()}{PART}"
+
+
+@contextmanager
+def replacing(path: Path, *, durable: bool = True) -> Iterator[BinaryIO]:
+    """Yield a stream whose bytes become the file when the block ends well; else the file stays as it was.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder is made where it is missing. It is never a link, device or folder.
+    durable : bool
+        Whether the bytes are on the disk before the name is theirs; False for what can be made again.
+
+    Raises
+    ------
+    DataError
+        RF105 if it cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with replacing(Path(folder, "sub", "a.txt")) as stream:
+    ...         _ = stream.write(b"12 N")
+    ...     Path(folder, "sub", "a.txt").read_text()
+    '12 N'
+    """
+    refuse_special(path)
+    part = new_part(path.parent)
+    try:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with part.open("xb") as stream:
+                yield stream
+                stream.flush()
+                if durable:
+                    os.fsync(stream.fileno())
+            put_in_place(part, path)
+        except BaseException:
+            discard(part)
+            raise
+    except OSError as error:
+        raise cannot_write(error, path) from None
+
+
+def put_in_place(part: Path, path: Path) -> None:
+    """Give a finished file its name, and the permissions of the one it replaces."""
+    if path.exists():
+        part.chmod(stat.S_IMODE(path.stat().st_mode))
+    part.replace(path)
+
+
+def discard(part: Path) -> None:
+    """Remove a file that did not become one; a folder that does not let go of it is not the trouble to tell of."""
+    try:
+        part.unlink(missing_ok=True)
+    except OSError:
+        return
+
+
+def write_file(path: str | os.PathLike[str], content: str | bytes, *, durable: bool = True) -> Path:
+    r"""Write a text (UTF-8, line ends as they are) or bytes as one file, whole or not at all; return its path.
+
+    Parameters
+    ----------
+    path : path-like
+        The file; what stood there is replaced. Whether it may be is for the caller to know.
+    content : str or bytes
+        What it will hold.
+    durable : bool
+        As in `replacing`.
+
+    Raises
+    ------
+    DataError
+        RF105 if it cannot be written.
+    """
+    target = Path(path)
+    with replacing(target, durable=durable) as stream:
+        stream.write(content.encode() if isinstance(content, str) else content)
+    return target
+
+
+def write_files(
+    folder: str | os.PathLike[str], contents: Mapping[str, bytes], *, overwrite: bool = False
+) -> tuple[Path, ...]:
+    """Write files that start something new: all of them or none, and never over somebody's work; return the paths.
+
+    Parameters
+    ----------
+    folder : path-like
+        Where to; it is made if it is missing.
+    contents : mapping of str to bytes
+        What each file holds, by its path below the folder.
+    overwrite : bool
+        Replace files that are there.
+
+    Raises
+    ------
+    InputError
+        RF140 if a file is there already, and then nothing is written.
+    DataError
+        RF105 if the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in write_files(folder, {"one.txt": b"1", "more/two.txt": b"2"})]
+    ['one.txt', 'two.txt']
+    """
+    paths = tuple(Path(folder) / name for name in contents)
+    for path in paths:
+        if not overwrite and os.path.lexists(path):
+            fix = "choose another folder, or ask for overwriting (--force)"
+            raise InputError("the file is there already", code="RF140", path=path.as_posix(), fix=fix)
+    with ExitStack() as stack:  # none gets its name before all are written
+        for path, content in zip(paths, contents.values(), strict=True):
+            stack.enter_context(replacing(path)).write(content)
+    return paths

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from ropefric import __version__
-from ropefric.errors import Problem
+from ropefric.errors import DataError, Problem
+from ropefric.files.read import read_file
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.trials.result import Outline, TrialResult
@@ -64,12 +65,12 @@ class ResultCache:
         if not sha256:
             return None
         try:
-            checksum, _, text = self._path(specs, sha256).read_text(encoding="utf-8").partition("\n")
+            checksum, _, text = read_file(self._path(specs, sha256)).decode().partition("\n")
             # A digit that changed on disk would still be a number.
             if checksum != _checksum(text):
                 return None
             return tuple(_from_plain(entry) for entry in json.loads(text))
-        except (OSError, ValueError, KeyError, TypeError):
+        except (DataError, ValueError, KeyError, TypeError):
             return None
 
     def store(self, specs: Sequence[TrialSpec], sha256: str, results: Sequence[TrialResult]) -> None:

@@ -1,12 +1,12 @@
 """One recording file -> the results of the trials it holds."""
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
 from math import nan
 from pathlib import Path
 
 from ropefric.errors import DataError, Problem, RopefricError
+from ropefric.files.read import hash_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.budget import combined_std_N, end_tension_std_N
@@ -36,8 +36,8 @@ RATE_TOLERANCE = 0.01
 def content_hash(path: Path) -> str:
     """Return the SHA-256 of a file's bytes; empty if it cannot be read."""
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except (OSError, ValueError):
+        return hash_file(path)
+    except DataError:
         return ""
 
 

@@ -46,8 +46,6 @@ def inspect(
 
     if file.is_dir():
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
-    if not file.is_file():
-        raise DataError("there is no such file", path=file, fix="check the path")
     found = inspect_file(file, ImportProfile(format=file_format))
     profile = profile_to_toml(found.profile)
     if write_profile is not None:

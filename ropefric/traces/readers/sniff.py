@@ -5,6 +5,7 @@ from itertools import islice
 from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
+from ropefric.files.read import open_file
 from ropefric.traces.readers import find_reader
 from ropefric.traces.readers.cells import split_line
 from ropefric.traces.readers.delimited import open_text
@@ -55,7 +56,8 @@ def inspect_file(
     """
     profile = profile or ImportProfile()
     source = Source(path=Path(path), shown=shown_as or str(path))
-    reader = find_reader(path, profile, shown_as=source.shown)
+    with open_file(path, shown=source.shown):  # what is no file has no format either
+        reader = find_reader(path, profile, shown_as=source.shown)
     if reader.name in _TEXT_FORMATS:
         return _inspect_text(source, profile)
     found = Inspection(file=source.shown, format=reader.name, profile=replace(profile, format=reader.name))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ropefric.errors import DataError
+from ropefric.files.read import kind_of_file, read_file
 
 __all__ = ["Source"]
 
@@ -74,18 +75,11 @@ class Source:
             RF101, if there is no such file, or it cannot be read, or is empty.
         """
         try:
-            if self.path.is_dir():
-                raise self.error("this is a folder, not a recording", fix="name a file in it")
-            if not self.path.exists():
-                raise self.error("there is no such file", fix="check the path")
-            if not self.path.is_file():
-                raise self.error("this is a device or pipe, not a file")
-            data = self.path.read_bytes()
-        except (OSError, ValueError) as error:
-            if isinstance(error, DataError):
+            data = read_file(self.path, shown=self.shown)
+        except DataError:
+            if kind_of_file(self.path) != "folder":
                 raise
-            reason = getattr(error, "strerror", None) or str(error)
-            raise self.error(f"the file cannot be read: {reason}", fix="check its permissions") from None
+            raise self.error("this is a folder, not a recording", fix="name a file in it") from None
         if not data:
             raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
         return data

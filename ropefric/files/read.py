@@ -3,10 +3,10 @@
 import hashlib
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Self, TypeVar
 
 from ropefric.errors import DataError
 
@@ -19,7 +19,10 @@ __all__ = [
     "kind_of_file",
     "open_file",
     "read_file",
+    "use_file",
 ]
+
+T = TypeVar("T")
 
 BLOCK_BYTES = 2**20
 """How much of a file is read at a time."""
@@ -30,6 +33,8 @@ KEPT_BYTES = 8 * 2**20
 TRIES = 3
 """How often a file that changes is read before it is refused."""
 
+_CHANGED = "the file changed while it was read"
+_WAIT = "is a logger still writing it? Wait until it is complete"
 _FLAGS = (
     os.O_RDONLY
     | getattr(os, "O_NONBLOCK", 0)  # a pipe that took a file's place in between must not hold us up
@@ -145,6 +150,14 @@ class InputFile:
             size -= len(piece)
         return b"".join(pieces)
 
+    @property
+    def is_steady(self) -> bool:
+        """Return whether the file is still what was read of it."""
+        return self._kept is not None or self._look()[1] == self._version
+
+    def _changed(self) -> FileChangedError:
+        return FileChangedError(_CHANGED, path=self.shown, fix=_WAIT)
+
     def _look(self) -> tuple[int, tuple[int, ...]]:
         found = os.fstat(self._stream.fileno())
         return found.st_size, (found.st_size, found.st_mtime_ns)
@@ -160,11 +173,7 @@ class InputFile:
             yield block
         digest = hashed.hexdigest()
         if n_read != self.size or self._look()[1] != self._version or (self._hash or digest) != digest:
-            raise FileChangedError(
-                "the file changed while it was read",
-                path=self.shown,
-                fix="is a logger still writing it? Wait until it is complete",
-            )
+            raise self._changed()
         self._hash = digest
 
 
@@ -233,14 +242,40 @@ def read_file(
     DataError
         RF101, as `open_file`; or it is too long, or keeps changing.
     """
-    for again in range(TRIES, 0, -1):
+    return use_file(path, lambda file: file.read(limit), what, shown=shown)
+
+
+def use_file(
+    path: str | os.PathLike[str], use: Callable[[InputFile], T], what: str = "file", *, shown: str = ""
+) -> T:
+    """Return what comes of an open file, begun again where the file changed meanwhile.
+
+    Parameters
+    ----------
+    path, what, shown
+        As `open_file`.
+    use : callable
+        Takes the file, open.
+
+    Raises
+    ------
+    DataError
+        RF101, as `open_file`, or because it keeps changing; and whatever `use` raises.
+    """
+    for again in reversed(range(TRIES)):
         with open_file(path, what, shown=shown) as file:
             try:
-                return file.read(limit)
+                found = use(file)
             except FileChangedError:
-                if again == 1:
+                if not again:
                     raise
-    raise AssertionError  # pragma: no cover
+            except DataError:  # half a line, perhaps, that was being written
+                if file.is_steady or not again:
+                    raise
+            else:
+                if file.is_steady:
+                    return found
+    raise FileChangedError(_CHANGED, path=shown or Path(path).as_posix(), fix=_WAIT)
 
 
 def hash_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = "") -> str:
@@ -251,5 +286,4 @@ def hash_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = 
     DataError
         RF101, as `open_file`.
     """
-    with open_file(path, what, shown=shown) as file:
-        return file.sha256
+    return use_file(path, lambda file: file.sha256, what, shown=shown)

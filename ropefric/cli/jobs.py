@@ -1,7 +1,5 @@
 """How many processes a piece of work is worth."""
 
-import os
-
 import typer
 
 __all__ = ["SERIAL_BELOW", "parse_jobs"]
@@ -12,6 +10,8 @@ SERIAL_BELOW = 20
 
 def parse_jobs(text: str, n_items: int) -> int:
     """Return the number of processes for `n_items` recordings: what the user says, or what pays.
+
+    No more than there are recordings and cores.
 
     Parameters
     ----------
@@ -27,17 +27,14 @@ def parse_jobs(text: str, n_items: int) -> int:
 
     Examples
     --------
-    >>> parse_jobs("auto", 12), parse_jobs("3", 12)
-    (1, 3)
+    >>> parse_jobs("auto", 12), parse_jobs("100000", 1)
+    (1, 1)
     """
-    if text == "auto":
-        return 1 if n_items < SERIAL_BELOW else max(1, _usable_cores())
-    if not text.isdecimal() or int(text) < 1:
+    if text != "auto" and (not text.isdecimal() or int(text) < 1):
         raise typer.BadParameter(f"{text!r} is neither 'auto' nor a number of processes", param_hint="--jobs")
-    return int(text)
+    if text == "auto" and n_items < SERIAL_BELOW:
+        return 1
+    from ropefric.trials.workers import usable_cores  # noqa: PLC0415  (quick start-up)
 
-
-def _usable_cores() -> int:
-    if hasattr(os, "sched_getaffinity"):  # a container may own fewer cores than the machine has
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    wanted = n_items if text == "auto" else int(text)
+    return max(1, min(wanted, n_items, usable_cores()))

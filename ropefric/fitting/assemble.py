@@ -1,10 +1,8 @@
 """From the minimum a search found to a result: errors, intervals, statistics, verdict, provenance."""
 
-import hashlib
 import sys
 from importlib.metadata import version
 from math import inf, log, nan
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +11,7 @@ from scipy.special import stdtrit
 
 import ropefric
 from ropefric.errors import InputError
+from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.covariance import bread, clustered_covariance, unseen_part
 from ropefric.fitting.criteria import aicc, bic
 from ropefric.fitting.identifiability import identify
@@ -218,9 +217,8 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     libraries = {name: version(name) for name in ("lmfit", "numpy", "scipy")}
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
-    path = Path(table.source)
-    if table.source and path.is_file():
-        source["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    if table.source and kind_of_file(table.source) == "file":
+        source["sha256"] = hash_file(table.source)
     return {
         "input": source,
         "settings": settings.to_dict(),

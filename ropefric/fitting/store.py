@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.read import read_file
 from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.fitting.result import SCHEMA, FitResult
 from ropefric.fitting.soundness import faults
@@ -14,6 +15,9 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 
 __all__ = ["check_target", "fit_text", "load_fit", "save_fit"]
+
+MOST_BYTES = 256 * 2**20
+"""A fit of a million conditions is smaller."""
 
 _FAMILY, _VERSION = SCHEMA.split("/")
 _FIELDS = {
@@ -140,10 +144,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     """
     shown = Path(path).as_posix()
     try:
-        tree = json.loads(Path(path).read_bytes(), parse_constant=_no_number)
-    except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else str(error.strerror)
-        raise DataError(f"cannot read the fit: {reason}", path=shown, fix="give a file from fits/") from None
+        tree = json.loads(read_file(path, shown=shown, limit=MOST_BYTES), parse_constant=_no_number)
     except UnicodeDecodeError:
         raise DataError("the file is no UTF-8 text", path=shown, fix=_AGAIN) from None
     except json.JSONDecodeError as error:

@@ -1,6 +1,5 @@
 """Stored fits made again from their data, and compared."""
 
-import hashlib
 import os
 from dataclasses import dataclass
 from math import inf, isfinite, nan
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.errors import DataError, RopefricError
+from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
@@ -102,9 +102,9 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
             fix="fit a CSV trial table and save the result",
         )
     data = folder / source["path"]
-    if not data.is_file():
+    if not kind_of_file(data):
         raise DataError("the data file of the fit is not there", code="RF432", path=data, fix="put it back")
-    if hashlib.sha256(data.read_bytes()).hexdigest() != source["sha256"]:
+    if hash_file(data) != source["sha256"]:
         raise DataError(
             "the data file has changed since the fit was made", code="RF432", path=data, fix="fit again"
         )

@@ -1,10 +1,8 @@
 """Where a campaign's result comes from: inputs with their hashes, versions, seeds, settings, and the command."""
 
-import hashlib
 import json
 import os
 import shlex
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -12,8 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.read import hash_file, read_file
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
+from ropefric.trials.toml_document import read_toml
 
 __all__ = [
     "MANIFEST",
@@ -26,6 +26,8 @@ __all__ = [
 ]
 
 SCHEMA = "ropefric.run/1"
+MOST_BYTES = 256 * 2**20
+"""The manifest of a million recordings is smaller."""
 MANIFEST = "manifest.json"
 """Name of the file in a folder of results that says what they were made from."""
 
@@ -139,19 +141,14 @@ def _drawn_with() -> dict[str, str]:
 
 
 def _trial_list(campaign: Path) -> InputFile:
-    name = tomllib.loads(campaign.read_text(encoding="utf-8"))["trials"]
+    name = read_toml(campaign, "campaign file").data["trials"]
     return _hashed(
         campaign.parent / name, Path(name).as_posix() if not Path(name).is_absolute() else Path(name).name
     )
 
 
 def _hashed(path: Path, name: str) -> InputFile:
-    try:
-        return InputFile(path=name, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
-    except OSError as error:
-        raise DataError(
-            f"cannot be read again: {error.strerror}", code="RF101", path=path, fix="put the file back"
-        ) from None
+    return InputFile(path=name, sha256=hash_file(path))
 
 
 def _recordings(run: CampaignRun) -> tuple[InputFile, ...]:
@@ -204,15 +201,15 @@ wrote, or the campaign
     """
     path = folder / MANIFEST
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-    except OSError:
+        tree = json.loads(read_file(path, limit=MOST_BYTES))
+    except DataError:
         raise DataError(
             "no results stand here",
             code="RF101",
             path=path.as_posix(),
             fix="give a folder that `ropefric run` wrote, or the campaign",
         ) from None
-    except ValueError:
+    except (ValueError, RecursionError):
         tree = None
     known = isinstance(tree, dict) and tree.get("schema") == SCHEMA
     if not known or not all(isinstance(tree.get(key), str) for key in ("campaign", "law")):

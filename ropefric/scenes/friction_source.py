@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ropefric.errors import DataError, RopefricError
+from ropefric.files.read import kind_of_file
 from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
@@ -136,11 +137,8 @@ def _scaled(scale_to: ScaleTo | None) -> str:
 
 def _find(name: str, folder: Path) -> Path:
     for place in (folder / name, Path(name)):
-        try:
-            if place.is_file():
-                return place
-        except (OSError, ValueError):
-            continue
+        if kind_of_file(place):
+            return place
     raise DataError(
         f"there is no fit {name!r}, neither beside the scene nor in the folder of the command",
         key="friction.fit",

@@ -192,6 +192,7 @@ def _campaign(
         weights_tolerance=model.weights.tolerance if model.weights else 0.0,
         design=_design(model),
         profile=profile,
+        limits=model.limits.limits(),
         trials=trials,
         warnings=tuple(problem for problem in problems if problem.severity == "warning"),
     )

@@ -12,6 +12,7 @@ from ropefric.errors import Problem
 from ropefric.traces.calibration import Adc, ForceCell
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.trials.trial_spec import TrialSpec
+from ropefric.trials.workers import Limits
 
 __all__ = ["SCHEMA", "Campaign", "DesignSpec", "ProtocolSpec", "RopeSpec", "SmoothingSpec", "WheelSpec"]
 
@@ -124,6 +125,8 @@ class Campaign:
         The wheel to predict.
     trials : tuple of TrialSpec
         A row each, in the order of the table.
+    limits : Limits
+        What reading one recording may take.
     warnings : tuple of Problem
         What is doubtful, but does not stop the work.
     """
@@ -145,13 +148,14 @@ class Campaign:
     weights_tolerance: float = 0.0
     design: DesignSpec | None = None
     profile: ImportProfile = field(default_factory=ImportProfile)
+    limits: Limits = field(default_factory=Limits)
     warnings: tuple[Problem, ...] = ()
 
     def settings_fingerprint(self) -> str:
         """Return the SHA-256 of all settings that every recording's extraction depends on.
 
         Cells, converter, protocol, sampling, tare, smoothing, weights and import profile count; names, the
-        rope, wheels, rejection, design and the trial list do not: what differs between trials (cell, sample,
+        rope, wheels, rejection, design, limits and the trial list do not: what differs between trials (cell, sample,
         interval, end tension) is in their `TrialSpec`.
         """
         names = (
@@ -164,7 +168,7 @@ class Campaign:
 
     def resolved(self) -> dict[str, Any]:
         """Return the whole campaign, defaults included, as JSON-able data without absolute paths."""
-        skipped = {"path", "folder", "warnings", "trials"}
+        skipped = {"path", "folder", "warnings", "trials", "limits"}
         tree = {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name not in skipped}
         tree["path"] = self.path.name
         tree["folder"] = self._relative(self.folder)

@@ -21,6 +21,7 @@ from ropefric.trials.toml_fields import (
     text,
     whole_number,
 )
+from ropefric.trials.workers import Limits
 
 __all__ = ["CampaignFile", "protocol_names"]
 
@@ -236,6 +237,18 @@ class DesignTable(StrictTable):
     end_tension: Force
 
 
+class LimitsTable(StrictTable):
+    """`[limits]`."""
+
+    memory: Annotated[float | None, PlainValidator(quantity("byte", "2 GB", above=0))] = None
+    time: Annotated[float | None, PlainValidator(quantity("s", "120 s", above=0))] = None
+
+    def limits(self) -> Limits:
+        """Return what reading one recording may take."""
+        given = {"memory_bytes": self.memory, "time_s": self.time}
+        return Limits(**{key: value for key, value in given.items() if value is not None})
+
+
 def _schema(value: object) -> str:
     if value != SCHEMA:
         reject("RF110", f"{got(value)} is not a campaign format this version reads", fix=f'write "{SCHEMA}"')
@@ -260,4 +273,5 @@ class CampaignFile(StrictTable):
     rejection: RejectionTable = Field(default_factory=RejectionTable)
     weights: WeightsTable | None = None
     design: DesignTable | None = None
+    limits: LimitsTable = Field(default_factory=LimitsTable)
     import_: ImportTable = Field(default_factory=ImportTable, alias="import")

@@ -1,26 +1,30 @@
 """A campaign's recordings -> trial table: in parallel, interruptible, without doing the same work twice."""
 
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import Executor, as_completed
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ropefric.errors import InputError, Problem
+from ropefric.errors import DataError, InputError, Problem, RopefricError
+from ropefric.files.read import InputFile, hash_file, use_file
 from ropefric.trials.cache import ResultCache
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.conditions import summarise_conditions
-from ropefric.trials.recording import content_hash, extract_recording
+from ropefric.trials.recording import extract_recording, unreadable
 from ropefric.trials.result import ConditionSummary, Extraction, Outline, TrialResult
 from ropefric.trials.trial_spec import TrialSpec
+from ropefric.trials.workers import Lost, guarded
 
 __all__ = ["ConditionSummary", "Extraction", "Outline", "TrialResult", "extract_campaign"]
 
 CHUNK = 8
-"""Recordings handed to a process at a time: the campaign travels with each hand-over."""
+"""Recordings handed to an executor at a time."""
 
 Progress = Callable[[int, int, str], None]
 _Rows = tuple[TrialSpec, ...]
-_Done = tuple[tuple[TrialResult, ...], bool]
+_Results = tuple[tuple[TrialResult, ...], ...]
+_Done = tuple[_Results, bool]
 
 
 def extract_campaign(
@@ -43,7 +47,9 @@ def extract_campaign(
     executor : concurrent.futures.Executor, optional
         Runs the recordings; any will do, processes, threads or a cluster's. It is not shut down.
     jobs : int
-        Without an executor: number of processes; 1 works in this one.
+        Without an executor: number of processes, no more than there are recordings and cores. Each may take the time
+        and memory that `campaign.limits` allows; a recording that takes more, or that crashes its reader, is
+        `unreadable`, and the others are not touched by it. An executor's work is not limited.
     cache_dir : Path, optional
         Where results are kept, so that unchanged recordings are not extracted again; every result is stored as soon
         as it is there, so an interrupted run goes on where it stopped.
@@ -59,11 +65,15 @@ def extract_campaign(
         raise InputError(f"{jobs} processes cannot work", code="RF110", key="jobs", fix="use 1 or more")
     files = _by_file(campaign.trials)
     done: list[_Done] = [((), False)] * len(files)
-    for count, (place, results) in enumerate(_run(campaign, files, executor, jobs, cache_dir), start=1):
-        done[place] = results
-        if progress is not None:
-            worst = next((t for t in results[0] if t.breakaway.status != "ok"), results[0][0])
-            progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
+    work = _Work.of(campaign, files, cache_dir)
+    running = _shared_out(work, executor) if executor is not None else _guarded(work, jobs)
+    with closing(running):  # that its processes end with the loop, however it ends
+        for count, (place, results) in enumerate(running, start=1):
+            done[place] = results
+            if progress is not None:
+                found = [trial for row in results[0] for trial in row]
+                worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
+                progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
     trials, conditions, doubts = summarise_conditions(
         _in_list_order(campaign, files, [results for results, _ in done]), campaign.rejection
     )
@@ -88,64 +98,108 @@ def _by_file(specs: Sequence[TrialSpec]) -> list[_Rows]:
 
 
 def _in_list_order(
-    campaign: Campaign, files: Sequence[_Rows], results: Sequence[tuple[TrialResult, ...]]
+    campaign: Campaign, files: Sequence[_Rows], results: Sequence[_Results]
 ) -> list[TrialResult]:
-    """Put the results of files back into the order of the trial list; a row may have given several."""
-    order = {spec.trial: place for place, spec in enumerate(campaign.trials)}
-    placed: list[tuple[int, int, TrialResult]] = []
-    for rows, found in zip(files, results, strict=True):
-        names = sorted((spec.trial for spec in rows), key=len, reverse=True)
-        for number, result in enumerate(found):
-            row = next(n for n in names if result.trial == n or result.trial.startswith(f"{n}#"))
-            placed.append((order[row], number, result))
-    return [result for _, _, result in sorted(placed, key=lambda item: item[:2])]
+    """Put the results of files back into the order of the trial list; each trial has a name of its own."""
+    by_row = {
+        spec.trial: found
+        for rows, of_file in zip(files, results, strict=True)
+        for spec, found in zip(rows, of_file, strict=True)
+    }
+    taken = set(by_row)
+    placed = []
+    for row in campaign.trials:
+        for result in by_row[row.trial]:
+            name, number = result.trial, 1
+            # A row may be called as the block or tooth of another: "w#2".
+            while name in taken and name != row.trial:
+                number += 1
+                name = f"{result.trial}-{number}"
+            taken.add(name)
+            placed.append(result if name == result.trial else replace(result, trial=name))
+    return placed
 
 
-def _run(
-    campaign: Campaign,
-    files: Sequence[_Rows],
-    executor: Executor | None,
-    jobs: int,
-    cache_dir: Path | None,
-) -> Iterator[tuple[int, _Done]]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Work:
+    """What every process is given once: the campaign without its rows, the files with theirs, the cache."""
+
+    campaign: Campaign
+    files: tuple[_Rows, ...]
+    cache: ResultCache | None
+
+    @classmethod
+    def of(cls, campaign: Campaign, files: Sequence[_Rows], cache_dir: Path | None) -> "_Work":
+        cache = None if cache_dir is None else ResultCache(cache_dir, campaign.settings_fingerprint())
+        return cls(campaign=replace(campaign, trials=(), warnings=()), files=tuple(files), cache=cache)
+
+    def __call__(self, place: int) -> _Done:
+        """Return the results of a file, and whether they were there already."""
+        rows = self.files[place]
+        try:
+            return use_file(rows[0].path, lambda file: self._extract(rows, file), shown=rows[0].file)
+        except RopefricError as error:
+            return unreadable(self.campaign, rows, error), False
+        except MemoryError:
+            raise
+        except Exception as error:  # noqa: BLE001  (whatever a recording brings about, it ends that recording)
+            fault = RopefricError(
+                f"internal fault, {type(error).__name__}: {error}",
+                code="RF000",
+                path=rows[0].file,
+                fix="this is a bug in ropefric: please report it with the recording",
+            )
+            return unreadable(self.campaign, rows, fault), False
+
+    def _extract(self, rows: _Rows, file: InputFile) -> _Done:
+        if self.cache is not None:
+            stored = self.cache.load(rows, file.sha256)
+            if stored is not None:
+                return stored, True
+        results = extract_recording(self.campaign, rows, file=file)
+        if self.cache is not None and file.is_steady:
+            self.cache.store(rows, file.sha256, results)
+        return results, False
+
+    def lost(self, place: int, why: Lost) -> _Done:
+        """Return the results of a file that could not be read to its end."""
+        rows = self.files[place]
+        error = DataError(why.reason, code="RF101", path=rows[0].file, fix=why.fix)
+        try:
+            sha256 = hash_file(rows[0].path)
+        except DataError:
+            sha256 = ""
+        return unreadable(self.campaign, rows, error, sha256=sha256), False
+
+
+def _guarded(work: _Work, jobs: int) -> Generator[tuple[int, _Done]]:
     """Give place and results of each file, in the order they are finished."""
-    if executor is None and (jobs == 1 or len(files) < 2):
-        for place, rows in enumerate(files):
-            yield place, _extract_file(campaign, rows, cache_dir)
-        return
-    own = ProcessPoolExecutor(jobs, initializer=_ignore_interrupts) if executor is None else None
-    runner = executor or own
+    with closing(guarded(work, len(work.files), jobs=jobs, limits=work.campaign.limits)) as running:
+        for place, done in running:
+            yield place, work.lost(place, done) if isinstance(done, Lost) else done
+
+
+def _shared_out(work: _Work, executor: Executor) -> Generator[tuple[int, _Done]]:
+    """Give the same from an executor that belongs to somebody else."""
+    starts = range(0, len(work.files), CHUNK)
+    futures = {
+        executor.submit(_extract_chunk, replace(work, files=work.files[start : start + CHUNK])): start
+        for start in starts
+    }
     try:
-        starts = range(0, len(files), CHUNK)
-        futures = {
-            runner.submit(_extract_chunk, campaign, files[start : start + CHUNK], cache_dir): start  # type: ignore[union-attr]
-            for start in starts
-        }
         for future in as_completed(futures):
             for offset, results in enumerate(future.result()):
                 yield futures[future] + offset, results
     finally:
-        if own is not None:
-            own.shutdown(wait=True, cancel_futures=True)
+        for future in futures:
+            future.cancel()
 
 
-def _ignore_interrupts() -> None:
-    # Ctrl-C reaches every process of the terminal; only the first one may act on it, and it lets the others finish.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _extract_chunk(campaign: Campaign, files: Sequence[_Rows], cache_dir: Path | None) -> list[_Done]:
-    return [_extract_file(campaign, rows, cache_dir) for rows in files]
-
-
-def _extract_file(campaign: Campaign, rows: _Rows, cache_dir: Path | None) -> _Done:
-    sha256 = content_hash(rows[0].path)
-    if cache_dir is None:
-        return extract_recording(campaign, rows, sha256=sha256), False
-    cache = ResultCache(cache_dir, campaign.settings_fingerprint())
-    stored = cache.load(rows, sha256)
-    if stored is not None:
-        return stored, True
-    results = extract_recording(campaign, rows, sha256=sha256)
-    cache.store(rows, sha256, results)
-    return results, False
+def _extract_chunk(work: _Work) -> list[_Done]:
+    done = []
+    for place in range(len(work.files)):
+        try:
+            done.append(work(place))
+        except MemoryError:
+            done.append(work.lost(place, Lost(reason="there was not enough memory to read it", fix="")))
+    return done

@@ -1,12 +1,12 @@
 """One recording file -> the results of the trials it holds."""
 
-import hashlib
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from math import nan
-from pathlib import Path
 
 from ropefric.errors import DataError, Problem, RopefricError
+from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.budget import combined_std_N, end_tension_std_N
@@ -22,7 +22,7 @@ from ropefric.trials.result import TrialResult
 from ropefric.trials.tared import tared_trace
 from ropefric.trials.trial_spec import TrialSpec
 
-__all__ = ["blocks_of", "content_hash", "extract_recording"]
+__all__ = ["blocks_of", "extract_recording", "unreadable"]
 
 STATUS_CODES = {
     Status.SATURATED: "RF230",
@@ -33,18 +33,10 @@ STATUS_CODES = {
 RATE_TOLERANCE = 0.01
 
 
-def content_hash(path: Path) -> str:
-    """Return the SHA-256 of a file's bytes; empty if it cannot be read."""
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except (OSError, ValueError):
-        return ""
-
-
 def extract_recording(
-    campaign: Campaign, specs: Sequence[TrialSpec], *, sha256: str = ""
-) -> tuple[TrialResult, ...]:
-    """Return the results of all trials that one file holds; a bad file gives results, not an exception.
+    campaign: Campaign, specs: Sequence[TrialSpec], *, file: InputFile | None = None
+) -> tuple[tuple[TrialResult, ...], ...]:
+    """Return the results of all trials that one file holds, row by row; a bad file gives results, not an exception.
 
     Parameters
     ----------
@@ -52,31 +44,51 @@ def extract_recording(
         How to read, calibrate and pick.
     specs : sequence of TrialSpec
         The rows of the trial list that name this file, at least one.
-    sha256 : str
-        Hash of the file's content, kept with the results.
+    file : InputFile, optional
+        The file, where it is open already.
 
     Returns
     -------
-    tuple of TrialResult
-        At least one per row: one per block for sample "*", one per tooth or plateau for those protocols. Status
+    tuple of tuple of TrialResult
+        Of each row at least one: one per block for sample "*", one per tooth or plateau for those protocols. Status
         `unreadable`, with the problem, where the file or block cannot be used.
+
+    Raises
+    ------
+    FileChangedError
+        If it was written to while it was read.
     """
-    first = specs[0]
+    first, sha256 = specs[0], ""
     try:
-        raws = read_recordings(first.path, campaign.profile, shown_as=first.file)
+        with open_file(first.path, shown=first.file) if file is None else nullcontext(file) as opened:
+            sha256 = opened.sha256
+            raws = read_recordings(first.path, campaign.profile, shown_as=first.file, file=opened)
+    except FileChangedError:
+        raise
     except RopefricError as error:
-        return tuple(_unreadable(campaign, spec, error, sha256) for spec in specs)
+        return unreadable(campaign, specs, error, sha256=sha256)
+    return tuple(tuple(_extract_row(campaign, spec, raws, sha256)) for spec in specs)
+
+
+def unreadable(
+    campaign: Campaign, specs: Sequence[TrialSpec], error: RopefricError, *, sha256: str = ""
+) -> tuple[tuple[TrialResult, ...], ...]:
+    """Return the results of all rows of a file that cannot be read, for the reason the error gives."""
+    return tuple((_unreadable(campaign, spec, error, sha256),) for spec in specs)
+
+
+def _extract_row(
+    campaign: Campaign, spec: TrialSpec, raws: Sequence[RawRecording], sha256: str
+) -> list[TrialResult]:
+    try:
+        chosen = blocks_of(spec, raws)
+    except DataError as error:
+        return [_unreadable(campaign, spec, error, sha256)]
     results: list[TrialResult] = []
-    for spec in specs:
-        try:
-            chosen = blocks_of(spec, raws)
-        except DataError as error:
-            results.append(_unreadable(campaign, spec, error, sha256))
-            continue
-        for raw in chosen:
-            named = spec if len(chosen) == 1 else replace(spec, trial=f"{spec.trial}#{raw.sample}")
-            results.extend(_extract_raw(campaign, replace(named, sample=raw.sample), raw, sha256))
-    return tuple(results)
+    for raw in chosen:
+        named = spec if len(chosen) == 1 else replace(spec, trial=f"{spec.trial}#{raw.sample}")
+        results.extend(_extract_raw(campaign, replace(named, sample=raw.sample), raw, sha256))
+    return results
 
 
 def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:

@@ -9,9 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError, Problem
+from ropefric.files.read import kind_of_file, read_file
 from ropefric.trials.toml_lines import KeyPath, key_text, toml_lines
 
-__all__ = ["TomlDocument", "read_bytes", "read_toml"]
+__all__ = ["TomlDocument", "read_toml"]
+
+MOST_BYTES = 16 * 2**20
+"""A TOML file larger than this was not written by hand."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,40 +71,6 @@ class TomlDocument:
         )
 
 
-def read_bytes(path: str | os.PathLike[str], what: str) -> bytes:
-    """Return a file's content.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    what : str
-        What it is, for messages.
-
-    Raises
-    ------
-    DataError
-        RF101 if it is not there or cannot be read.
-
-    Examples
-    --------
-    >>> read_bytes("nowhere.toml", "scene file")
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: nowhere.toml: there is no such scene file Fix: check the path
-    """
-    try:
-        return Path(path).read_bytes()
-    except FileNotFoundError:
-        raise DataError(f"there is no such {what}", path=_shown(path), fix="check the path") from None
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
-        if isinstance(error, OSError) and os.path.isdir(path):  # noqa: PTH112  (never raises)
-            message, fix = f"this is a folder, not a {what}", _file_in(Path(path), what)
-            raise DataError(message, path=_shown(path), fix=fix) from None
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a usable file name"
-        raise DataError(f"the {what} cannot be read: {reason}", path=_shown(path)) from None
-
-
 def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
     r"""Return a TOML file's tree with the line of every key.
 
@@ -126,8 +96,14 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
     >>> document.data["rope"]["size"], document.line_of(("rope", "size"))
     ('9.8 mm', 2)
     """
-    content = read_bytes(path, what)
     name = _shown(path)
+    try:
+        content = read_file(path, what, shown=name, limit=MOST_BYTES)
+    except DataError:
+        if kind_of_file(path) != "folder":
+            raise
+        fix = _file_in(Path(path), what)
+        raise DataError(f"this is a folder, not a {what}", path=name, fix=fix) from None
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Literal
 
 from ropefric.errors import Problem
+from ropefric.files.read import kind_of_file
 from ropefric.trials.trial_cells import Row
 
 __all__ = ["MISSING_RECORDING", "check_files", "check_names"]
@@ -42,11 +43,25 @@ def check_files(rows: Sequence[Row], folder: Path | None, path: str) -> list[Pro
     problems = _listed_twice(rows, path)
     if folder is None:
         return problems
-    there = {file: _is_file(folder / file) for file in dict.fromkeys(map(_file, rows)) if file}
-    missing = [row for row in rows if not there.get(_file(row), True)]
+    kinds = {file: kind_of_file(folder / file) for file in dict.fromkeys(map(_file, rows)) if file}
+    missing = [row for row in rows if kinds.get(_file(row), "file") in ("", "folder")]
+    pipes = [row for row in rows if kinds.get(_file(row)) == "device or pipe"]
+    problems += [_pipe(row, path) for row in pipes]
     kept = [row for row in missing if not row.texts.get("exclude")]
     excluded = [row for row in missing if row.texts.get("exclude")]
     return problems + _missing(kept, folder, path, "error") + _missing(excluded, folder, path, "warning")
+
+
+def _pipe(row: Row, path: str) -> Problem:
+    return Problem(
+        code=MISSING_RECORDING,
+        message=f"the recording {row.texts['file']} is a device or pipe, not a file",
+        path=path,
+        line=row.line,
+        key="file",
+        fix="write its content to a file, and name that",
+        severity="warning" if row.texts.get("exclude") else "error",
+    )
 
 
 def _missing(
@@ -175,10 +190,3 @@ def _free(name: str, taken: set[str]) -> str:
 def _file(row: Row) -> str:
     # Lists written on Windows name folders with backslashes.
     return row.texts.get("file", "").replace("\\", "/")
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # a name too long for the file system
-        return False

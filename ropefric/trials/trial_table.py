@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ropefric.errors import DataError, Problem
+from ropefric.files.read import use_file
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.text import load_text
 
@@ -61,7 +62,9 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
     """
     shown = Path(path).as_posix()
     try:
-        text = load_text(Source(path=Path(path), shown=shown)).data.decode("utf-8")
+        text = use_file(
+            path, lambda file: load_text(Source(path=Path(path), shown=shown, file=file)).data, shown=shown
+        ).decode("utf-8")
     except DataError as error:
         fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
         raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None

@@ -141,7 +141,10 @@ def test_an_interrupted_run_keeps_what_is_done_and_goes_on(call, tmp_path):
     call("simulate", tmp_path / "campaign", "--conditions", "10", "-q")
     out = tmp_path / "out"
     words = ["extract", str(tmp_path / "campaign"), "--out", str(out), "--jobs", "2", "--no-figures"]
-    process = subprocess.Popen([sys.executable, "-m", "ropefric", *words], stderr=subprocess.PIPE, text=True)
+    # A shell starts what runs in the background with SIGINT ignored, and children inherit that.
+    code = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code += "from ropefric.cli.app import main; sys.exit(main())"
+    process = subprocess.Popen([sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True)
     deadline_s = time.monotonic() + 30
     while not list(out.glob(".cache/**/*")) and time.monotonic() < deadline_s:
         time.sleep(0.01)

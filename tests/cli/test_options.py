@@ -12,7 +12,7 @@ from ropefric.cli.jobs import SERIAL_BELOW, parse_jobs
 def test_a_small_campaign_runs_in_one_process_and_a_large_one_on_every_core():
     assert parse_jobs("auto", SERIAL_BELOW - 1) == 1
     assert 1 <= parse_jobs("auto", SERIAL_BELOW) <= (os.cpu_count() or 1)
-    assert parse_jobs("7", 3) == 7
+    assert parse_jobs("7", 3) <= 3
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "1.5", "many", "", "²"])

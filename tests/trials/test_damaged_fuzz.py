@@ -58,7 +58,7 @@ def extract_bytes(bench, data, name="r.csv"):
     path = campaign.folder / name
     path.write_bytes(data)
     spec = replace(campaign.trials[0], path=path, file=name)
-    results = extract_recording(campaign, [spec])
+    (results,) = extract_recording(campaign, [spec])
     assert len(results) >= 1
     for result in results:
         bench.allowed(result)

@@ -100,6 +100,15 @@ def rows_of(extraction, folder):
     return extraction.to_dict(), [path.read_bytes() for path in write_tables(extraction, folder)], outlines
 
 
+class Here(Executor):
+    """Work is done at once, in this process."""
+
+    def submit(self, work, /, *args, **kwargs):
+        future = Future()
+        future.set_result(work(*args, **kwargs))
+        return future
+
+
 class Backwards(Executor):
     """Work handed in first is done last."""
 
@@ -268,7 +277,7 @@ def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv):
         campaign = lab.write([lab.row(name) for name in names[:n]]).load()
         gc.collect()
         tracemalloc.start()
-        extraction = extract_campaign(campaign)
+        extraction = extract_campaign(campaign, executor=Here())
         gc.collect()
         held, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()

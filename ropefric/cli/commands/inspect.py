@@ -1,5 +1,6 @@
 """`ropefric inspect`: what is in a recording file, and the import profile that would read it."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,11 +9,15 @@ import typer
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.looks import show_inspection
 from ropefric.cli.output import Output
+from ropefric.cli.quantity_option import read_quantity
 from ropefric.errors import DataError, InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from ropefric.traces.readers.inspection import Inspection
+    from ropefric.traces.readers.profile import ImportProfile
 
 __all__ = ["COMMAND"]
 
@@ -28,6 +33,8 @@ Destination = Annotated[
     typer.Option("--write-profile", metavar="PATH", help="Write the suggested \\[import] section there."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write over a file that is already there.")]
+Memory = Annotated[str, typer.Option(metavar="QUANTITY", help="Most memory that reading it may take [4 GB].")]
+Time = Annotated[str, typer.Option(metavar="QUANTITY", help="Most time that reading it may take [120 s].")]
 
 
 def inspect(
@@ -37,21 +44,21 @@ def inspect(
     file_format: Format = "auto",
     write_profile: Destination = None,
     force: Force = False,
+    memory: Memory = "",
+    time: Time = "",
 ) -> Answer:
     """Look at a recording: columns, units, ranges, first rows, doubts, and the profile to read it with.
 
     Paste the section into campaign.toml, after checking the doubts.
     """
     from ropefric.traces.readers.profile import ImportProfile  # noqa: PLC0415  (quick start-up)
-    from ropefric.traces.readers.sniff import inspect_file, profile_to_toml  # noqa: PLC0415
+    from ropefric.traces.readers.profile_toml import profile_to_toml  # noqa: PLC0415
 
     if file.is_dir():
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
-    if not file.is_file():
-        raise DataError("there is no such file", path=file, fix="check the path")
     if write_profile is not None:  # before the work
         _check_target(write_profile, file, force=force)
-    found = inspect_file(file, ImportProfile(format=file_format))
+    found = _look(file, ImportProfile(format=file_format), memory, time)
     profile = profile_to_toml(found.profile)
     if write_profile is not None:
         write_file(write_profile, profile)
@@ -63,6 +70,27 @@ def inspect(
         console.print(profile.rstrip(), markup=False, soft_wrap=True)
 
     return Answer(data=found.to_dict(), show=show)
+
+
+def _look(file: Path, profile: "ImportProfile", memory: str, time: str) -> "Inspection":
+    """Return what is found out about a file, by a process that may die of it."""
+    from ropefric.trials.workers import Limits, Lost, guarded  # noqa: PLC0415
+
+    given: dict[str, float] = {}
+    if memory:
+        given["memory_bytes"] = read_quantity(memory, "byte", "--memory")
+    if time:
+        given["time_s"] = read_quantity(time, "s", "--time")
+    ((_, found),) = guarded(partial(_inspect, file, profile), 1, limits=Limits(**given))
+    if isinstance(found, Lost):
+        raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
+    return found
+
+
+def _inspect(file: Path, profile: "ImportProfile", _: int) -> "Inspection":
+    from ropefric.traces.readers.sniff import inspect_file  # noqa: PLC0415
+
+    return inspect_file(file, profile)
 
 
 def _fix_of_folder(folder: Path) -> str:

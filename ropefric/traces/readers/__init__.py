@@ -1,12 +1,14 @@
 """Recording files: one reader a format, found by name or by the file's ending."""
 
-from pathlib import PurePath
+from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
+from ropefric.files.read import InputFile, use_file
 from ropefric.registry import Registry
 from ropefric.traces.readers import delimited, excel, matlab, tdms, wide
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.reader import Reader
+from ropefric.traces.readers.source import Source
 
 __all__ = ["READERS", "find_reader", "read_recordings"]
 
@@ -61,7 +63,7 @@ def find_reader(path: str | PurePath, profile: ImportProfile, *, shown_as: str =
 
 
 def read_recordings(
-    path: str | PurePath, profile: ImportProfile, *, shown_as: str = ""
+    path: str | PurePath, profile: ImportProfile, *, shown_as: str = "", file: InputFile | None = None
 ) -> tuple[RawRecording, ...]:
     r"""Return the recordings of a file, columns as they are in it.
 
@@ -73,6 +75,8 @@ def read_recordings(
         How to understand it; what it leaves open is found out or refused.
     shown_as : str
         What messages and results call the file; its path as given where empty.
+    file : InputFile, optional
+        The file, where it is open already; it stays open.
 
     Returns
     -------
@@ -100,4 +104,10 @@ def read_recordings(
     >>> recording.columns["force"], recording.units
     (array([0.5 , 0.75]), {'time': 'ms', 'force': 'kN'})
     """
-    return find_reader(path, profile, shown_as=shown_as).read(path, profile, shown_as=shown_as)
+    shown = shown_as or str(path)
+
+    def read(opened: InputFile) -> tuple[RawRecording, ...]:
+        source = Source(path=Path(path), shown=shown, file=opened)
+        return find_reader(path, profile, shown_as=shown).read(source, profile)
+
+    return use_file(path, read, shown=shown) if file is None else read(file)

@@ -98,6 +98,8 @@ def _load(source: Source, table: str) -> Grid:
             for name in chosen
         )
         return next((grid for grid in grids if grid), [])
+    except MemoryError:
+        raise
     except Exception as error:
         if getattr(error, "code", "") == "RF105":
             raise
@@ -118,6 +120,8 @@ def _load_openpyxl(raw: bytes, source: Source, table: str) -> Grid:
         chosen = _choose(book.sheetnames, table, source)
         grids = ([list(row) for row in book[name].iter_rows(values_only=True)] for name in chosen)
         return next((grid for grid in grids if grid), [])
+    except MemoryError:
+        raise
     except Exception as error:
         if getattr(error, "code", "") == "RF105":
             raise

@@ -1,5 +1,6 @@
 """MATLAB files up to version 7."""
 
+import io
 import warnings
 from collections.abc import Mapping
 from typing import Any
@@ -54,7 +55,9 @@ def _load(source: Source) -> dict[str, np.ndarray[Any, Any]]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # on variables that cannot be read; they are reported missing
-            content = loadmat(str(source.path), appendmat=False)
+            content = loadmat(io.BytesIO(raw))  # type: ignore[arg-type]
+    except MemoryError:
+        raise
     except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
         raise source.error(
             f"this is not a readable MATLAB file ({type(error).__name__}: {error})",

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import PurePath
 
 from ropefric.traces.readers.columns import pick_columns
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
@@ -39,26 +39,8 @@ class Reader:
     description: str
     tables: Callable[[Source, ImportProfile], Sequence[Table]]
 
-    def read(
-        self, path: str | PurePath, profile: ImportProfile, *, shown_as: str = ""
-    ) -> tuple[RawRecording, ...]:
-        """Return the file's recordings, columns as they are in the file.
-
-        Parameters
-        ----------
-        path : str or path
-            The file.
-        profile : ImportProfile
-            How to understand it.
-        shown_as : str
-            What messages and results call the file; its path as given where empty.
-
-        Raises
-        ------
-        DataError
-            RF101 to RF108, naming the file, and line and column where there is one.
-        """
-        source = Source(path=Path(path), shown=shown_as or str(path))
+    def read(self, source: Source, profile: ImportProfile) -> tuple[RawRecording, ...]:
+        """Return the file's recordings, columns as they are in the file; raises `DataError` RF101 to RF108."""
         return tuple(_recording(table, profile, source) for table in self.tables(source, profile))
 
 

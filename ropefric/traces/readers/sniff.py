@@ -5,6 +5,7 @@ from itertools import islice
 from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
+from ropefric.files.read import use_file
 from ropefric.traces.readers import find_reader
 from ropefric.traces.readers.cells import split_line
 from ropefric.traces.readers.delimited import open_text
@@ -53,9 +54,14 @@ def inspect_file(
     >>> found.decimal, found.sampling_rate_Hz, found.columns[1].maximum
     (',', 100.0, 1.0)
     """
-    profile = profile or ImportProfile()
-    source = Source(path=Path(path), shown=shown_as or str(path))
-    reader = find_reader(path, profile, shown_as=source.shown)
+    shown, known = shown_as or str(path), profile or ImportProfile()
+    return use_file(
+        path, lambda file: _inspect(Source(path=Path(path), shown=shown, file=file), known), shown=shown
+    )
+
+
+def _inspect(source: Source, profile: ImportProfile) -> Inspection:
+    reader = find_reader(source.path, profile, shown_as=source.shown)
     if reader.name in _TEXT_FORMATS:
         return _inspect_text(source, profile)
     found = Inspection(file=source.shown, format=reader.name, profile=replace(profile, format=reader.name))

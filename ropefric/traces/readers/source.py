@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ropefric.errors import DataError
+from ropefric.files.read import InputFile
 
 __all__ = ["Source"]
 
@@ -22,6 +23,8 @@ class Source:
         Where the file is.
     shown : str
         What messages and results call it.
+    file : InputFile, optional
+        The file, open.
 
     Examples
     --------
@@ -31,6 +34,7 @@ class Source:
 
     path: Path
     shown: str
+    file: InputFile | None = None
 
     def error(
         self, message: str, *, code: str = "RF101", line: int | None = None, key: str = "", fix: str = ""
@@ -73,19 +77,14 @@ class Source:
         DataError
             RF101, if there is no such file, or it cannot be read, or is empty.
         """
-        try:
-            if self.path.is_dir():
-                raise self.error("this is a folder, not a recording", fix="name a file in it")
-            if not self.path.exists():
-                raise self.error("there is no such file", fix="check the path")
-            if not self.path.is_file():
-                raise self.error("this is a device or pipe, not a file")
-            data = self.path.read_bytes()
-        except (OSError, ValueError) as error:
-            if isinstance(error, DataError):
-                raise
-            reason = getattr(error, "strerror", None) or str(error)
-            raise self.error(f"the file cannot be read: {reason}", fix="check its permissions") from None
+        data = self.opened.read()
         if not data:
             raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
         return data
+
+    @property
+    def opened(self) -> InputFile:
+        """Return the file, which must be open."""
+        if self.file is None:  # pragma: no cover - our own mistake
+            raise self.error("the file is not open")
+        return self.file

@@ -53,6 +53,8 @@ def _load(source: Source) -> Any:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return TdmsFile.read(io.BytesIO(raw))
+    except MemoryError:
+        raise
     except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
         raise source.error(
             f"this is not a readable TDMS file ({type(error).__name__}: {error})",
@@ -63,6 +65,8 @@ def _load(source: Source) -> Any:
 def _values(channel: Any, source: Source) -> np.ndarray[Any, Any]:
     try:
         return np.asarray(channel[:])  # scaled
+    except MemoryError:
+        raise
     except Exception as error:  # noqa: BLE001  (scalings of damaged files fail in many ways)
         raise source.error(
             f"the channel cannot be scaled ({type(error).__name__}: {error})",

@@ -76,10 +76,12 @@ def load_text(source: Source, encoding: str = "") -> Text:
     Examples
     --------
     >>> import tempfile, pathlib
+    >>> from ropefric.files.read import open_file
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = pathlib.Path(folder) / "a.csv"
     ...     _ = path.write_bytes("Kraft [N]\r\n1 µ".encode("cp1252"))
-    ...     text = load_text(Source(path=path, shown="a.csv"))
+    ...     with open_file(path) as file:
+    ...         text = load_text(Source(path=path, shown="a.csv", file=file))
     >>> text.encoding, text.data
     ('cp1252', b'Kraft [N]\n1 \xc2\xb5\n')
     """

@@ -1,0 +1,289 @@
+"""Reading what somebody named: only regular files, never blocked, never half of one version and half of another."""
+
+import hashlib
+import os
+import stat
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Self, TypeVar
+
+from ropefric.errors import DataError
+
+__all__ = [
+    "BLOCK_BYTES",
+    "TRIES",
+    "FileChangedError",
+    "InputFile",
+    "hash_file",
+    "kind_of_file",
+    "open_file",
+    "read_file",
+    "use_file",
+]
+
+T = TypeVar("T")
+
+BLOCK_BYTES = 2**20
+"""How much of a file is read at a time."""
+
+KEPT_BYTES = 8 * 2**20
+"""Files up to this size are read once and kept; larger ones are read again for every pass over them."""
+
+TRIES = 3
+"""How often a file that changes is read before it is refused."""
+
+_CHANGED = "the file changed while it was read"
+_WAIT = "is a logger still writing it? Wait until it is complete"
+_FLAGS = (
+    os.O_RDONLY
+    | getattr(os, "O_NONBLOCK", 0)  # a pipe that took a file's place in between must not hold us up
+    | getattr(os, "O_NOCTTY", 0)
+    | getattr(os, "O_CLOEXEC", 0)
+    | getattr(os, "O_BINARY", 0)
+)
+
+
+def kind_of_file(path: str | os.PathLike[str]) -> str:
+    """Return what stands at a path: "file", "folder", "device or pipe", or "" for nothing that can be looked at.
+
+    Examples
+    --------
+    >>> kind_of_file("."), kind_of_file(os.devnull), kind_of_file("nowhere")
+    ('folder', 'device or pipe', '')
+    """
+    try:
+        return _kind(os.stat(path))  # noqa: PTH116  (a name with a null byte raises in either way)
+    except (OSError, ValueError):
+        return ""
+
+
+def _kind(found: os.stat_result) -> str:
+    if stat.S_ISREG(found.st_mode):
+        return "file"
+    return "folder" if stat.S_ISDIR(found.st_mode) else "device or pipe"
+
+
+class FileChangedError(DataError):
+    """A file was written to while it was read; reading it again may help."""
+
+
+class InputFile:
+    """A regular file, open for reading, that gives the same bytes however often they are asked for.
+
+    Use as a context manager. Made by `open_file`.
+
+    Parameters
+    ----------
+    descriptor : int
+        The open file; closed at the end.
+    shown : str
+        What messages call it.
+    """
+
+    def __init__(self, descriptor: int, shown: str) -> None:
+        self._stream = open(descriptor, "rb", buffering=0)  # noqa: SIM115  (closed by __exit__)
+        self.shown = shown
+        self.size, self._version = self._look()
+        self._hash = ""
+        self._kept: bytes | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stream.close()
+
+    @property
+    def sha256(self) -> str:
+        """Return the SHA-256 of the content."""
+        if not self._hash:
+            for _ in self.blocks():
+                pass
+        return self._hash
+
+    def blocks(self, size: int = BLOCK_BYTES) -> Iterator[bytes]:
+        """Return an iterator over the whole content, a block at a time.
+
+        Raises
+        ------
+        DataError
+            RF101, if the file changes meanwhile, or holds something else than in an earlier pass.
+        """
+        if self.size <= KEPT_BYTES:
+            kept = self.read()
+            yield from (kept[start : start + size] for start in range(0, len(kept), size))
+            return
+        yield from self._pass(size)
+
+    def read(self, limit: int | None = None) -> bytes:
+        """Return the whole content.
+
+        Raises
+        ------
+        DataError
+            RF101, if it is longer than `limit` bytes, or the file changes meanwhile.
+        """
+        if limit is not None and self.size > limit:
+            raise DataError(
+                f"the file has {self.size} bytes; more than {limit} are not read",
+                path=self.shown,
+                fix="check that this is the file you mean",
+            )
+        if self._kept is None:
+            content = b"".join(self._pass(max(self.size, 1)))
+            if self.size > KEPT_BYTES:
+                return content
+            self._kept = content
+        return self._kept
+
+    def part(self, start: int, size: int) -> bytes:
+        """Return some bytes from a place on, without reading what stands before."""
+        if self._kept is not None:
+            return self._kept[start : start + size]
+        self._stream.seek(start)
+        pieces = []
+        while size > 0 and (piece := self._stream.read(size)):
+            pieces.append(piece)
+            size -= len(piece)
+        return b"".join(pieces)
+
+    @property
+    def is_steady(self) -> bool:
+        """Return whether the file is still what was read of it."""
+        return self._kept is not None or self._look()[1] == self._version
+
+    def _changed(self) -> FileChangedError:
+        return FileChangedError(_CHANGED, path=self.shown, fix=_WAIT)
+
+    def _look(self) -> tuple[int, tuple[int, ...]]:
+        found = os.fstat(self._stream.fileno())
+        return found.st_size, (found.st_size, found.st_mtime_ns)
+
+    def _pass(self, size: int) -> Iterator[bytes]:
+        self._stream.seek(0)
+        hashed, n_read = hashlib.sha256(), 0
+        while block := self._stream.read(size):
+            n_read += len(block)
+            if n_read > self.size:  # it grew
+                break
+            hashed.update(block)
+            yield block
+        digest = hashed.hexdigest()
+        if n_read != self.size or self._look()[1] != self._version or (self._hash or digest) != digest:
+            raise self._changed()
+        self._hash = digest
+
+
+def open_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = "") -> InputFile:
+    """Return a file, open for reading.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    what : str
+        What it is, for messages: "scene file".
+    shown : str
+        What messages call it; its path where empty.
+
+    Raises
+    ------
+    DataError
+        RF101: it is not there, is a folder, a device or a pipe, or must not be read. Nothing is waited for.
+
+    Examples
+    --------
+    >>> open_file(os.devnull, shown="/dev/null")
+    Traceback (most recent call last):
+    ...
+    ropefric.errors.DataError: /dev/null: this is a device or pipe, not a file Fix: write its content to a file, and \
+name that
+    """
+    shown = shown or Path(path).as_posix()
+    try:
+        kind = _kind(os.stat(path))  # noqa: PTH116  (opening a device may already do something)
+        if kind == "file":
+            descriptor = os.open(path, _FLAGS)
+            kind = _kind(os.fstat(descriptor))
+            if kind == "file":
+                return InputFile(descriptor, shown)
+            os.close(descriptor)
+    except (FileNotFoundError, NotADirectoryError):
+        raise DataError(f"there is no such {what}", path=shown, fix="check the path") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a usable file name"
+        raise DataError(
+            f"the {what} cannot be read: {reason}", path=shown, fix="check its name and permissions"
+        ) from None
+    if kind == "folder":
+        raise DataError(f"this is a folder, not a {what}", path=shown, fix="name a file in it")
+    raise DataError(
+        "this is a device or pipe, not a file", path=shown, fix="write its content to a file, and name that"
+    )
+
+
+def read_file(
+    path: str | os.PathLike[str], what: str = "file", *, shown: str = "", limit: int | None = None
+) -> bytes:
+    """Return a file's content, read again where it changed meanwhile.
+
+    Parameters
+    ----------
+    path, what, shown
+        As `open_file`.
+    limit : int, optional
+        Most bytes that such a file can sensibly have.
+
+    Raises
+    ------
+    DataError
+        RF101, as `open_file`; or it is too long, or keeps changing.
+    """
+    return use_file(path, lambda file: file.read(limit), what, shown=shown)
+
+
+def use_file(
+    path: str | os.PathLike[str], use: Callable[[InputFile], T], what: str = "file", *, shown: str = ""
+) -> T:
+    """Return what comes of an open file, begun again where the file changed meanwhile.
+
+    Parameters
+    ----------
+    path, what, shown
+        As `open_file`.
+    use : callable
+        Takes the file, open.
+
+    Raises
+    ------
+    DataError
+        RF101, as `open_file`, or because it keeps changing; and whatever `use` raises.
+    """
+    for again in reversed(range(TRIES)):
+        with open_file(path, what, shown=shown) as file:
+            try:
+                found = use(file)
+            except FileChangedError:
+                if not again:
+                    raise
+            except DataError:  # half a line, perhaps, that was being written
+                if file.is_steady or not again:
+                    raise
+            else:
+                if file.is_steady:
+                    return found
+    raise FileChangedError(_CHANGED, path=shown or Path(path).as_posix(), fix=_WAIT)
+
+
+def hash_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = "") -> str:
+    """Return the SHA-256 of a file's content, which need not fit into memory.
+
+    Raises
+    ------
+    DataError
+        RF101, as `open_file`.
+    """
+    return use_file(path, lambda file: file.sha256, what, shown=shown)

@@ -1,0 +1,348 @@
+"""Work on files that may do anything, in processes that may die: bounded in time and memory.
+
+A file is handed to a process at a time. Where reading it kills the process, takes too long or too much memory, that
+file alone is lost; another process takes the dead one's place. No process outlives this one, however it ends.
+"""
+
+import os
+import signal
+import sys
+import threading
+import time
+import warnings
+from collections import deque
+from collections.abc import Callable, Collection, Generator, Iterator
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from ropefric.errors import RopefricError
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.context import BaseContext
+    from multiprocessing.process import BaseProcess
+
+__all__ = ["Limits", "Lost", "guarded", "usable_cores"]
+
+T = TypeVar("T")
+
+AHEAD = 2
+"""Pieces of work a process has in hand, so that it need not wait for the next one."""
+
+START_S = 60.0
+"""Time for a new process to say that it is ready."""
+
+GRACE_S = 1.0
+"""Time for a process to finish what it does when nothing more is wanted of it."""
+
+_RAISE = "check the file; if it is good, raise the limit: [limits] {0} of the campaign, --{0} of inspect"
+_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
+_READY, _DONE, _RAISED, _NO_MEMORY = range(4)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What one recording may take.
+
+    Attributes
+    ----------
+    memory_bytes : float
+        Memory, on top of what a process that reads nothing has. Held on Linux only; elsewhere not limited.
+    time_s : float
+        Time on the clock.
+    """
+
+    memory_bytes: float = 4e9
+    time_s: float = 120.0
+
+    @property
+    def memory(self) -> str:
+        """Return the memory in words.
+
+        Examples
+        --------
+        >>> Limits(memory_bytes=2e9).memory, Limits(memory_bytes=5e7).memory
+        ('2 GB', '50 MB')
+        """
+        return (
+            f"{self.memory_bytes / 1e9:.4g} GB"
+            if self.memory_bytes >= 1e9
+            else f"{self.memory_bytes / 1e6:.4g} MB"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lost:
+    """A piece of work that gave nothing, and why."""
+
+    reason: str
+    fix: str
+
+
+def usable_cores() -> int:
+    """Return the number of processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):  # a container may own fewer cores than the machine has
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def guarded(
+    work: Callable[[int], T], n: int, *, jobs: int = 1, limits: Limits | None = None
+) -> Generator[tuple[int, T | Lost]]:
+    """Give number and result of each of `n` pieces of work, in the order they are finished.
+
+    What `work` raises is raised here; close the iterator to end the processes early.
+
+    Parameters
+    ----------
+    work : callable
+        Takes a number from 0; picklable, as its results are.
+    n : int
+        Pieces.
+    jobs : int
+        Processes; no more than there are pieces and cores.
+    limits : Limits, optional
+        Of one piece.
+
+    Examples
+    --------
+    >>> sorted(guarded(float, 3))
+    [(0, 0.0), (1, 1.0), (2, 2.0)]
+    """
+    import multiprocessing  # noqa: PLC0415  (these: quick start-up)
+    from multiprocessing.connection import wait  # noqa: PLC0415
+
+    if multiprocessing.current_process().daemon:  # it may have no processes of its own
+        yield from ((number, work(number)) for number in range(n))
+        return
+    # Threads may hold locks that a forked child would find locked for ever.
+    may_fork = sys.platform == "linux" and threading.active_count() == 1
+    context = multiprocessing.get_context("fork" if may_fork else "spawn")
+    pool = _Pool(context, work, limits or Limits(), max(1, min(jobs, n, usable_cores())), deque(range(n)))
+    try:
+        while pool.waiting or any(worker.given for worker in pool.workers):
+            pool.hand_out()
+            until_s = min(worker.deadline_s for worker in pool.workers)
+            heard = wait([worker.ours for worker in pool.workers], max(0.0, until_s - time.monotonic()))
+            yield from pool.collect(heard)
+    finally:
+        pool.end()
+
+
+class _Pool(Generic[T]):
+    """Processes, and what is still to be done by them."""
+
+    def __init__(
+        self,
+        context: "BaseContext",
+        work: Callable[[int], T],
+        limits: Limits,
+        n_workers: int,
+        waiting: deque[int],
+    ) -> None:
+        self._parts = (context, work, limits)
+        self._n_workers = n_workers
+        self.waiting = waiting
+        self.workers: list[_Worker[T]] = []
+
+    def hand_out(self) -> None:
+        """Give every process enough to do, and start those that are missing."""
+        while len(self.workers) < min(self._n_workers, len(self.waiting) + len(self.workers)):
+            self.workers.append(_Worker(*self._parts, [worker.ours for worker in self.workers]))
+        for ahead in range(1, AHEAD + 1):  # to all in turn: the last pieces are spread
+            for worker in self.workers:
+                if self.waiting and len(worker.given) < ahead:
+                    worker.give(self.waiting.popleft())
+
+    def collect(self, heard: Collection[object]) -> Iterator[tuple[int, T | Lost]]:
+        """Give what has come, and end the processes that are late."""
+        for worker in list(self.workers):
+            if worker.ours in heard:
+                yield from worker.hear()
+            elif time.monotonic() > worker.deadline_s:
+                yield worker.stop_late()
+            if worker.dead:
+                self.workers.remove(worker)
+                self.waiting.extendleft(reversed(worker.given))
+
+    def end(self) -> None:
+        """End all processes: an idle one at once, a busy one after its piece, or soon."""
+        for worker in self.workers:
+            worker.ours.close()
+        until_s = time.monotonic() + GRACE_S
+        for worker in self.workers:
+            worker.process.join(max(0.0, until_s - time.monotonic()))
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
+
+
+class _Worker(Generic[T]):
+    """A process, the pieces it has in hand, and when the first of them must be done."""
+
+    def __init__(
+        self, context: "BaseContext", work: Callable[[int], T], limits: Limits, others: "list[Connection]"
+    ) -> None:
+        self.ours, theirs = context.Pipe()
+        self._limits = limits
+        self.given: deque[int] = deque()
+        self.dead = self._ready = False
+        forks = context.get_start_method() == "fork"
+        arguments = (work, theirs, limits, [*others, self.ours] if forks else [])
+        self.process: BaseProcess = context.Process(target=_serve, args=arguments, daemon=True)  # type: ignore[attr-defined]
+        try:
+            with warnings.catch_warnings(), nullcontext() if forks else _nobody_is_main():
+                warnings.simplefilter("ignore", DeprecationWarning)  # of threads that numpy has already ended
+                self.process.start()
+        except OSError as error:
+            raise RopefricError(
+                f"no process can be started: {error.strerror}", code="RF110", key="jobs", fix="use fewer jobs"
+            ) from None
+        theirs.close()
+        self.deadline_s = time.monotonic() + START_S
+
+    def give(self, number: int) -> None:
+        """Hand over a piece of work."""
+        if self._ready and not self.given:
+            self.deadline_s = time.monotonic() + self._limits.time_s
+        self.given.append(number)
+        with suppress(OSError):  # if it died, hearing from it will tell
+            self.ours.send(number)
+
+    def hear(self) -> Iterator[tuple[int, T | Lost]]:
+        """Give the result that is there, if it is one."""
+        try:
+            kind, content = self.ours.recv()
+        except (EOFError, OSError):
+            self._end()
+            if not self.given and self._ready:
+                return
+            if not self._ready:
+                raise RopefricError(
+                    f"a process for reading ended as it started (exit code {self.process.exitcode})",
+                    code="RF000",
+                ) from None
+            yield self.given.popleft(), self._crashed()
+            return
+        if kind == _READY:
+            self._ready = True
+        elif kind == _RAISED:
+            raise content
+        else:
+            number = self.given.popleft()
+            if kind == _NO_MEMORY:
+                self._end()
+                yield number, self._too_large()
+            else:
+                yield number, content
+        self.deadline_s = time.monotonic() + self._limits.time_s if self.given else float("inf")
+
+    def stop_late(self) -> tuple[int, Lost]:
+        """End the process, which took too long."""
+        self.process.kill()
+        self._end()
+        return self.given.popleft(), Lost(
+            reason=f"reading it took longer than {self._limits.time_s:g} s",
+            fix=_RAISE.format("time"),
+        )
+
+    def _end(self) -> None:
+        self.dead = True
+        self.ours.close()
+        self.process.join(GRACE_S)
+        if self.process.is_alive():
+            self.process.kill()
+        self.process.join()
+
+    def _too_large(self) -> Lost:
+        return Lost(
+            reason=f"reading it took more than {self._limits.memory} of memory",
+            fix=_RAISE.format("memory"),
+        )
+
+    def _crashed(self) -> Lost:
+        code = self.process.exitcode or 0
+        how = f"exit code {code}"
+        if code < 0:
+            how = f"signal {-code}, {signal.Signals(-code).name}"
+        why = ""
+        if code in (-getattr(signal, "SIGKILL", 9), -signal.SIGABRT):
+            why = f"; perhaps it needed more than {self._limits.memory} of memory"
+        return Lost(
+            reason=f"the reader crashed ({how}){why}",
+            fix="the file is damaged, or of a kind its reader cannot take; save it again, for example as CSV",
+        )
+
+
+@contextmanager
+def _nobody_is_main() -> Iterator[None]:
+    """Hide the main module, which a spawned process would import: it may be a script that does its work at once."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
+
+
+def _serve(
+    work: Callable[[int], Any], connection: "Connection", limits: Limits, others: "list[Connection]"
+) -> None:
+    """Do what is handed over until nobody is there any more to hand anything over."""
+    for other in others:  # else this process would keep the pipes of its sisters open
+        other.close()
+    _become_expendable()
+    _limit_memory(limits.memory_bytes)
+    try:
+        connection.send((_READY, None))
+        while True:
+            number = connection.recv()
+            if hasattr(signal, "alarm"):  # for a parent that died and cannot end a piece that hangs
+                signal.alarm(int(limits.time_s) + 60)
+            try:
+                answer = (_DONE, work(number))
+            except MemoryError:
+                connection.send((_NO_MEMORY, None))
+                return  # what memory is left is in pieces
+            except Exception as error:  # noqa: BLE001  (it is raised where the work was asked for)
+                answer = (_RAISED, error)
+            connection.send(answer)
+    except (EOFError, OSError):
+        return
+
+
+def _become_expendable() -> None:
+    """Leave Ctrl-C to the parent, die with it, and say nothing on the way."""
+    import faulthandler  # noqa: PLC0415
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for name in ("SIGTERM", "SIGHUP", "SIGALRM"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
+    if sys.platform == "linux":
+        import ctypes  # noqa: PLC0415
+
+        parent = os.getppid()
+        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+        if os.getppid() != parent:  # it died just before
+            os._exit(0)
+    faulthandler.disable()
+    silence = os.open(os.devnull, os.O_WRONLY)
+    for descriptor in (1, 2):
+        os.dup2(silence, descriptor)
+
+
+def _limit_memory(most_bytes: float) -> None:
+    if sys.platform != "linux":
+        return
+    import resource  # noqa: PLC0415
+
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    with open("/proc/self/statm", encoding="ascii") as stream:  # noqa: PTH123
+        has_bytes = int(stream.read().split()[5]) * resource.getpagesize()
+    # Data, not address space: what threads and libraries merely reserve takes no memory.
+    wanted, (_, hard) = int(has_bytes + most_bytes), resource.getrlimit(resource.RLIMIT_DATA)
+    if hard == resource.RLIM_INFINITY or wanted < hard:
+        resource.setrlimit(resource.RLIMIT_DATA, (wanted, wanted))

@@ -181,15 +181,21 @@ _MEANINGS = (
 )
 
 
+_PLACE = re.compile(r"\(at line (\d++), column \d++\)$")
+_BARE_QUANTITY = re.compile(
+    r"([\w.-]++)\s*+=\s*+([+-]?\d[\d.,]*+\s*+[A-Za-z%/°µ*^][A-Za-z%/°µ*^\d]*+)\s*+(?:#.*+)?"
+)
+
+
 def _syntax_error(text: str, message: str, name: str) -> DataError:
-    place = re.search(r"\(at line (\d+), column \d+\)$", message)
+    place = _PLACE.search(message)
     line = int(place[1]) if place else text.count("\n") + (not text.endswith("\n"))
     rows = text.split("\n")
     # tomllib points behind a line break where a value or key is missing at the end of the line before.
     written = rows[line - 1].strip() if line <= len(rows) else ""
     said = message[: place.start()].strip() if place else message.removesuffix("(at end of document)").strip()
     meaning, fix = next(((m, f) for start, m, f in _MEANINGS if said.startswith(start)), ("", ""))
-    bare = re.match(r"([\w.-]+)\s*=\s*([+-]?\d[\d.,]*\s*[A-Za-z%/°µ*^\d]+)\s*(#.*)?$", written)
+    bare = _BARE_QUANTITY.fullmatch(written)
     if bare:
         fix = f'write {bare[1]} = "{bare[2].strip().replace(",", ".")}"'
     shown = f": {written[:80]}" if written else ""

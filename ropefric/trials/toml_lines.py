@@ -10,11 +10,13 @@ __all__ = ["KeyPath", "key_text", "toml_lines"]
 KeyPath = tuple[str | int, ...]
 """A place in a TOML tree: names of keys and 0-based numbers of array elements."""
 
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]++")
 # Strings first, so that no '#', bracket or line break inside one is taken for TOML's own.
 _TOKEN = re.compile(
-    r'''(?P<string>"""(?:\\.|[^\\])*?"""(?:"{0,2})|\'\'\'.*?\'\'\'(?:'{0,2})|"(?:\\.|[^"\\\n])*"|'[^'\n]*')'''
-    r"""|(?P<comment>\#[^\n]*)|(?P<newline>\n)|(?P<space>[ \t\r]+)|(?P<mark>[\[\]{},=.])"""
-    r"""|(?P<bare>[^\s"'\#,=\[\]{}.]+)|(?P<other>.)""",
+    r'''(?P<string>"""(?:\\.|(?!""")[^\\])*+(?:"""(?:"{0,2}))?|\'\'\'(?:(?!\'\'\').)*+(?:\'\'\'(?:'{0,2}))?'''
+    r"""|"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?)"""
+    r"""|(?P<comment>\#[^\n]*+)|(?P<newline>\n)|(?P<space>[ \t\r]++)|(?P<mark>[\[\]{},=.])"""
+    r"""|(?P<bare>[^\s"'\#,=\[\]{}.]++)|(?P<other>.)""",
     re.DOTALL,
 )
 
@@ -55,7 +57,7 @@ def key_text(path: KeyPath) -> str:
         if isinstance(part, int):
             text += f"[{part}]"
         else:
-            name = part if re.fullmatch(r"[A-Za-z0-9_-]+", part) else f'"{part}"'
+            name = part if _BARE_KEY.fullmatch(part) else f'"{part}"'
             text += f".{name}" if text else name
     return text
 

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError, Problem
-from ropefric.trials.toml_lines import KeyPath, key_text, toml_lines
+from ropefric.trials.toml_lines import KeyPath, endless_key, key_text, toml_lines
 
 __all__ = ["TomlDocument", "read_bytes", "read_toml"]
+
+_MAX_BYTES, _MAX_PARTS = 1_000_000, 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,6 +130,11 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
     """
     content = read_bytes(path, what)
     name = _shown(path)
+    if len(content) > _MAX_BYTES:
+        size = f"{len(content) / 1e6:.1f} MB"
+        raise DataError(
+            f"{size} are no {what}: the limit is {_MAX_BYTES / 1e6:g} MB", path=name, fix="check the path"
+        )
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -135,6 +142,11 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
         fix = "save the file as UTF-8; TOML knows no other encoding"
         raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
     text = text.replace("\r\n", "\n")
+    endless = endless_key(text, _MAX_PARTS)
+    if endless is not None:
+        raise DataError(
+            f"a key has more than {_MAX_PARTS} parts", path=name, line=endless, fix="shorten the key"
+        )
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-__all__ = ["KeyPath", "key_text", "toml_lines"]
+__all__ = ["KeyPath", "endless_key", "key_text", "toml_lines"]
 
 KeyPath = tuple[str | int, ...]
 """A place in a TOML tree: names of keys and 0-based numbers of array elements."""
@@ -42,6 +42,25 @@ def toml_lines(text: str) -> dict[KeyPath, int]:
     locator = _Locator([token for token in _tokens(text) if token.kind not in ("comment", "space")])
     locator.run()
     return locator.lines
+
+
+def endless_key(text: str, most: int) -> int | None:
+    r"""Return the line of the first key with more than `most` dotted parts, whose cost grows with their square.
+
+    Examples
+    --------
+    >>> endless_key("a.b = 1\nc.d.e = 1.5", 2), endless_key("a.b = 1", 2)
+    (2, None)
+    """
+    dots = 0
+    for token in _tokens(text):
+        if token.is_mark("."):
+            dots += 1
+            if dots >= most:
+                return token.line
+        elif token.kind not in ("bare", "string", "space"):
+            dots = 0
+    return None
 
 
 def key_text(path: KeyPath) -> str:

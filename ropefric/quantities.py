@@ -7,15 +7,30 @@ other units, and the only importer of pint, which it loads on first use.
 import math
 import re
 from decimal import Decimal
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any, Literal
 
 from ropefric.errors import InputError
 
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["SUFFIX_UNITS", "parse_quantity", "split_unit_suffix", "unit_factor"]
+__all__ = [
+    "LARGEST",
+    "SMALLEST",
+    "SUFFIX_UNITS",
+    "in_range",
+    "parse_any_quantity",
+    "parse_fraction",
+    "parse_quantity",
+    "si_unit_of",
+    "split_unit_suffix",
+    "unit_factor",
+]
+
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Between these a number that somebody wrote must lie, in SI, where it is not zero: no rope, machine or clock has
+one outside, and products of several still fit into a float."""
 
 SUFFIX_UNITS: dict[str, str] = {
     "N": "N",
@@ -81,8 +96,21 @@ _USUAL: dict[tuple[str, str], float] = {
 """Factors that nearly every file needs, so that nearly none has to wait for pint; its own, to the last bit."""
 
 _GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V", "mpa": "MPa"}
-_ENDLESS = re.compile(r"\d{3}|(\^|\*\*)[\s(]*[-+]?[\d.]+\s*(\^|\*\*)|\d\s*(\^|\*\*)|(\^|\*\*)\s*\(")
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL)
+_SI_UNITS = (
+    *("m", "N", "s", "V", "Pa", "kg", "m^2", "m^3", "rad", "", "Hz", "m/s", "m/s^2", "kg/m", "N/m"),
+    *("N*s", "N*m", "N/s", "N/V", "V/N", "kg/m^2", "kg/m^3", "A", "ohm", "W", "m^4", "N*m^2", "Pa/V"),
+)
+_SUFFIXES = sorted(SUFFIX_UNITS, key=len, reverse=True)
+
+_MAX_TEXT, _MAX_UNIT = 100, 40
+# pint evaluates arithmetic in unit text ("9**9**9" keeps it busy for ever), so only plain products of units with
+# small powers reach it. Possessive repeats (++) never give back what they took: linear time on any text.
+_FACTOR = r"(?:(?![0-9])[\w%°])++(?:(?:\^|\*\*)?[+-]?[0-9]{1,2})?"
+_UNIT = re.compile(rf"(?:1|{_FACTOR})(?:\s*+[*/·]\s*+{_FACTOR}|\s++{_FACTOR})*+")
+_LARGE_POWER = re.compile(r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹]{3}")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?")
+_NOT_ZERO = re.compile(r"[1-9]")
+_FULL_SCALE = re.compile(r"%\s*+(?:of\s++)?(?:FS|F\.S\.|full scale)")
 
 
 @cache
@@ -116,10 +144,16 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
     >>> split_unit_suffix("file")
     ('file', '')
     """
-    bracket = re.fullmatch(r"\s*(.+?)[\s._]*[(\[]\s*([^)\]]*?)\s*[)\]]\s*", name)
-    if bracket:
-        return bracket[1], bracket[2]
-    for suffix in sorted(SUFFIX_UNITS, key=len, reverse=True):
+    text = name.strip()
+    if text.endswith((")", "]")):
+        body = text[:-1]
+        start = max(body.rfind(")"), body.rfind("]")) + 1
+        # The first bracket opened behind the last one closed, with something before it.
+        found = [at for at in (body.find("(", max(start, 1)), body.find("[", max(start, 1))) if at > 0]
+        if found:
+            stem = body[: min(found)]
+            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], body[min(found) + 1 :].strip()
+    for suffix in _SUFFIXES:
         stem = name.removesuffix(f"_{suffix}")
         if stem and stem != name:
             return stem, SUFFIX_UNITS[suffix]
@@ -156,16 +190,22 @@ def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
     if meant is not None and meant != unit:
         note = "'kn' is a knot, not a force." if unit == "kn" else f"'{unit}' is not a unit of [{si_unit}]."
         raise InputError(f"{name}: {note}", code="RF130", fix=f"write '{meant}'")
-    return _factor(unit, si_unit, name)
+    asked = ("percent" if unit == "%" else unit, si_unit)
+    found = _USUAL[asked] if asked in _USUAL else _factor_by_pint(*asked)
+    if isinstance(found, float):
+        return found
+    message = {
+        "dimension": f"'{unit}' is not a unit of {_dimension(si_unit)}",
+        "text": f"'{_shortened(unit)}' is not a unit",
+        "unknown": f"unknown unit '{unit}'",
+    }[found]
+    raise InputError(f"{name}: {message}", code="RF130", fix=f"use a unit such as '{_example_unit(si_unit)}'")
 
 
-@cache
-def _factor(unit: str, si_unit: str, name: str) -> float:
-    usual = _USUAL.get((unit, si_unit))
-    return _factor_by_pint(unit, si_unit, name) if usual is None else usual
-
-
-def _factor_by_pint(unit: str, si_unit: str, name: str) -> float:
+@lru_cache(maxsize=4096)  # what is refused is kept too: a file can ask for the same nonsense in every column
+def _factor_by_pint(unit: str, si_unit: str) -> float | Literal["dimension", "text", "unknown"]:
+    if unit and (len(unit) > _MAX_UNIT or not _UNIT.fullmatch(unit) or _LARGE_POWER.search(unit)):
+        return "text"
     import pint  # noqa: PLC0415
 
     registry = _registry()
@@ -173,21 +213,57 @@ def _factor_by_pint(unit: str, si_unit: str, name: str) -> float:
         # Differences, not temperatures: no name in this package is an offset unit.
         magnitude = float(registry.Quantity(1.0, unit or "").to(si_unit or "").magnitude)
     except pint.DimensionalityError:
-        raise InputError(
-            f"{name}: '{unit}' is not a unit of {_dimension(si_unit)}",
-            code="RF130",
-            fix=f"use a unit such as '{_example_unit(si_unit)}'",
-        ) from None
+        return "dimension"
     except Exception as error:  # pint raises its own, tokenize's and assertion errors for unreadable text
         if isinstance(error, KeyboardInterrupt | SystemExit):
             raise
-        raise InputError(
-            f"{name}: unknown unit '{unit}'",
-            code="RF130",
-            fix=f"use a unit such as '{_example_unit(si_unit)}'",
-        ) from None
+        return "unknown"
+    if not in_range(magnitude) or magnitude == 0.0:
+        return "unknown"
     # Exact decimal factors survive only if the rounding of pint's own chain is taken off; angles have none.
     return magnitude if "rad" in si_unit else float(f"{magnitude:.15g}")
+
+
+def in_range(value: float) -> bool:
+    """Return whether a number is zero or of a size that can be computed with, see `LARGEST`.
+
+    Examples
+    --------
+    >>> in_range(-0.0), in_range(0.04), in_range(1e300), in_range(float("nan"))
+    (True, True, False, False)
+    """
+    return value == 0.0 or SMALLEST <= abs(value) <= LARGEST
+
+
+def si_unit_of(unit: str) -> str:
+    """Return the SI unit that a unit converts to.
+
+    Raises
+    ------
+    InputError
+        If nothing is known about it.
+
+    Examples
+    --------
+    >>> si_unit_of("bar"), si_unit_of("ms"), si_unit_of("%")
+    ('Pa', 's', '')
+    """
+    if unit == "%":
+        return ""
+    for si_unit in _SI_UNITS:
+        try:
+            unit_factor(unit, si_unit)
+        except InputError as error:
+            # Only "of another dimension" is worth another try; unknown and mistyped units stay so.
+            if error.fix.startswith("write '") or "is not a unit of" not in error.problem.message:
+                raise
+        else:
+            return si_unit
+    raise InputError(
+        f"quantity: no SI unit is known for {unit!r}",
+        code="RF130",
+        fix="write the number in SI, without a unit",
+    )
 
 
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:
@@ -224,29 +300,108 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
     """
     if isinstance(text, bool) or not isinstance(text, str | int | float):
         raise InputError(
-            f"{name}: {text!r} is not a quantity", code="RF130", fix=f'write "1 {_example_unit(si_unit)}"'
+            f"{name}: {_shown(text)} is not a quantity",
+            code="RF130",
+            fix=f'write "1 {_example_unit(si_unit)}"',
         )
-    match = _NUMBER.match(str(text))
-    if match is None:
+    digits, unit = _split(text, si_unit, name)
+    value = float(digits)
+    problem, fix = _doubt(digits, value, unit, si_unit)
+    if problem:
+        raise InputError(f"{name}: {_shown(text)} {problem}", code="RF130", fix=fix)
+    # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
+    factor = unit_factor(unit, si_unit, name=name) if unit else 1.0
+    result = float(Decimal(digits) * Decimal(repr(factor))) if unit and value else value
+    if not in_range(result):
+        bound = f"{LARGEST:g}" if abs(result) > 1.0 else f"{SMALLEST:g}"
+        size = "large" if abs(result) > 1.0 else "small"
+        limit = f"{bound} {si_unit}".strip()
         raise InputError(
-            f"{name}: cannot read {text!r} as a number with a unit",
+            f"{name}: {_shown(text)} is too {size}: {limit} is the limit",
+            code="RF110",
+            fix="correct the number",
+        )
+    return result
+
+
+def _split(text: str | float, si_unit: str, name: str) -> tuple[str, str]:
+    """Return the number of a quantity and its unit, both as written."""
+    if isinstance(text, int) and text.bit_length() > 1024:  # more digits than Python likes to print
+        raise InputError(f"{name}: the number is not a finite number", code="RF130", fix="correct the number")
+    written = str(text).strip()
+    if len(written) > _MAX_TEXT:
+        raise InputError(
+            f"{name}: {_shown(written)} is too long for a quantity",
             code="RF130",
             fix=f'write it like "1.5 {_example_unit(si_unit)}"',
         )
-    value, unit = float(match[1]), match[2]
-    problem, fix = _doubt(match[1], value, unit, si_unit)
-    if problem:
-        raise InputError(f"{name}: {text!r} {problem}", code="RF130", fix=fix)
-    if unit == "%":
-        unit = "percent"
-    if not unit:
-        return value
-    factor = unit_factor(unit, si_unit, name=name)
-    # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
-    result = float(Decimal(match[1]) * Decimal(repr(factor)))
-    if not math.isfinite(result):
-        raise InputError(f"{name}: {text!r} is too large for a float", code="RF130")
-    return result
+    match = _NUMBER.match(written)
+    if match is None:
+        raise InputError(
+            f"{name}: cannot read {_shown(text)} as a number with a unit",
+            code="RF130",
+            fix=f'write it like "1.5 {_example_unit(si_unit)}"',
+        )
+    return match[0], written[match.end() :].strip()
+
+
+def parse_any_quantity(text: str) -> float:
+    """Return a quantity of any mechanical or electrical dimension in SI.
+
+    Parameters
+    ----------
+    text : str
+        "490.9 mm^2", "3 bar", "0.5".
+
+    Raises
+    ------
+    InputError
+        If it is no number with a known unit. Offset units such as degC are not converted.
+
+    Examples
+    --------
+    >>> parse_any_quantity("490.9 mm^2")
+    0.0004909
+    >>> parse_any_quantity("3 bar")
+    300000.0
+    """
+    unit = _split(text, "", "quantity")[1]
+    return parse_quantity(text, si_unit_of(unit) if unit and not unit.startswith(",") else "")
+
+
+def parse_fraction(text: str) -> float:
+    """Return a share written in per cent, with or without "FS" for full scale, as a fraction.
+
+    Parameters
+    ----------
+    text : str
+        "0.02 %FS", "0.05 %".
+
+    Raises
+    ------
+    InputError
+        If the per-cent sign is missing: 0.02 could mean either.
+
+    Examples
+    --------
+    >>> parse_fraction("0.02 %FS")
+    0.0002
+    """
+    unit = _split(text, "", "quantity")[1] or text.strip()
+    if unit != "%" and not _FULL_SCALE.fullmatch(unit):
+        raise InputError(
+            f"quantity: {_shown(text)} has no per-cent sign", code="RF130", fix='write "0.02 %FS"'
+        )
+    return parse_quantity(text.strip().removesuffix(unit) + "%", "")
+
+
+def _shown(text: object) -> str:
+    shown = repr(text)
+    return shown if len(shown) <= _MAX_TEXT else f"{shown[:_MAX_UNIT]}..."
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _MAX_UNIT else f"{text[:_MAX_UNIT]}..."
 
 
 def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str]:
@@ -254,11 +409,8 @@ def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str
     example = _example_unit(si_unit)
     if not math.isfinite(value):
         return "is not a finite number", ""
-    if value == 0 and re.search("[1-9]", re.split("[eE]", digits)[0]):
+    if value == 0 and _NOT_ZERO.search(digits.lower().partition("e")[0]):
         return "is out of range: too small for a float", ""
-    if len(unit) > 40 or _ENDLESS.search(unit):
-        # pint computes powers before it asks whether they make sense: "9**9**9**9" would never end.
-        return "is no quantity: what follows the number is no unit", f"use '{example}'"
     if not unit and si_unit:
         return "has no unit", f'write it with one, for example "{digits} {example}"'
     if unit.startswith(","):

@@ -9,7 +9,10 @@ from ropefric.fitting.losses import LOSSES, Loss
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
 
-__all__ = ["FitSettings", "check_settings"]
+__all__ = ["MOST_STARTS", "FitSettings", "check_settings"]
+
+MOST_STARTS = 10_000
+"""Of a search; beyond some hundreds nothing new is found."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,13 +85,18 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
                 key="bounds",
                 fix="give (lower, upper), or fix the parameter",
             )
-    if settings.loss not in LOSSES:
+    if settings.loss not in tuple(LOSSES):
         raise UnknownNameError(
             f"unknown loss {settings.loss!r}", key="loss", fix=did_you_mean(str(settings.loss), LOSSES)
         )
-    if settings.scale_covar not in {"auto", True, False}:
+    if settings.scale_covar not in ("auto", True, False):
         raise InputError(
             f"{settings.scale_covar!r} is no setting", key="scale_covar", fix="use 'auto', True or False"
         )
-    if settings.n_starts < 1:
-        raise InputError(f"n_starts is {settings.n_starts}; a search needs at least one", key="n_starts")
+    _check_whole("n_starts", settings.n_starts, 1, MOST_STARTS, "a search needs at least one start")
+    _check_whole("seed", settings.seed, 0, 2**63, "a seed is a whole number of at least 0")
+
+
+def _check_whole(key: str, value: Any, least: int, most: int, why: str) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise InputError(f"{key} is {value!r:.40}; {why} and at most {most}", key=key)

@@ -51,7 +51,7 @@ def _of_origin(fit: FitResult) -> Iterator[str]:
         low, high = fit.validity.get(name, (1.0, 0.0))
         if not (isfinite(low) and isfinite(high) and 0.0 <= low <= high):
             yield f"validity.{name} is no range"
-    for name in ("input", "settings"):
+    for name in ("input", "settings", "versions"):
         if not isinstance(fit.provenance.get(name, {}), Mapping):
             yield f"provenance.{name} is no object"
 

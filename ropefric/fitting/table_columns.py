@@ -5,7 +5,6 @@ from difflib import get_close_matches
 from ropefric.errors import InputError, Problem
 from ropefric.quantities import split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
-from ropefric.trials.toml_quantities import readable_unit
 from ropefric.trials.trial_columns import STANDARD_GRAVITY_M_S2, BoundColumn, bind_header
 
 __all__ = ["OPTIONAL_NUMBERS", "REQUIRED_NUMBERS", "TEXTS", "bind_table_columns"]
@@ -135,7 +134,7 @@ def _column(index: int, name: str) -> BoundColumn | None:
             code="RF130",
             fix=f"name it with the unit of its numbers, for example {example}",
         )
-    unit_factor(readable_unit(unit, name=name), si_unit, name=name)
+    unit_factor(unit, si_unit, name=name)
     return BoundColumn(index=index, header=name, field=field, unit=unit, si_unit=si_unit, scale=scale)
 
 

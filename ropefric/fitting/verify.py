@@ -12,6 +12,7 @@ from ropefric.errors import DataError, RopefricError
 from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
+from ropefric.fitting.settings import FitSettings, check_settings
 from ropefric.fitting.store import load_fit
 from ropefric.fitting.table import read_trial_table
 
@@ -85,6 +86,9 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
         again = _again(stored, Path(path).parent)
     except RopefricError as error:
         return Verification(path=shown, law=law, ok=False, difference=nan, message=str(error))
+    except Exception as error:  # noqa: BLE001  (whatever is wrong with one file, the others are to be told of)
+        message = f"the fit cannot be made again: {type(error).__name__}: {error}"
+        return Verification(path=shown, law=law, ok=False, difference=nan, message=message[:300])
     difference = _difference(stored, again)
     ok = difference <= _MOST and stored.status == again.status
     message = f"the data give the fit again, within {difference:.1g} standard errors"
@@ -101,19 +105,41 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
             code="RF432",
             fix="fit a CSV trial table and save the result",
         )
-    data = folder / source["path"]
+    path = source.get("path")
+    if not isinstance(path, str) or not isinstance(source["sha256"], str):
+        raise _damaged("provenance.input")
+    data = folder / path
     if not kind_of_file(data):
         raise DataError("the data file of the fit is not there", code="RF432", path=data, fix="put it back")
     if hash_file(data) != source["sha256"]:
         raise DataError(
             "the data file has changed since the fit was made", code="RF432", path=data, fix="fit again"
         )
-    settings = dict(stored.provenance["settings"])
-    settings["bounds"] = {
-        name: (-inf if low is None else low, inf if high is None else high)
-        for name, (low, high) in settings["bounds"].items()
-    }
-    return fit_law(read_trial_table(data), stored.law, **settings)
+    return fit_law(read_trial_table(data), stored.law, **_settings(stored))
+
+
+def _settings(stored: FitResult) -> dict[str, Any]:
+    """Return the arguments of `fit_law` as they were, from a file that anybody may have edited."""
+    try:
+        settings = dict(stored.provenance["settings"])
+        for key in ("fixed", "start"):
+            settings[key] = {name: float(value) for name, value in settings[key].items()}
+        settings["bounds"] = {
+            name: (-inf if low is None else float(low), inf if high is None else float(high))
+            for name, (low, high) in settings["bounds"].items()
+        }
+        check_settings(FitSettings(**settings), stored.friction_law)
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        if isinstance(error, RopefricError):
+            raise
+        raise _damaged("provenance.settings") from None
+    return settings
+
+
+def _damaged(key: str) -> DataError:
+    return DataError(
+        "the field is damaged, so the fit cannot be made again", code="RF431", key=key, fix="fit again"
+    )
 
 
 def _difference(stored: FitResult, again: FitResult) -> float:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ConditionName", "figure_label", "name_condition", "name_files", "typeset"]
 
-_SUBSCRIPT = re.compile(r"([A-Za-zφμρσ]+)_([A-Za-z0-9]+(?:,[A-Za-z0-9]+)*)")
+_SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")
 
 
 def typeset(text: str) -> str:

@@ -19,8 +19,12 @@ from ropefric.plotting.words import TYPESET
 
 __all__ = ["svg_text"]
 
-_NUMBER = re.compile(r"-?\d*\.?\d+(?:e-?\d+)?")
-_SIZE = re.compile(r"(\d*\.?\d+)px")
+_NUMBER = re.compile(r"-?(?:\d++(?:\.\d++)?|\.\d++)(?:e-?\d++)?")
+_SIZE = re.compile(r"(?<![\d.])(\d++(?:\.\d++)?|\.\d++)px")
+_UNSAFE = re.compile(r"[^A-Za-z0-9_-]")
+_SPACE_BEHIND = re.compile(r"([;:,])\s++")
+_DOUBLED_COLOUR = re.compile(r"#([0-9a-f])\1([0-9a-f])\2([0-9a-f])\3\b")
+_OPACITY = re.compile(r"(^|;)opacity:")
 # A colour such as #ccc is no reference.
 _REFERENCE = re.compile(r"(?<=url\(#)[^)]+|(?<=^#).+")
 _ROUNDED = ("transform", "x", "y", "width", "height", "points")
@@ -81,7 +85,7 @@ def _laid_out(figure: Figure) -> Iterator[None]:
 
 def _prefix(stem: str) -> str:
     """Return a stem as the start of an id; stems that differ give prefixes that differ."""
-    safe = re.sub(r"[^A-Za-z0-9_-]", "-", stem)
+    safe = _UNSAFE.sub("-", stem)
     return safe if safe == stem else f"{safe}-{_hash(stem.encode())}"
 
 
@@ -159,8 +163,8 @@ def _shorten(element: ET.Element) -> None:
     if at.get("transform", "").startswith("rotate(0 "):
         del at["transform"]
     if "style" in at:
-        style = re.sub(r"\s*([;:,])\s*", r"\1", at["style"]).replace(f"font-family:{_FONT};", "")
-        style = re.sub(r"#([0-9a-f])\1([0-9a-f])\2([0-9a-f])\3\b", r"#\1\2\3", style)
+        style = _SPACE_BEHIND.sub(r"\1", at["style"]).replace(f"font-family:{_FONT};", "")
+        style = _DOUBLED_COLOUR.sub(r"#\1\2\3", style)
         at["style"] = style.replace(f" {_FONT}", f" {_FONT},{_FALLBACK}")
 
 
@@ -199,7 +203,7 @@ def _group_alike(children: list[ET.Element]) -> list[ET.Element]:
 
 def _look(element: ET.Element) -> tuple[tuple[str, str], ...] | None:
     """Return what a group can say for an element; None where it cannot: opacity is not handed down."""
-    if element.tag not in {"path", "use", "text"} or re.search(r"(^|;)opacity:", element.get("style", "")):
+    if element.tag not in {"path", "use", "text"} or _OPACITY.search(element.get("style", "")):
         return None
     look = tuple((key, element.attrib[key]) for key in ("clip-path", "style") if key in element.attrib)
     return look or None

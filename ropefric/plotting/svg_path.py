@@ -11,7 +11,8 @@ _LONG = 60
 """Numbers in a path above which a tenth of a point is fine enough."""
 _IDLE = 4.0
 """How far off a line, in tenths of a point, a point of a long run may lie and be left out."""
-_TOKEN = re.compile(r"[A-Za-z]|-?\d*\.?\d+(?:e-?\d+)?")
+_TOKEN = re.compile(r"[A-Za-z]|-?(?:\d++(?:\.\d++)?|\.\d++)(?:e-?\d++)?")
+_ZERO_BEFORE_POINT = re.compile(r"^(-?)0\.")
 _SIZES = {"Q": 4, "C": 6, "z": 0, "Z": 0}
 
 
@@ -24,7 +25,7 @@ def short_number(value: float, digits: int) -> str:
     ('.5', '0', '12')
     """
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
-    return "0" if text in {"-0", ""} else re.sub(r"^(-?)0\.", r"\1.", text)
+    return "0" if text in {"-0", ""} else _ZERO_BEFORE_POINT.sub(r"\1.", text)
 
 
 def short_path(path: str) -> str:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["TYPESET", "counted", "plain_text", "regressor_label", "say_instead", "shown", "shown_regressor"]
 
-TYPESET = re.compile(r"\$(.+?)_\{\\mathrm\{(.+?)\}\}\$")
+TYPESET = re.compile(r"\$([A-Za-zφμρσ]++)_\{\\mathrm\{([A-Za-z0-9,]++)\}\}\$")
 """A symbol with its index, as `ropefric.plotting.labels.typeset` sets it."""
 
 

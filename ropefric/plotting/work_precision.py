@@ -23,6 +23,7 @@ HEADER = ("case", "method", "setting", "error", "seconds", "spread_s", "evaluati
 """Columns of the table behind a figure."""
 
 _FRONT = "fastest for its error"
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S)")
 _FRONT_COLOR = "#B9B9B9"
 
 
@@ -136,7 +137,7 @@ def _few_decades(axes: "Axes", points: list[Measured]) -> None:
 
 def _folded(title: str, width: int = 62) -> str:
     """Return a title in lines, none of which ends between a number and its unit."""
-    return "\n".join(textwrap.wrap(re.sub(r"(?<=\d) (?=\S)", "\u00a0", title), width))
+    return "\n".join(textwrap.wrap(_BEFORE_UNIT.sub("\u00a0", title), width))
 
 
 def _table(result: StudyResult) -> DataTable:

@@ -21,6 +21,7 @@ __all__ = ["cost_markdown", "cost_sections", "write_cost"]
 TITLE = "What accuracy costs in time"
 
 _WORTH_A_NOTE = 0.05
+_POWER = re.compile(r"(?<=\de)-(?=\d)")
 _OVERVIEW = (
     "first the cheapest way to an accuracy in the ordinary case of each study; where ropefric does something dearer, "
     "it is for the sake of the other cases, which follow"
@@ -153,7 +154,7 @@ def _markdown_table(table: Table) -> str:
 
 def _unbroken(page: str) -> str:
     """Return a page whose powers of ten no line ends within: a word joiner behind each minus."""
-    return re.sub(r"(?<=\de)-(?=\d)", "-\u2060", page)
+    return _POWER.sub("-\u2060", page)
 
 
 def write_cost(

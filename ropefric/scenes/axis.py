@@ -16,7 +16,7 @@ from ropefric.trials.toml_document import TomlDocument
 __all__ = ["Axis", "parse_axis", "replaced", "scalar_keys"]
 
 _MAX_POINTS = 10_000_000
-_NUMBER = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)")
+_NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["scene_names", "scene_text", "write_scenes"]
 
 # Where the bundled scenes find their fits, seen from data/scenes; elsewhere the fit stands in the scene's own folder.
+_FIT = re.compile(r'"(fits/[\w-]+\.json)"')
 _BUNDLED_FIT = re.compile(r'"\.\./\.\./(fits/[\w-]+\.json)"')
 
 
@@ -86,7 +87,7 @@ def write_scenes(
     ['hoist.toml', 'prth-coupled.json']
     """
     texts = {f"{name}.toml": scene_text(name) for name in dict.fromkeys(names or scene_names())}
-    fits = dict.fromkeys(fit for text in texts.values() for fit in re.findall(r'"(fits/[\w-]+\.json)"', text))
+    fits = dict.fromkeys(fit for text in texts.values() for fit in _FIT.findall(text))
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
     for fit in fits:
         content = (_folder() / fit).read_bytes()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropefric.errors import DataError, InputError, RopefricError
-from ropefric.quantities import unit_factor
+from ropefric.quantities import si_unit_of, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.arrays import FloatArray, IntArray
 from ropefric.traces.clock import mend_clock
@@ -18,12 +18,7 @@ from ropefric.traces.trace import ForceTrace
 if TYPE_CHECKING:
     from ropefric.traces.calibration import Calibration
 
-__all__ = ["SI_UNITS", "assemble_trace", "si_factor"]
-
-SI_UNITS = (
-    "N", "m", "s", "Pa", "V", "rad", "kg", "Hz", "m^2", "m/s", "m/s^2", "N*m", "N/m", "kg/m", "A", "W", "m^3", "",
-)  # fmt: skip
-"""Units that channels beside time and force may come to; temperatures are not among them."""
+__all__ = ["assemble_trace", "si_factor"]
 
 _FIXED = {"time": "s", "force": "N"}
 _EXAMPLE = {"time": "ms", "force": "kN"}
@@ -63,13 +58,12 @@ def si_factor(channel: str, unit: str, *, path: str = "") -> float:
         return 1.0
     if fixed and not unit:
         raise _unit_error(channel, f"the {channel} has no unit", path)
-    reason, hint = f"unknown unit '{unit}'", ""
-    for si_unit in (fixed,) if fixed else SI_UNITS:
-        try:
-            return unit_factor("percent" if unit == "%" else unit, si_unit, name=channel)
-        except InputError as error:
-            if fixed or error.fix.startswith("write '"):  # a mistyped unit
-                reason, hint = error.problem.message.removeprefix(f"{channel}: "), error.fix
+    try:
+        return unit_factor(unit, fixed or si_unit_of(unit), name=channel)
+    except InputError as error:
+        reason, hint = f"unknown unit '{unit[:40]}'", ""
+        if fixed or error.fix.startswith("write '"):  # a mistyped unit
+            reason, hint = error.problem.message.split(": ", 1)[-1], error.fix
     raise _unit_error(channel, reason, path, hint)
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.errors import InputError
+from ropefric.quantities import si_unit_of
 from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.trials.toml_fields import (
     StrictTable,
@@ -17,7 +18,6 @@ from ropefric.trials.toml_fields import (
     text,
     whole_number,
 )
-from ropefric.trials.toml_quantities import si_unit_of
 
 __all__ = ["ImportTable"]
 

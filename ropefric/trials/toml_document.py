@@ -10,12 +10,14 @@ from typing import Any
 
 from ropefric.errors import DataError, Problem
 from ropefric.files.read import kind_of_file, read_file
-from ropefric.trials.toml_lines import KeyPath, key_text, toml_lines
+from ropefric.trials.toml_lines import KeyPath, endless_key, key_text, toml_lines
 
 __all__ = ["TomlDocument", "read_toml"]
 
-MOST_BYTES = 16 * 2**20
+MOST_BYTES = 1_000_000
 """A TOML file larger than this was not written by hand."""
+
+_MAX_PARTS = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,6 +113,11 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
         fix = "save the file as UTF-8; TOML knows no other encoding"
         raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
     text = text.replace("\r\n", "\n")
+    endless = endless_key(text, _MAX_PARTS)
+    if endless is not None:
+        raise DataError(
+            f"a key has more than {_MAX_PARTS} parts", path=name, line=endless, fix="shorten the key"
+        )
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -157,15 +164,21 @@ _MEANINGS = (
 )
 
 
+_PLACE = re.compile(r"\(at line (\d++), column \d++\)$")
+_BARE_QUANTITY = re.compile(
+    r"([\w.-]++)\s*+=\s*+([+-]?\d[\d.,]*+\s*+[A-Za-z%/°µ*^][A-Za-z%/°µ*^\d]*+)\s*+(?:#.*+)?"
+)
+
+
 def _syntax_error(text: str, message: str, name: str) -> DataError:
-    place = re.search(r"\(at line (\d+), column \d+\)$", message)
+    place = _PLACE.search(message)
     line = int(place[1]) if place else text.count("\n") + (not text.endswith("\n"))
     rows = text.split("\n")
     # tomllib points behind a line break where a value or key is missing at the end of the line before.
     written = rows[line - 1].strip() if line <= len(rows) else ""
     said = message[: place.start()].strip() if place else message.removesuffix("(at end of document)").strip()
     meaning, fix = next(((m, f) for start, m, f in _MEANINGS if said.startswith(start)), ("", ""))
-    bare = re.match(r"([\w.-]+)\s*=\s*([+-]?\d[\d.,]*\s*[A-Za-z%/°µ*^\d]+)\s*(#.*)?$", written)
+    bare = _BARE_QUANTITY.fullmatch(written)
     if bare:
         fix = f'write {bare[1]} = "{bare[2].strip().replace(",", ".")}"'
     shown = f": {written[:80]}" if written else ""

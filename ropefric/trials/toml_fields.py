@@ -8,8 +8,8 @@ from pydantic import BaseModel, ConfigDict
 from pydantic_core import PydanticCustomError
 
 from ropefric.errors import InputError
+from ropefric.quantities import parse_any_quantity, parse_fraction, parse_quantity
 from ropefric.registry import did_you_mean
-from ropefric.trials.toml_quantities import read_any_quantity, read_fraction, read_quantity
 
 __all__ = [
     "CUSTOM",
@@ -97,7 +97,7 @@ def quantity(si_unit: str, like: str, *, above: float | None = None) -> Callable
             bare = isinstance(value, int | float) and not isinstance(value, bool)
             fix = f'write it with its unit: "{got(value)} {unit}"' if bare else f'write "{like}"'
             reject("RF130" if bare else "RF110", f'expected text like "{like}", got {got(value)}', fix=fix)
-        number = _converted(lambda: read_quantity(value, si_unit), like)
+        number = _converted(lambda: parse_quantity(value, si_unit), like)
         if above is not None and not number > above:
             reject("RF110", f"{got(value)} is not more than {above:g}", fix=f'write it like "{like}"')
         return number
@@ -122,7 +122,7 @@ def fraction(like: str) -> Callable[[object], float]:
     def read(value: object) -> float:
         if not isinstance(value, str):
             reject("RF130", f'expected text like "{like}", got {got(value)}', fix=f'write it as "{like}"')
-        number = _converted(lambda: read_fraction(value), like)
+        number = _converted(lambda: parse_fraction(value), like)
         if not 0 <= number < 0.1:
             reject("RF110", f"{got(value)} is not between 0 % and 10 %", fix=f'write it like "{like}"')
         return number
@@ -140,7 +140,7 @@ def any_quantity(value: object) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         reject("RF110", f'expected a number or text like "490.9 mm^2", got {got(value)}')
-    return _converted(lambda: read_any_quantity(got(value).strip('"')), "490.9 mm^2")
+    return _converted(lambda: parse_any_quantity(got(value).strip('"')), "490.9 mm^2")
 
 
 def text(value: object) -> str:

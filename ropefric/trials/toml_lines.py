@@ -5,16 +5,18 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-__all__ = ["KeyPath", "key_text", "toml_lines"]
+__all__ = ["KeyPath", "endless_key", "key_text", "toml_lines"]
 
 KeyPath = tuple[str | int, ...]
 """A place in a TOML tree: names of keys and 0-based numbers of array elements."""
 
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]++")
 # Strings first, so that no '#', bracket or line break inside one is taken for TOML's own.
 _TOKEN = re.compile(
-    r'''(?P<string>"""(?:\\.|[^\\])*?"""(?:"{0,2})|\'\'\'.*?\'\'\'(?:'{0,2})|"(?:\\.|[^"\\\n])*"|'[^'\n]*')'''
-    r"""|(?P<comment>\#[^\n]*)|(?P<newline>\n)|(?P<space>[ \t\r]+)|(?P<mark>[\[\]{},=.])"""
-    r"""|(?P<bare>[^\s"'\#,=\[\]{}.]+)|(?P<other>.)""",
+    r'''(?P<string>"""(?:\\.|(?!""")[^\\])*+(?:"""(?:"{0,2}))?|\'\'\'(?:(?!\'\'\').)*+(?:\'\'\'(?:'{0,2}))?'''
+    r"""|"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?)"""
+    r"""|(?P<comment>\#[^\n]*+)|(?P<newline>\n)|(?P<space>[ \t\r]++)|(?P<mark>[\[\]{},=.])"""
+    r"""|(?P<bare>[^\s"'\#,=\[\]{}.]++)|(?P<other>.)""",
     re.DOTALL,
 )
 
@@ -42,6 +44,25 @@ def toml_lines(text: str) -> dict[KeyPath, int]:
     return locator.lines
 
 
+def endless_key(text: str, most: int) -> int | None:
+    r"""Return the line of the first key with more than `most` dotted parts, whose cost grows with their square.
+
+    Examples
+    --------
+    >>> endless_key("a.b = 1\nc.d.e = 1.5", 2), endless_key("a.b = 1", 2)
+    (2, None)
+    """
+    dots = 0
+    for token in _tokens(text):
+        if token.is_mark("."):
+            dots += 1
+            if dots >= most:
+                return token.line
+        elif token.kind not in ("bare", "string", "space"):
+            dots = 0
+    return None
+
+
 def key_text(path: KeyPath) -> str:
     """Return a place as people write it.
 
@@ -55,7 +76,7 @@ def key_text(path: KeyPath) -> str:
         if isinstance(part, int):
             text += f"[{part}]"
         else:
-            name = part if re.fullmatch(r"[A-Za-z0-9_-]+", part) else f'"{part}"'
+            name = part if _BARE_KEY.fullmatch(part) else f'"{part}"'
             text += f".{name}" if text else name
     return text
 

@@ -4,13 +4,15 @@ import re
 from dataclasses import dataclass, field
 
 from ropefric.errors import InputError, Problem
-from ropefric.trials.toml_quantities import read_quantity
+from ropefric.quantities import parse_quantity
 from ropefric.trials.trial_columns import BoundColumn
 from ropefric.trials.trial_table import CellTable
 
 __all__ = ["Row", "decimal_mark", "read_row"]
 
-_NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d{1,4})?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
+_GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*+)?")
+_WITH_UNIT = re.compile(rf"({_NUMBER.pattern})\s*+[A-Za-z°%]++")
 _POSITIVE = {
     "wheel_radius_m": "a wheel radius",
     "rope_radius_m": "a rope size",
@@ -120,7 +122,7 @@ def _number(cell: str, column: BoundColumn, decimal: str) -> float:
             code="RF102",
             fix=f"write {cell.replace('.', ',')} if the point is a decimal mark, or leave it out",
         )
-    value = read_quantity(f"{cell.replace(',', '.')} {column.unit}", column.si_unit) * column.scale
+    value = parse_quantity(f"{cell.replace(',', '.')} {column.unit}", column.si_unit) * column.scale
     # Written so that an overflow to infinity is refused like a zero.
     if column.field in _POSITIVE and not 0 < value < 1e30:
         raise InputError(
@@ -134,9 +136,9 @@ def _number(cell: str, column: BoundColumn, decimal: str) -> float:
 
 
 def _text_fix(cell: str, column: BoundColumn) -> str:
-    if re.fullmatch(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*)?", cell):
+    if _GROUPED.fullmatch(cell):
         return "write the number without marks between thousands"
-    united = re.fullmatch(rf"({_NUMBER.pattern})\s*[A-Za-z°%]+", cell)
+    united = _WITH_UNIT.fullmatch(cell)
     if united:
         return f"write {united[1]}; the unit stands in the header, '{column.header}'"
     return "write a plain number, or leave the cell empty if it is optional"

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from ropefric.errors import InputError, Problem
 from ropefric.quantities import split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
-from ropefric.trials.toml_quantities import readable_unit
 
 __all__ = ["STANDARD_GRAVITY_M_S2", "TEXT_COLUMNS", "BoundColumn", "bind_columns", "bind_header"]
 
@@ -156,7 +155,7 @@ def _bind_quantity(index: int, name: str) -> BoundColumn:
             code="RF130",
             fix=f"name it with the unit of its numbers, for example {quantity.example}",
         )
-    unit_factor(readable_unit(unit, name=name), quantity.si_unit, name=name)
+    unit_factor(unit, quantity.si_unit, name=name)
     return BoundColumn(
         index=index,
         header=name,

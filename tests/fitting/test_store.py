@@ -1,8 +1,10 @@
 """Stored fits: readable, the same bytes each time, the same predictions in a clean process, clear refusals."""
 
+import copy
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -176,6 +178,49 @@ def test_verify_finds_changed_numbers_and_changed_data(campaign, fit):
     assert "is not there" in verify_fits(campaign / "fits")[0].message
     path.write_text("{", encoding="utf-8")
     assert "damaged" in verify_fits(campaign / "fits")[0].message
+
+
+DAMAGED = {
+    "no settings": {"settings": None}, "settings a list": {"settings": []}, "settings a text": {"settings": "x"},
+    "versions a text": {"versions": "x"}, "versions a list": {"versions": [1]},
+    "no bounds": ("bounds", None), "bounds a list": ("bounds", [1]), "one bound": ("bounds", {"a": [1]}),
+    "bounds of words": ("bounds", {"a": ["x", "y"]}), "bounds upside down": ("bounds", {"a": [1, 0]}),
+    "fixed a list": ("fixed", [1]), "fixed a word": ("fixed", {"a": "x"}), "start a number": ("start", 3),
+    "loss a list": ("loss", []), "no such loss": ("loss", "x"), "scale a list": ("scale_covar", []),
+    "starts a word": ("n_starts", "x"), "starts without end": ("n_starts", 10**12), "half a start": ("n_starts", 1.5),
+    "seed a word": ("seed", "x"), "seed below zero": ("seed", -1), "unheard of": ("colour", "red"),
+    "input a list": {"input": [1]}, "input without hash": {"input": {"path": "x"}},
+    "path a number": {"input": {"path": 3, "sha256": "x"}}, "no path": {"input": {"sha256": "x"}},
+    "path too long": {"input": {"path": "x" * 5000, "sha256": "x"}},
+    "hash a number": {"input": {"path": "t", "sha256": 1}},
+    "null in path": {"input": {"path": "a\0b", "sha256": "x"}},
+    "a device": {"input": {"path": "/dev/zero", "sha256": "x"}},
+}  # fmt: skip
+
+
+def test_a_damaged_file_hides_no_other(campaign, fit):
+    # 17 of these ended in an internal fault, and nothing was said of the sound ones.
+    sound = save_fit(fit, campaign / "fits" / "sound.json")
+    tree = json.loads(sound.read_text(encoding="utf-8"))
+    for name, change in DAMAGED.items():
+        spoilt = copy.deepcopy(tree)
+        if isinstance(change, dict):
+            spoilt["provenance"] |= change
+        else:
+            spoilt["provenance"]["settings"][change[0]] = change[1]
+        (sound.parent / f"{name}.json").write_text(json.dumps(spoilt), encoding="utf-8")
+    (sound.parent / "deep.json").write_text("[" * 100_000, encoding="utf-8")
+    (sound.parent / "huge.json").write_text('{"schema": ' + "9" * 5000 + "}", encoding="utf-8")
+    (sound.parent / "nan.json").write_text('{"schema": NaN}', encoding="utf-8")
+    (sound.parent / "none.json").write_bytes(b"")
+    (sound.parent / "bytes.json").write_bytes(b"\xff\xfe\x00")
+    (sound.parent / "folder.json").mkdir()
+    found = {Path(item.path).stem: item for item in verify_fits(sound.parent)}
+    assert len(found) == len(DAMAGED) + 7
+    assert [name for name, item in found.items() if item.ok] == ["sound"]
+    for item in found.values():
+        assert "Error" not in item.message, item
+        assert len(item.message) > 20
 
 
 def test_verify_needs_fits(tmp_path):

@@ -18,9 +18,13 @@ NAN_TEXTS = ("nan", "NaN", "NAN", "Nan", "-nan", "-NaN")
 """Cell texts that mean "no value" in every file, beside the empty cell."""
 
 _NUMBER = {
-    mark: re.compile(rf"[+-]?(?:\d+{re.escape(mark)}?\d*|{re.escape(mark)}\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+    mark: re.compile(
+        rf"[+-]?(?:\d++(?:{re.escape(mark)}\d*+)?|{re.escape(mark)}\d++)(?:[eE][+-]?\d++)?", re.ASCII
+    )
     for mark in ".,"
 }
+_DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]++")
+_DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
 _NAMED_MISSING = (
     "na",
     "n/a",
@@ -172,11 +176,11 @@ def bad_cell(
     elif is_number(cell, other):
         mark = "comma" if other == "," else "point"
         why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
-    elif "," in cell and re.fullmatch(r"[+-]?[\d.,]+", cell):
+    elif "," in cell and _DIGITS_AND_MARKS.fullmatch(cell):
         why, fix = "it looks like a thousands separator", "save the file without thousands separators"
     elif cell.lower() in _NAMED_MISSING:
         why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'
-    elif re.search(r"\d[-/:.]\d+[-/:.]\d", cell):
+    elif _DATE.search(cell):
         why = "it looks like a date or a clock"
         fix = "export seconds since the start, or leave the column out and set [import] sampling_rate"
     shown = cell if len(cell) <= 40 else cell[:37] + "..."

@@ -15,9 +15,10 @@ CANDIDATES = ("\t", ";", "|", ",", " ")
 
 _N_SAMPLE = 20
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII)
-_DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]*,[\d.,]*(?:[eE][+-]?\d+)?", re.ASCII)
+_DIGITS_AND_MARKS = re.compile(r"[+-]?(?=[\d.]*+,)[\d.,]++(?:[eE][+-]?\d++)?", re.ASCII)
+_COMMA_INSIDE = re.compile(r"[+-]?\d++,\d++", re.ASCII)
 _NUMBER_SHAPED = re.compile(
-    r"[+-]?(?:(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?"
+    r"[+-]?(?:(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d++)?"
     r"|[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?|[1-9]\d{0,2}(?:\.\d{3})+(?:,\d*)?)",
     re.ASCII,
 )
@@ -115,7 +116,7 @@ def _refuse_one_or_two(
 ) -> None:
     """Refuse `12,47` on every line, where nothing tells one decimal number from two whole ones."""
     numbers = [line.strip() for line in sample if not any(c.isalpha() for c in line)]
-    if not numbers or not all(re.fullmatch(r"[+-]?\d+,\d+", line, re.ASCII) for line in numbers):
+    if not numbers or not all(_COMMA_INSIDE.fullmatch(line) for line in numbers):
         return
     wanted = [channel.column for channel in profile.channels.values() if isinstance(channel.column, int)]
     names = (split_line(line, ",") for line in lines if any(c.isalpha() for c in line))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError
-from ropefric.trials.toml_quantities import read_any_quantity, read_fraction, read_quantity, si_unit_of
+from ropefric.quantities import parse_any_quantity, parse_fraction, parse_quantity, si_unit_of
 
 
 @pytest.mark.parametrize(
@@ -19,7 +19,7 @@ from ropefric.trials.toml_quantities import read_any_quantity, read_fraction, re
     ],
 )  # fmt: skip
 def test_any_unit_to_si(text, expected):
-    assert read_any_quantity(text) == pytest.approx(expected, rel=1e-13)
+    assert parse_any_quantity(text) == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -27,7 +27,7 @@ def test_any_unit_to_si(text, expected):
 )
 def test_refused_units(text):
     with pytest.raises(InputError) as caught:
-        read_any_quantity(text)
+        parse_any_quantity(text)
     assert caught.value.code == "RF130"
 
 
@@ -36,13 +36,13 @@ def test_refused_units(text):
     [("0.02 %FS", 2e-4), ("0.02 % FS", 2e-4), ("0.02%", 2e-4), ("1 % of full scale", 0.01), ("0 %F.S.", 0.0)],
 )
 def test_fractions(text, expected):
-    assert read_fraction(text) == expected
+    assert parse_fraction(text) == expected
 
 
 @pytest.mark.parametrize("text", ["0.02", "0.02 FS", "%", "x %", "0.02 %XY"])
 def test_no_fractions(text):
     with pytest.raises(InputError):
-        read_fraction(text)
+        parse_fraction(text)
 
 
 units = st.text("mNkgsVPabrdeµ%^*/ ()-+0123456789._~'\"", max_size=12) | st.text(max_size=6)
@@ -50,7 +50,7 @@ units = st.text("mNkgsVPabrdeµ%^*/ ()-+0123456789._~'\"", max_size=12) | st.tex
 
 @given(number=st.sampled_from(["1", "-2.5", "1e5", ".", "", "1e-99999999999999999999"]), unit=units)
 def test_any_text_is_read_or_refused(number, unit):
-    for read in (lambda text: read_quantity(text, "m"), read_any_quantity, read_fraction):
+    for read in (lambda text: parse_quantity(text, "m"), parse_any_quantity, parse_fraction):
         try:
             value = read(f"{number} {unit}")
         except InputError:

@@ -4,10 +4,19 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 # Two workers on two cores: linear algebra with threads of its own gets in their way. Set before numpy loads.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
+
+# No luck and no clock decides the default run. The long one, `-m slow`, draws afresh each time, and more.
+settings.register_profile(
+    "same", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+)
+settings.register_profile("drawn", settings.get_profile("same"), derandomize=False, database=None)
+MORE = 5
+"""How many times as many examples the long run draws."""
 
 ROOT = Path(__file__).parents[1]
 REAL_DATA = ROOT.parent / "shared" / "data"
@@ -19,3 +28,30 @@ def real_data():
     if not REAL_DATA.is_dir():
         pytest.skip("the real recordings are not on this machine")
     return REAL_DATA
+
+
+def is_long(config):
+    return config.option.markexpr == "slow"
+
+
+def pytest_configure(config):
+    # Before any test file is read: `@settings(…)` takes what it does not say from the profile of that moment.
+    settings.load_profile("drawn" if is_long(config) else "same")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    """Let the long run take every test that draws; one with seeds of its own (`derandomize=True`) stays as it is."""
+    if not is_long(config):
+        return
+    name = "_hypothesis_internal_use_settings"
+    widened = set()
+    for item in items:
+        given = getattr(getattr(item, "obj", None), name, None)
+        if given is None or given.derandomize or item.get_closest_marker("slow"):
+            continue
+        item.add_marker(pytest.mark.slow)
+        # The parameters of one test share its function.
+        if item.obj not in widened:
+            widened.add(item.obj)
+            setattr(item.obj, name, settings(given, max_examples=MORE * given.max_examples))

@@ -2,7 +2,7 @@
 
 import sys
 from importlib.metadata import version
-from math import inf, log, nan
+from math import inf, log, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,9 @@ from scipy.special import stdtrit
 
 import ropefric
 from ropefric.errors import InputError
+from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
-from ropefric.fitting.covariance import bread, clustered_covariance, unseen_part
+from ropefric.fitting.covariance import bread, clustered_covariance, rounded_covariance, unseen_part
 from ropefric.fitting.criteria import aicc, bic
 from ropefric.fitting.identifiability import identify
 from ropefric.fitting.losses import loss_weights
@@ -29,6 +30,8 @@ __all__ = ["assemble"]
 
 FloatArray = npt.NDArray[np.float64]
 
+# Repeats of one value have a standard deviation of this or less, by rounding.
+_RESIDUE = 1e-14
 _REGRESSORS = ("wheel_radius_m", "rope_radius_m", "size_ratio", "wrap_angle_rad", "end_tension_N")
 
 
@@ -56,8 +59,10 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     jacobian = slopes[:, shown]
     n_conditions = int(problem.group.max()) + 1
     covariance, kind, dof, notes = _errors(found, settings, jacobian, n_conditions)
+    covariance = rounded_covariance(covariance)
     std = np.where(minimum.at_bound, nan, 0.0)
-    std[shown] = np.where(unseen_part(jacobian), inf, np.sqrt(np.diag(covariance)))
+    known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
+    std[shown] = np.where(unseen_part(jacobian), inf, known)
     log_residuals = -residuals * problem.std
     lack = lack_of_fit(jacobian, log_residuals, problem.std, problem.group, found.scatter)
     seen = identify(jacobian, [name for name, free in zip(law.parameter_names, shown, strict=True) if free])
@@ -153,7 +158,8 @@ def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParame
     for i, item in enumerate(problem.law.parameters):
         value, low, high = float(minimum.theta[i]), float(problem.lower[i]), float(problem.upper[i])
         half = quantile * float(std[i]) if std[i] > 0 else 0.0
-        interval = (max(value - half, low), min(value + half, high)) if problem.vary[i] else (value, value)
+        ends = [to_share(end, float(std[i])) for end in (value - half, value + half)]
+        interval = (max(ends[0], low), min(ends[1], high)) if problem.vary[i] else (value, value)
         parameters.append(
             FittedParameter(
                 name=item.name,
@@ -178,12 +184,12 @@ def _statistics(found: Found, n_conditions: int, between: float, interval_dof: f
         n=n,
         n_conditions=n_conditions,
         dof=n - q,
-        chi2=chi2,
-        chi2_reduced=chi2 / (n - q) if n > q else nan,
-        aicc=aicc(deviance, n, q + 1),
-        bic=bic(deviance, n, q + 1),
-        scatter_within=found.scatter.within,
-        scatter_between=between,
+        chi2=significant(chi2),
+        chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
+        aicc=significant(aicc(deviance, n, q + 1)),
+        bic=significant(bic(deviance, n, q + 1)),
+        scatter_within=significant(found.scatter.within),
+        scatter_between=significant(between),
         interval_dof=interval_dof,
     )
 
@@ -209,7 +215,11 @@ def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
     }
     summary = {name: group_means(values, group).tolist() for name, values in columns.items()}
     std = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
-    return summary | {"n": n.tolist(), "mean_log_lift": means.tolist(), "std_log_lift": std.tolist()}
+    return summary | {
+        "n": n.tolist(),
+        "mean_log_lift": [significant(value, GIVEN_DIGITS) for value in means.tolist()],
+        "std_log_lift": [significant(value, smallest=_RESIDUE) for value in std.tolist()],
+    }
 
 
 def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:

@@ -19,7 +19,7 @@ BootstrapKind = Literal["parametric", "clustered"]
 IntervalMethod = Literal["percentile", "basic"]
 
 # In standard errors: what separates two refits says nothing at a millionth of their spread.
-_TOLERANCE = 1e-6
+_TOLERANCE = 1e-9
 _WORTH_A_NOTE = 0.025
 
 

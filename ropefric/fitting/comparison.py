@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ropefric.errors import UnknownNameError
+from ropefric.files.digits import rounded_tree
 from ropefric.fitting.criteria import FTest
 from ropefric.fitting.result import FitResult
 from ropefric.registry import did_you_mean
@@ -12,6 +13,7 @@ from ropefric.registry import did_you_mean
 __all__ = ["Comparison", "ComparisonEntry", "Unit"]
 
 Unit = Literal["conditions", "trials"]
+_DIGITS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,6 +67,7 @@ class ComparisonEntry:
         """Return the JSON object of the entry; None where there is no number."""
         numbers = ("chi2", "aicc", "delta_aicc", "weight", "bic", "loco_error")
         values = {name: getattr(self, name) for name in numbers}
+        plain = {name: float(value) if math.isfinite(value) else None for name, value in values.items()}
         return {
             "law": self.law,
             "n": self.n,
@@ -72,7 +75,7 @@ class ComparisonEntry:
             "status": self.status,
             "counted": self.counted,
             "note": self.note,
-        } | {name: float(value) if math.isfinite(value) else None for name, value in values.items()}
+        } | _rounded(plain)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -122,7 +125,7 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
-        return {
+        return _rounded({
             "ranking": [entry.to_dict() for entry in self.ranking],
             "f_tests": [
                 {"simpler": t.simpler, "fuller": t.fuller, "f": t.f if math.isfinite(t.f) else None,
@@ -135,4 +138,10 @@ class Comparison:
             "scatter_within": self.scatter_within if math.isfinite(self.scatter_within) else None,
             "conclusive": self.conclusive,
             "notes": list(self.notes),
-        }  # fmt: skip
+        })  # fmt: skip
+
+
+def _rounded(tree: dict[str, Any]) -> dict[str, Any]:
+    """Return numbers to six digits: criteria are differences of logarithms, weights and p-values their powers."""
+    plain: dict[str, Any] = rounded_tree(tree, _DIGITS)
+    return plain

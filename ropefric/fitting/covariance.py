@@ -1,17 +1,23 @@
 """The covariance of fitted parameters: from known scatter, scaled, or clustered by condition."""
 
+from math import floor, log10
+
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
 from ropefric.fitting.identifiability import NOT_SEEN, RANK_RATIO
 
-__all__ = ["bread", "clustered_covariance", "unseen_part"]
+__all__ = ["bread", "clustered_covariance", "rounded_covariance", "unseen_part"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 # A condition that fixes a parameter alone has a leverage of 1 and no residual to judge it by.
 _LARGEST_LEVERAGE = 0.999
+# Decimals of a correlation beside those its smallest eigenvalue needs, and the most that rounding leaves any.
+_DECIMALS = 3
+_MOST_DECIMALS = 12
 
 
 def bread(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray:
@@ -104,3 +110,28 @@ def clustered_covariance(
     leverage = np.minimum(np.bincount(group, share, k), _LARGEST_LEVERAGE)
     scores = scores / np.sqrt(1.0 - leverage)[:, None]
     return inverse @ (scores.T @ scores) @ inverse
+
+
+def rounded_covariance(covariance: FloatArray) -> FloatArray:
+    """Return a covariance to the digits that mean something, shape (q, q): standard errors to four.
+
+    Correlations keep three decimals beyond the first of the smallest eigenvalue of their matrix, so that it stays
+    positive definite and the best known combination of parameters keeps its error to a per cent or better.
+
+    Examples
+    --------
+    >>> rounded_covariance(np.array([[0.0012345678, 0.0004], [0.0004, 0.00033333333]])).tolist()
+    [[0.0012348196, 0.0004000727654], [0.0004000727654, 0.0003334276]]
+    """
+    size = np.sqrt(np.diag(covariance))
+    if not (np.isfinite(covariance).all() and (size > 0.0).all()):
+        return covariance
+    correlation = covariance / size[:, None] / size
+    correlation = 0.5 * (correlation + correlation.T)
+    smallest = float(np.linalg.eigvalsh(correlation)[0]) if size.size else 1.0
+    decimals = min(_DECIMALS - floor(log10(max(smallest, 10.0**-_MOST_DECIMALS))), _MOST_DECIMALS)
+    std = np.array([significant(value, STD_DIGITS) for value in size.tolist()])
+    product = correlation.round(decimals) * std[:, None] * std
+    product[np.diag_indices_from(product)] = std**2
+    cells = [significant(cell, GIVEN_DIGITS) for cell in product.ravel().tolist()]
+    return np.array(cells).reshape(product.shape)

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.files.digits import significant
+
 __all__ = ["Identifiability", "identify"]
 
 FloatArray = npt.NDArray[np.float64]
@@ -18,6 +20,9 @@ RANK_RATIO = 1e8
 NOT_SEEN = 1e-150
 # Part of a parameter in the weak direction from which it is named.
 _TAKES_PART = 0.15
+_DECIMALS = 6
+# What is left of a singular value that is zero.
+_RESIDUE = 1e-14
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,12 +99,13 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     ratio = inf if q == 0 or lost.any() else float(values[0] / values[-1])
     weakest = rows[-1] if q else np.zeros(0)
     unseen = np.abs(rows[lost]).max(axis=0, initial=0.0) > _TAKES_PART if q else np.zeros(0, dtype=bool)
-    order = np.argsort(-np.abs(weakest), kind="stable")
+    # Two parameters take part in equal shares: the last bits may not say which comes first.
+    order = np.argsort(-np.abs(weakest).round(_DECIMALS), kind="stable")
     weak = tuple(names[i] for i in order if abs(weakest[i]) > _TAKES_PART)
     pair, correlation = _worst_pair(values, rows, lost, names)
     return Identifiability(
-        ratio=ratio if q else 1.0,
-        singular_values=tuple(float(value) for value in values),
+        ratio=significant(ratio, _DECIMALS) if q else 1.0,
+        singular_values=tuple(significant(value, _DECIMALS, smallest=_RESIDUE) for value in values.tolist()),
         worst_pair=pair,
         correlation=correlation,
         weak=weak,
@@ -117,6 +123,7 @@ def _worst_pair(
     covariance = (rows.T * inverse) @ rows
     size = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(size, size)
+    correlation = correlation.round(_DECIMALS)
     apart = np.abs(np.triu(correlation, k=1))
     i, j = divmod(int(np.argmax(apart)), len(names))
     return (names[i], names[j]), float(np.clip(correlation[i, j], -1.0, 1.0))

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.files.digits import to_share
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.covariance import bread
 from ropefric.fitting.problem import FitProblem, FloatArray
@@ -74,7 +75,9 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
         )
     ends, notes = _profile(fit, fit.problem) if method == "profile" else _bootstrap(fit, fit.problem, n, seed)
     parameters = tuple(
-        replace(item, ci95=(float(low), float(high))) if item.vary else item
+        replace(item, ci95=(to_share(float(low), item.std), to_share(float(high), item.std)))
+        if item.vary
+        else item
         for item, (low, high) in zip(fit.parameters, ends, strict=True)
     )
     how = {"method": method} | ({"n": n, "seed": seed} if method == "bootstrap" else {})

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import sqrt
 from typing import Any
 
 import lmfit
@@ -21,10 +22,13 @@ Model = Callable[[FloatArray], FloatArray]
 _NEAR_BOUND = 1e-4
 # What a step onto a bound may cost in χ².
 _FREE = 1e-6
-_POLISH_STEPS = 6
+_POLISH_STEPS = 60
 # By how much rounding may raise χ² at its minimum, and how small a step must be to be about the last digits.
 _ROUNDED = 1e-12
 _LAST_DIGITS = 1e-6
+_SHRINKS = 0.9
+# Steps of this part of a standard error change nothing any more.
+_SETTLED = 1e-13
 # A gain in χ² by this part of the mean squared residual is no gain.
 _FLAT = 1e-3
 _RANK = 1e-6
@@ -123,8 +127,7 @@ def least_squares(
     if free.any():
         theta, converged, n_evaluations, message = _search(task, max_evaluations)
         theta = _onto_bounds(task, theta)
-        if loss == "linear":
-            theta = _polish(task, theta)
+        theta = _polish(task, theta)
     at_bound = free & ((theta <= low) | (theta >= high))
     converged = converged or _is_flat(residual(theta), jacobian(theta)[:, free & ~at_bound], loss)
     return Minimum(
@@ -268,29 +271,33 @@ def _onto_bounds(task: _Task, theta: FloatArray) -> FloatArray:
 
 
 def _polish(task: _Task, theta: FloatArray) -> FloatArray:
-    """Return theta after Gauss-Newton steps inside the bounds, as long as they help: the last digits.
+    """Return theta after Gauss-Newton steps inside the bounds, until they are rounding: the last digits.
 
     χ² is flat at its minimum and stops falling when half the digits are right. From there on a small step counts as
-    help as long as the next one is less than half as long, which rounding does not do.
+    help as long as the next ones get shorter, which rounding does not do. A parameter that a step would carry beyond
+    its bound stays on it.
     """
-    best = task.residual(theta)
-    previous = np.inf
+    best = task.cost(theta)
+    shortest = np.inf
     for _ in range(_POLISH_STEPS):
         inside = task.free & (theta > task.low) & (theta < task.high)
         if not inside.any():
             break
-        slopes = task.jacobian(theta)[:, inside]
-        step = np.linalg.lstsq(slopes, -best, rcond=1e-10)[0]
+        residuals = task.residual(theta)
+        root = np.sqrt(loss_weights(residuals, task.loss))
+        slopes = task.jacobian(theta)[:, inside] * root[:, None]
+        step = np.linalg.lstsq(slopes, -residuals * root, rcond=1e-10)[0]
         moved = theta.copy()
-        moved[inside] += step
-        outside = ((moved <= task.low) | (moved >= task.high))[inside].any()
-        if outside or not task.admissible(moved):
-            break
-        trial = task.residual(moved)
+        moved[inside] = np.clip(theta[inside] + step, task.low[inside], task.high[inside])
         length = float(np.linalg.norm(slopes @ step))
-        small = bool((np.abs(step) <= _LAST_DIGITS * np.abs(theta[inside])).all())
-        settling = small and 2.0 * length < previous and trial @ trial <= (1.0 + _ROUNDED) * (best @ best)
-        if not (trial @ trial < best @ best or settling):
+        if not task.admissible(moved):
             break
-        theta, best, previous = moved, trial, length
+        cost = task.cost(moved)
+        small = bool((np.abs(step) <= _LAST_DIGITS * np.abs(theta[inside])).all())
+        settling = small and length < _SHRINKS * shortest and cost <= (1.0 + _ROUNDED) * best
+        if not (cost < best or settling):
+            break
+        theta, best, shortest = moved, cost, min(length, shortest)
+        if length <= _SETTLED * max(1.0, sqrt(cost)):
+            break
     return theta

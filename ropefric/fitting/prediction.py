@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.files.digits import rounded_tree
 from ropefric.fitting.extrapolation import Validity, outside_words
 from ropefric.fitting.problem import FloatArray
 from ropefric.friction.condition import Conditions
@@ -102,12 +103,14 @@ class Prediction:
 
     def _row(self, i: int) -> dict[str, Any]:
         at = self.conditions
-        return {
+        given = {
             "law": self.law,
             "wheel_radius_m": float(at.wheel_radius_m[i]),
             "rope_radius_m": float(at.rope_radius_m[i]),
             "wrap_angle_rad": float(at.wrap_angle_rad[i]),
             "end_tension_N": float(at.end_tension_N[i]),
+        }
+        found = {
             "lift_force_N": float(self.lift_force_N[i]),
             "std_N": _number(self.std_N[i]),
             "interval_N": [_number(end) for end in self.interval_N[i]],
@@ -119,6 +122,7 @@ class Prediction:
             "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
             "notes": list(self.notes(i)),
         }
+        return given | dict(rounded_tree(found))
 
 
 def _number(value: float) -> float | None:

@@ -16,14 +16,17 @@ EndKind = Literal["crossing", "bound", "open", "edge"]
 IntArray = npt.NDArray[np.intp]
 
 # The inner minimum is flat: this error of its place, in residuals, is an error of its square in Δχ².
-_TOLERANCE = 1e-5
+_TOLERANCE = 1e-7
 # Fractions of the end a parabola would have.
 _GRID = np.array([0.25, 0.5, 0.75, 0.95, 1.05, 1.3])
 _DOUBLINGS = 40
 # A parameter without a bound that can grow this far has no limit.
 _ENDLESS = 1e8
 _ROUNDS = 60
-_ROOT = 1e-6
+# Far below what is kept of an end, 1e-5 of a standard error, so that no path to it shows.
+_ROOT = 1e-10
+# Nearer to where a law ends, its answers are rounding.
+_EDGE = 1e-6
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -193,7 +196,8 @@ class _Walk:
         low_weight, high_weight = np.ones(last.size), np.ones(last.size)
         for _ in range(_ROUNDS):
             width = self.outside - self.inside
-            which = np.flatnonzero(self.closed & (width > _ROOT * self.outside))
+            narrow = np.where(np.isinf(self.outside_delta), _EDGE, _ROOT)
+            which = np.flatnonzero(self.closed & (width > narrow * self.outside))
             if not which.size:
                 return
             below = (np.sqrt(self.inside_delta[which]) - np.sqrt(self.target[which])) * low_weight[which]

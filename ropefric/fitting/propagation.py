@@ -164,11 +164,14 @@ def drawn_range(
 def _draws(
     theta: FloatArray, covariance: FloatArray, *, dof: float, n: int, rng: np.random.Generator
 ) -> FloatArray:
-    """Return n parameter sets; eigenvectors of the scaled matrix, since a covariance may be singular."""
+    """Return n parameter sets, by the symmetric root of the scaled matrix, since a covariance may be singular.
+
+    Of all roots it is the one that no library's choice of signs and order of eigenvectors changes.
+    """
     size = np.sqrt(np.diag(covariance))
     scale = np.where(size > 0.0, size, 1.0)
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
     normal = rng.standard_normal((n, theta.size)) @ root.T * scale
     if np.isfinite(dof):
         normal *= np.sqrt(dof / rng.chisquare(dof, n))[:, np.newaxis]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from ropefric.errors import RopefricError
+from ropefric.files.digits import rounded_tree
 from ropefric.fitting.design import DesignChart
 from ropefric.fitting.gum.budget import LinearBudget, linear_budget
 from ropefric.fitting.gum.forces import force_model
@@ -151,4 +152,6 @@ def evidence_files(evidence: Evidence) -> dict[str, str]:
 
 
 def _json(tree: dict[str, Any]) -> str:
-    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return (
+        json.dumps(rounded_tree(tree), sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    )

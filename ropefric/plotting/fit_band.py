@@ -114,7 +114,7 @@ def draw_fit_band(
             panel.errorbar(
                 x,
                 middle,
-                yerr=[middle - ends[0], ends[1] - middle],
+                yerr=np.stack([middle - ends[0], ends[1] - middle]),
                 fmt="o",
                 color=INK,
                 markersize=5.5,

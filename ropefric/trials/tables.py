@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
 from ropefric.trials.result import Extraction
 
@@ -14,13 +15,18 @@ __all__ = ["write_tables"]
 
 _PROBLEM_COLUMNS = ("severity", "code", "path", "line", "key", "message", "fix")
 _NAME_SEPARATOR = "; "
+_SETTINGS = frozenset({"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "dwell_s"})
+"""Columns that people set: they stay as they came out of the trial list."""
+_RESIDUE = 1e-12
+"""What a number in newtons or seconds is that should be zero."""
 
 
 def write_tables(extraction: Extraction, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
     """Write trials.csv, conditions.csv and problems.csv; return their paths.
 
-    UTF-8, comma, decimal point, one header line with units in the names, empty cells where there is no number; the
-    same extraction gives the same bytes. Files of these names are replaced.
+    UTF-8, comma, decimal point, one header line with units in the names, empty cells where there is no number;
+    what was measured to nine significant digits, so that the same recordings give the same bytes on every machine.
+    Files of these names are replaced.
 
     Parameters
     ----------
@@ -41,13 +47,27 @@ def write_tables(extraction: Extraction, folder: Folder | str | os.PathLike[str]
         }
         for p in extraction.problems
     ]
+    trials = [
+        _rounded(trial.to_dict(), known="peak_N" if trial.measures_slack else "end_tension_N")
+        for trial in extraction.trials
+    ]
     return as_folder(folder).write(
         {
-            "trials.csv": _text([trial.to_dict() for trial in extraction.trials]),
-            "conditions.csv": _text([condition.to_dict() for condition in extraction.conditions]),
+            "trials.csv": _text(trials),
+            "conditions.csv": _text([_rounded(condition.to_dict()) for condition in extraction.conditions]),
             "problems.csv": _text(problems, columns=_PROBLEM_COLUMNS),
         }
     )
+
+
+def _rounded(row: Mapping[str, Any], *, known: str = "") -> dict[str, Any]:
+    """Return a row with what was measured to the digits that mean something; the force that was set is `known`."""
+    return {
+        key: significant(value, smallest=_RESIDUE)
+        if isinstance(value, float) and key not in _SETTINGS and key != known
+        else value
+        for key, value in row.items()
+    }
 
 
 def _text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> str:

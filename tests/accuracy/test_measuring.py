@@ -180,7 +180,7 @@ def test_every_study_keeps_the_contract(study):
         assert {s.method for s in settings} - {s.method for s in settings if s.quick} <= {"adaptive quad"}
         outcome = settings[0].assess()
         assert outcome.error >= 0.0
-        assert outcome == settings[0].assess()
+        assert repr(outcome) == repr(settings[0].assess()), "bias and noise may be NaN, which equals nothing"
         settings[0].call()
 
 

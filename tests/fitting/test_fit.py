@@ -41,11 +41,12 @@ def test_constant_law_is_the_weighted_mean_by_hand():
     table = table_of("constant", [0.2])
     phi, rise = table.wrap_angle_rad, np.log(table.peak_N / table.end_tension_N)
     fit = fit_law(table, "constant", clustered=False)
-    assert fit["mu"].value == pytest.approx(phi @ rise / (phi @ phi), rel=1e-9)
+    # Kept to 1e-4 of a standard error, and that to four digits.
+    assert fit["mu"].value == pytest.approx(phi @ rise / (phi @ phi), rel=0, abs=1e-4 * fit["mu"].std)
     cells = rise.reshape(-1, 3)
     scatter = np.sqrt(((cells - cells.mean(axis=1, keepdims=True)) ** 2).sum() / (cells.size - len(cells)))
     assert fit.statistics.scatter_within == pytest.approx(scatter, rel=1e-9)
-    assert fit["mu"].std == pytest.approx(scatter / np.sqrt(phi @ phi), rel=1e-9)
+    assert fit["mu"].std == pytest.approx(scatter / np.sqrt(phi @ phi), rel=5e-4)
     assert fit.covariance_kind == "absolute"
     assert "scale_covar = False" in fit.notes[0]
     assert fit.covariance[0, 0] == pytest.approx(fit["mu"].std ** 2)
@@ -99,7 +100,7 @@ def test_without_repeats_the_scatter_comes_from_the_residuals():
     fit = fit_law(table, "constant")
     phi, rise = table.wrap_angle_rad, np.log(table.peak_N / table.end_tension_N)
     rest = rise - fit["mu"].value * phi
-    assert fit["mu"].std == pytest.approx(np.sqrt(rest @ rest / 8 / (phi @ phi)), rel=1e-6)
+    assert fit["mu"].std == pytest.approx(np.sqrt(rest @ rest / 8 / (phi @ phi)), rel=5e-4)
     assert fit.covariance_kind == "scaled"
     assert "scale_covar = True" in fit.notes[0]
     with pytest.raises(InputError, match="needs a known scatter"):
@@ -186,7 +187,7 @@ def test_same_minimum_as_scipy_alone_from_the_truth():
         lambda theta: (law.log_lift(theta, problem.conditions) - problem.log_lift) / problem.std,
         truth, bounds=(law.lower, law.upper), x_scale=np.abs(truth), xtol=1e-15, ftol=1e-15, gtol=1e-15,
     )  # fmt: skip
-    assert fit.statistics.chi2 <= 2 * reference.cost * (1 + 1e-10)
+    assert fit.statistics.chi2 <= 2 * reference.cost * (1 + 5e-9), "beyond the nine digits that are kept"
     assert fit.theta == pytest.approx(reference.x, rel=1e-4)
 
 

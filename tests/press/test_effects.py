@@ -282,7 +282,7 @@ def test_what_is_left_out_is_not_evaluated(paper_problem):
     ]
     broken = replace(SYSTEM, effects=Registry("effect", effects))
     again, model = make_plan(broken, paper_problem, accuracy=0.1, effects="auto")
-    assert again == plan
+    assert repr(again) == repr(plan), "a worth may be NaN, which equals nothing"
     assert broken.solve(model, again.method).slip.utilisation.max() > 0.0
     with pytest.raises(AssertionError, match="left out"):
         assemble(broken, paper_problem, plan.left_out)

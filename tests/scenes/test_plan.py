@@ -109,7 +109,7 @@ def test_what_is_left_out_is_not_evaluated(loaded):
     assert plan.left_out, plan.simulated
     broken = failing(SYSTEM, plan.left_out)
     again, model = make_plan(broken, scene.problem, accuracy=0.5, effects="auto")
-    assert again == plan
+    assert repr(again) == repr(plan), "a worth may be NaN, which equals nothing"
     assert broken.solve(model, again.method).log_lift > 0.0
     with pytest.raises(AssertionError, match="left out"):
         assemble(broken, scene.problem, [*plan.simulated, plan.left_out[0]])

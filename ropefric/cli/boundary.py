@@ -39,7 +39,7 @@ def report_failure(error: BaseException, out: Output) -> int:
     Returns
     -------
     int
-        1 internal, 2 usage, 3 bad data or configuration, 4 not to be trusted, 130 interrupted.
+        1 internal, 2 usage, 3 bad data or configuration, 4 a result that does not stand, 130 interrupted.
 
     Examples
     --------

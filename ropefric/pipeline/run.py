@@ -91,7 +91,7 @@ def run_campaign(
     folder : Path
         Made where it is missing; files of these names are replaced.
     law : str
-        The law to use; "" for the best that is to be trusted.
+        The law to use; "" for the best whose fit may be used as it stands.
     jobs : int
         Number of processes.
     cache_dir : Path, optional

@@ -107,7 +107,7 @@ def run(
     folder : path-like
         Where trials.csv, fits/, comparison.csv, … go.
     law : str
-        The law to use; "" for the best that is to be trusted.
+        The law to use; "" for the best whose fit may be used as it stands.
     jobs, cache_dir
         As `extract`.
     """

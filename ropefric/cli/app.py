@@ -23,7 +23,7 @@ _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
 
 EXIT_CODES = (
     "Exit codes: 0 done, 1 fault in ropefric, 2 wrong usage, 3 bad data or configuration, "
-    "4 result not to be trusted, 130 interrupted (129, 143: by SIGHUP, SIGTERM)."
+    "4 result that does not stand, 130 interrupted (129, 143: by SIGHUP, SIGTERM)."
 )
 
 
@@ -40,7 +40,7 @@ def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | No
     Returns
     -------
     int
-        0 done, 1 internal, 2 usage, 3 bad data or configuration, 4 not to be trusted, 130 interrupted.
+        0 done, 1 internal, 2 usage, 3 bad data or configuration, 4 a result that does not stand, 130 interrupted.
 
     Examples
     --------

@@ -41,8 +41,8 @@ def report_failure(error: BaseException, out: Output) -> int:
     Returns
     -------
     int
-        1 internal, 2 usage, 3 bad data or configuration, 4 not to be trusted, 130 interrupted; 129 and 143 if it was
-        by SIGHUP and SIGTERM, whose number a KeyboardInterrupt then carries.
+        1 internal, 2 usage, 3 bad data or configuration, 4 a result that does not stand, 130 interrupted; 129 and 143
+        if it was by SIGHUP and SIGTERM, whose number a KeyboardInterrupt then carries.
 
     Examples
     --------

@@ -23,7 +23,7 @@ class Answer:
     show : callable
         Prints the same for people on the console it is given.
     exit_code : int
-        0 done, 3 bad data or configuration, 4 not to be trusted.
+        0 done, 3 bad data or configuration, 4 not supported.
 
     Examples
     --------

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
+    from ropefric.fitting.judgement import Verdict
     from ropefric.fitting.result import FitResult
     from ropefric.fitting.table import TrialTable
     from ropefric.report.section import Section
@@ -29,7 +30,7 @@ __all__ = [
 ]
 
 NOT_TRUSTED = 4
-"""Exit code of a result that is not to be trusted."""
+"""Exit code of a result that is not supported: undecided, or not judged."""
 
 TableArgument = Annotated[
     Path,
@@ -54,7 +55,7 @@ def read_table(path: Path, out: Output) -> "TrialTable":
 
 
 def read_fit(path: Path, out: Output) -> "FitResult":
-    """Return a stored fit, and say on stderr if it is not to be trusted.
+    """Return a stored fit, and say on stderr if its law is not supported.
 
     Raises
     ------
@@ -65,13 +66,13 @@ def read_fit(path: Path, out: Output) -> "FitResult":
 
     fit = load_fit(path)
     if not fit.trustworthy:
-        out.note(f"{path}: the fit is not to be trusted, {fit.status}: {' '.join(fit.advice)}")
+        out.note(f"{path}: the law is {fit.verdict.word}: {fit.verdict.reason}")
     return fit
 
 
-def exit_code_of(fit: "FitResult") -> int:
-    """Return 0 for a fit to be trusted, 4 for another."""
-    return 0 if fit.trustworthy else NOT_TRUSTED
+def exit_code_of(verdict: "Verdict") -> int:
+    """Return 0 for what is supported, 4 for what is undecided or not judged."""
+    return 0 if verdict.supported else NOT_TRUSTED
 
 
 def rope_radius(fit: "FitResult", given_m: float | None) -> float:

@@ -15,6 +15,7 @@ from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_shar
 from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.covariance import bread, clustered_covariance, rounded_covariance, unseen_part
 from ropefric.fitting.criteria import aicc, bic
+from ropefric.fitting.findings import Evidence, find
 from ropefric.fitting.identifiability import identify
 from ropefric.fitting.losses import loss_weights
 from ropefric.fitting.result import CovarianceKind, FitResult, FitStatistics, FittedParameter
@@ -22,7 +23,6 @@ from ropefric.fitting.search import Found
 from ropefric.fitting.settings import FitSettings
 from ropefric.fitting.structure import find_trends, lack_of_fit
 from ropefric.fitting.table import TrialTable
-from ropefric.fitting.verdict import Evidence, judge
 from ropefric.fitting.weights import group_means
 from ropefric.friction.condition import Conditions
 
@@ -66,7 +66,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     log_residuals = -residuals * problem.std
     lack = lack_of_fit(jacobian, log_residuals, problem.std, problem.group, found.scatter)
     seen = identify(jacobian, [name for name, free in zip(law.parameter_names, shown, strict=True) if free])
-    verdict = judge(
+    findings = find(
         Evidence(
             law=law,
             conditions=problem.conditions,
@@ -92,8 +92,8 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         covariance=full,
         covariance_kind=kind,
         statistics=_statistics(found, n_conditions, lack.between, dof),
-        status=verdict.status,
-        advice=verdict.advice,
+        status=findings.status,
+        advice=findings.advice,
         notes=(*notes, *found.notes),
         identifiability=seen,
         validity=_validity(problem.conditions),

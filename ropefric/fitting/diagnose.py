@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import fdtrc, stdtr
 
 from ropefric.errors import InputError
+from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.comparison import Comparison, ComparisonEntry
 from ropefric.fitting.criteria import ConditionMeans, condition_means
@@ -90,7 +91,9 @@ def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_opti
     causes = [_offset(ranked, means)]
     causes += [_effect(title, ranked, means, levels) for title in _EFFECTS]
     causes += [_no_slip(table), _scatter(ranked, means)]
-    return Diagnosis(causes=tuple(causes), summary=_summary(ranked, causes))
+    return Diagnosis(
+        causes=tuple(causes), summary=_summary(ranked, causes), verdict=choose_law(ranked).verdict
+    )
 
 
 def _best(ranked: Comparison, effect: str, *, with_it: bool) -> ComparisonEntry | None:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from ropefric.fitting.judgement import Verdict
+
 __all__ = ["Cause", "Diagnosis", "Supported"]
 
 Supported = Literal["yes", "no", "cannot-tell"]
@@ -46,10 +48,13 @@ class Diagnosis:
         All that were looked at.
     summary : str
         The answer in one sentence.
+    verdict : Verdict
+        On the best law of the comparison behind it.
     """
 
     causes: tuple[Cause, ...]
     summary: str
+    verdict: Verdict
 
     def __getitem__(self, cause: str) -> Cause:
         return {item.cause: item for item in self.causes}[cause]
@@ -57,7 +62,7 @@ class Diagnosis:
     @property
     def text(self) -> str:
         """Return the diagnosis as lines for people."""
-        lines = [self.summary]
+        lines = [self.summary, f"the best law is {self.verdict.word}: {self.verdict.reason}"]
         for item in self.causes:
             lines += [
                 f"{item.cause}: {_WORDS[item.supported]}",
@@ -70,6 +75,7 @@ class Diagnosis:
         """Return a JSON tree."""
         return {
             "summary": self.summary,
+            "verdict": self.verdict.to_dict(),
             "causes": [
                 {
                     "cause": item.cause,

@@ -100,15 +100,17 @@ def predict(
             code="RF420",
             fix="use a smaller wrap; in Python, law.log_lift stays finite",
         )
-    dof = degrees_of_freedom(fit)
+    dof = 0.0 if fit.statistics.interval_dof == 0.0 else degrees_of_freedom(fit)
     std = linear_std(model, theta, covariance, conditions)
-    reach = quantile(0.5 + 0.5 * level, dof)
+    if dof == 0.0:
+        std = np.full_like(std, math.nan)  # nothing is left over that could tell the scatter
+    reach = quantile(0.5 + 0.5 * level, dof) if dof > 0.0 else math.nan
     ends = np.stack([log_lift - reach * std, log_lift + reach * std], axis=1)
     if check is None:
         check = len(conditions) <= _CHECKED_CONDITIONS
-    check = check and bool(np.isfinite(covariance).all())
+    check = check and dof > 0.0 and bool(np.isfinite(covariance).all())
     agrees, draws, drawn = None, 0, None
-    if method == "monte-carlo" or check:
+    if (method == "monte-carlo" and dof > 0.0) or check:
         draws = n if method == "monte-carlo" else _CHECKING_DRAWS
         rng = np.random.default_rng(seed)
         drawn = _drawn(
@@ -142,6 +144,7 @@ def predict(
             validity=fit.validity,
             draws=draws,
             seed=seed,
+            judged=fit.verdict,
         )
 
 

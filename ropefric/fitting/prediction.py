@@ -9,12 +9,32 @@ import numpy.typing as npt
 
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.extrapolation import Validity, outside_words
+from ropefric.fitting.judgement import Doubt, Verdict, doubts_of_interval, verdict_of
 from ropefric.fitting.problem import FloatArray
 from ropefric.friction.condition import Conditions
 
-__all__ = ["Method", "Prediction"]
+__all__ = ["Candidate", "Method", "Prediction"]
 
 Method = Literal["linear", "monte-carlo"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """What one of several laws that are not told apart answers: lift force, its standard deviation and interval."""
+
+    law: str
+    lift_force_N: float
+    std_N: float
+    interval_N: tuple[float, float]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree; None where there is no number."""
+        return {
+            "law": self.law,
+            "lift_force_N": self.lift_force_N,
+            "std_N": _number(self.std_N),
+            "interval_N": [_number(end) for end in self.interval_N],
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,7 +60,8 @@ class Prediction:
     level : float
         Level of both.
     dof : float
-        Degrees of freedom of Student's t in them.
+        Degrees of freedom of Student's t in them; 0 where nothing is left to estimate a scatter from, so that there
+        is no standard deviation and no interval (NaN).
     method : {"linear", "monte-carlo"}
         How the uncertainty of the law was carried over.
     linear_agrees : ndarray of bool, shape (n,), or None
@@ -54,6 +75,10 @@ class Prediction:
         Lowest and highest tested value of each.
     draws, seed : int
         Monte-Carlo draws and their seed; 0 draws if there were none.
+    judged : Verdict
+        On the law: by its own fit, or by the comparison it comes from.
+    candidates : tuple of Candidate
+        What the laws answer that the data do not tell apart, the law used first; empty where there is one only.
     """
 
     law: str
@@ -73,6 +98,8 @@ class Prediction:
     validity: Validity
     draws: int
     seed: int
+    judged: Verdict
+    candidates: tuple[Candidate, ...] = ()
 
     def __len__(self) -> int:
         return len(self.conditions)
@@ -81,6 +108,30 @@ class Prediction:
     def extrapolated(self) -> npt.NDArray[np.bool_]:
         """Return which conditions lie outside the tested range in any regressor, shape (n,)."""
         return np.asarray(self.outside.any(axis=1))
+
+    @property
+    def log_half_width(self) -> FloatArray:
+        """Return half the confidence interval of ln F_A, shape (n,)."""
+        return np.asarray(0.5 * np.diff(np.log(self.interval_N), axis=1)[:, 0])
+
+    @property
+    def spread_N(self) -> tuple[float, float] | None:
+        """Return the lowest and highest end of the candidates' intervals, or of their forces where one has none."""
+        if not self.candidates:
+            return None
+        ends = [end for item in self.candidates for end in (*item.interval_N, item.lift_force_N)]
+        known = [end for end in ends if math.isfinite(end)]
+        return min(known), max(known)
+
+    def verdict(self, index: int = 0) -> Verdict:
+        """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
+        doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
+        if self.linear_agrees is not None and not self.linear_agrees[index]:
+            drawn = None if self.drawn_interval_N is None else self.drawn_interval_N[index]
+            linear = self.interval_N[index]
+            if self.method == "linear":
+                doubts += doubts_of_interval(linear, drawn, self._disagreement(index))
+        return verdict_of(doubts, self.judged.reason.removesuffix("."))
 
     def notes(self, index: int = 0) -> tuple[str, ...]:
         """Return what to know about one condition before trusting its numbers; empty if nothing."""
@@ -121,6 +172,9 @@ class Prediction:
             "method": self.method,
             "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
             "notes": list(self.notes(i)),
+            "verdict": self.verdict(i).to_dict(),
+            "candidates": [item.to_dict() for item in self.candidates],
+            "spread_N": None if self.spread_N is None else list(self.spread_N),
         }
         return given | dict(rounded_tree(found))
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 from ropefric.fitting.identifiability import Identifiability
+from ropefric.fitting.judgement import Doubt, Verdict, doubts_of_fit, verdict_of
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.status import FitStatus
 from ropefric.friction.law import FrictionLaw
@@ -154,8 +155,28 @@ class FitResult:
 
     @property
     def trustworthy(self) -> bool:
-        """Return whether the result may be used as it stands."""
-        return self.status is FitStatus.OK
+        """Return whether the result may be used as it stands: whether its verdict is "supported"."""
+        return self.verdict.supported
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """Return what speaks against the law in its own fit, with the word each calls for."""
+        found = self.statistics
+        return doubts_of_fit(
+            self.law,
+            status=self.status,
+            advice=self.advice,
+            n=found.n,
+            n_conditions=found.n_conditions,
+            n_fitted=found.n - found.dof,
+            within=found.scatter_within,
+            between=found.scatter_between,
+        )
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict on the law by its own fit; a comparison knows what other laws say."""
+        return verdict_of(self.doubts, f"nothing in its own fit speaks against {self.law}")
 
     def only_rope_radius_m(self) -> float:
         """Return the rope radius of the trials [m], if they had one only.

@@ -7,17 +7,18 @@ from typing import Any
 import numpy as np
 
 from ropefric.errors import RopefricError
+from ropefric.fitting.choice import Choice, choose_law
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.comparison import Comparison
 from ropefric.fitting.diagnose import diagnose
 from ropefric.fitting.diagnosis import Diagnosis
+from ropefric.fitting.judgement import Verdict
 from ropefric.fitting.predict import predict
 from ropefric.fitting.prediction import Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.table import TrialTable
-from ropefric.friction.condition import one_condition
+from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
-from ropefric.pipeline.winner import Winner, choose_winner
 from ropefric.trials.campaign_model import DesignSpec
 
 __all__ = ["CampaignAnswer", "answer_trials"]
@@ -35,8 +36,8 @@ class CampaignAnswer:
         The trials.
     comparison : Comparison
         All laws, best first.
-    winner : Winner
-        The law that is used.
+    winner : Choice
+        The law that is used, and the verdict on it.
     diagnosis : Diagnosis
         Which effects the trials support.
     prediction : Prediction, optional
@@ -47,7 +48,7 @@ class CampaignAnswer:
 
     table: TrialTable
     comparison: Comparison
-    winner: Winner
+    winner: Choice
     diagnosis: Diagnosis
     prediction: Prediction | None
     doubts: tuple[str, ...]
@@ -58,6 +59,11 @@ class CampaignAnswer:
         return self.winner.fit
 
     @property
+    def verdict(self) -> Verdict:
+        """Return the verdict: on the lift force where there is one, which holds that on the law, else on the law."""
+        return self.winner.verdict if self.prediction is None else self.prediction.verdict()
+
+    @property
     def fits(self) -> tuple[FitResult, ...]:
         """Return the fits of all laws that have one, best first."""
         return tuple(entry.fit for entry in self.comparison.ranking if entry.fit is not None)
@@ -66,6 +72,8 @@ class CampaignAnswer:
         """Return ranking, fit, prediction and diagnosis as a JSON tree."""
         return {
             **self.comparison.to_dict(),
+            "law": self.fit.law,
+            "verdict": self.verdict.to_dict(),
             "fit": self.fit.to_dict(),
             "prediction": None if self.prediction is None else self.prediction.to_dict(),
             "diagnosis": self.diagnosis.to_dict(),
@@ -92,7 +100,7 @@ def answer_trials(
     rope_radius_m : float, optional
         Its rope [m]; that of the table where it has one only.
     law : str
-        The law to use; "" for the best that is to be trusted.
+        The law to use; "" for the best whose fit may be used as it stands.
     progress : callable, optional
         Called with (law, number of it, number of laws) before each fit.
 
@@ -117,27 +125,36 @@ def answer_trials(
     """
     laws = [*LAWS, law] if law and law not in LAWS else None
     comparison = compare_laws(table, laws, progress=progress)
-    winner = choose_winner(comparison, law)
-    prediction, refused = _predicted(winner.fit, table, design, rope_radius_m)
+    wheel, refused = _wheel(table, design, rope_radius_m)
+    winner = choose_law(comparison, law, wheel)
+    prediction = None
+    if wheel is not None:
+        try:
+            prediction = winner.of(predict(winner.fit, wheel))
+        except RopefricError as error:
+            refused = (_refusal(error),)
     return CampaignAnswer(
         table=table,
         comparison=comparison,
         winner=winner,
         diagnosis=diagnose(table, comparison),
         prediction=prediction,
-        doubts=(*winner.fit.advice, *winner.doubts, *comparison.notes[1:], *refused),
+        doubts=tuple(dict.fromkeys((*winner.doubts, *winner.fit.advice, *comparison.notes[1:], *refused))),
     )
 
 
-def _predicted(
-    fit: FitResult, table: TrialTable, design: DesignSpec | None, rope_radius_m: float | None
-) -> tuple[Prediction | None, tuple[str, ...]]:
-    """Return the lift force of a design, or None and why there is none."""
+def _wheel(
+    table: TrialTable, design: DesignSpec | None, rope_radius_m: float | None
+) -> tuple[Conditions | None, tuple[str, ...]]:
+    """Return the wheel of a design, or None and why there is none."""
     if design is None:
         return None, ()
     rope_m = float(np.median(table.rope_radius_m[table.used])) if rope_radius_m is None else rope_radius_m
     try:
-        wheel = one_condition(design.wheel_radius_m, rope_m, design.wrap_angle_rad, design.end_tension_N)
-        return predict(fit, wheel), ()
+        return one_condition(design.wheel_radius_m, rope_m, design.wrap_angle_rad, design.end_tension_N), ()
     except RopefricError as error:
-        return None, (f"no lift force for the design: {error}",)
+        return None, (_refusal(error),)
+
+
+def _refusal(error: RopefricError) -> str:
+    return f"no lift force for the design: {error}"

@@ -93,7 +93,7 @@ def run_campaign(
         Made where it is missing; files of these names are replaced. The tables are published as "tables" before
         the fit; the rest is for the caller to publish.
     law : str
-        The law to use; "" for the best that is to be trusted.
+        The law to use; "" for the best whose fit may be used as it stands.
     jobs : int
         Number of processes.
     cache_dir : Path, optional

@@ -35,15 +35,11 @@ def alerts_of(run: CampaignRun, evidence: Evidence) -> tuple[Alert, ...]:
 
 
 def _of_fit(run: CampaignRun) -> Iterable[Alert]:
-    fit, doubts = run.answer.fit, run.answer.doubts
-    if not fit.trustworthy:
-        yield Alert(
-            grade="stop",
-            title=f"The law {fit.law} is not to be trusted: {fit.status}",
-            text=fit.status.advice,
-        )
-    for doubt in doubts:
-        if doubt != fit.status.advice:
+    verdict, law = run.answer.verdict, run.answer.fit.law
+    if not verdict.supported:
+        yield Alert(grade="stop", title=f"The law {law} is {verdict.word}", text=verdict.reason)
+    for doubt in run.answer.doubts:
+        if doubt not in verdict.reasons:
             yield Alert(grade="doubt", title="About the law", text=doubt)
 
 

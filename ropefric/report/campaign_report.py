@@ -81,11 +81,8 @@ def _alerts(run: CampaignRun, evidence: Evidence, pictures: Pictures) -> tuple[A
 
 def _result(run: CampaignRun, evidence: Evidence) -> tuple[Block, ...]:
     answer = run.answer
-    how = "as asked for" if answer.winner.forced else "the best law to be trusted by AICc"
-    if not answer.fit.trustworthy:
-        how += ", NOT to be trusted"
     blocks: list[Block] = [key_facts(run, evidence)]
-    blocks.append(fit_section(answer.fit, f"The law: {answer.fit.law}, {how}"))
+    blocks.append(fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}"))
     if evidence.hand:
         sheet = Section(title="", lines=evidence.hand, verbatim=True)
         blocks.append(Fold(title="The lift force by hand", sections=(sheet,)))

@@ -47,8 +47,8 @@ def _lift_facts(run: CampaignRun) -> tuple[Fact, ...]:
 
 def _law_facts(run: CampaignRun) -> tuple[Fact, ...]:
     fit, entry = run.answer.fit, run.answer.winner.entry
-    trust = "to be trusted" if fit.trustworthy else f"NOT to be trusted: {fit.status}"
-    facts = [Fact(name="Law", value=fit.law, remark=trust)]
+    verdict = run.answer.verdict
+    facts = [Fact(name="Law", value=f"{fit.law}, {verdict.word}", remark=verdict.reason)]
     if math.isfinite(entry.loco_error):
         facts.append(
             Fact(

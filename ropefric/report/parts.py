@@ -1,11 +1,13 @@
 """The parts of a summary, each from one result: a fit, a comparison, a diagnosis, a prediction."""
 
 import math
+from collections.abc import Iterable
 
 from ropefric.fitting.comparison import Comparison
 from ropefric.fitting.diagnosis import Diagnosis
 from ropefric.fitting.extrapolation import REGRESSORS
-from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.judgement import Verdict
+from ropefric.fitting.prediction import Candidate, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.report.numbers import interval, plain, shorthand, tested_range
 from ropefric.report.section import Section, Table
@@ -17,6 +19,7 @@ __all__ = [
     "notes_sections",
     "origin_section",
     "prediction_section",
+    "verdict_section",
 ]
 
 _VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
@@ -35,14 +38,15 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
     rows: list[tuple[str, ...]] = []
     for item, declared in zip(fit.parameters, law.parameters, strict=True):
         unit = "" if declared.unit == "-" else f" [{declared.unit}]"
+        known = found.interval_dof != 0.0
         if not item.vary:
             std, span = "fixed", "–"
         elif item.at_bound:
             std, span = "at its bound", "–"
         else:
-            std, span = plain(item.std, ".2g"), interval(item.ci95)
+            std, span = (plain(item.std, ".2g"), interval(item.ci95)) if known else ("not known", "not known")
         if short:
-            found_value = shorthand(item.value, item.std) if item.vary else plain(item.value, ".5g")
+            found_value = shorthand(item.value, item.std) if item.vary and known else plain(item.value, ".5g")
             values: tuple[str, ...] = (
                 found_value if not item.at_bound else f"{plain(item.value, '.5g')} at its bound",
             )
@@ -58,8 +62,9 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
 
 def notes_sections(fit: FitResult) -> tuple[Section, Section]:
     """Return what is doubtful about a fit, and how it was made."""
+    doubts = tuple(dict.fromkeys((*(text for _, text in fit.doubts), *fit.advice)))
     return (
-        Section(title="Doubts", notes=fit.advice or ("nothing was found",)),
+        Section(title="Doubts", notes=doubts or ("nothing was found",)),
         Section(title="How it was made", notes=fit.notes),
     )
 
@@ -71,6 +76,11 @@ def origin_section(fit: FitResult) -> Section:
     made = ", ".join(f"{name} {number}" for name, number in sorted(versions.items()))
     lines = (f"from {source.get('path') or 'no file'}, with {made or 'unknown versions'}", "tested:")
     return Section(title="Where it comes from, and where it holds", lines=lines, notes=ranges)
+
+
+def verdict_section(verdict: Verdict, title: str) -> Section:
+    """Return a verdict in a word, and why."""
+    return Section(title=title, lines=(f"{verdict.word}: {verdict.reason}",))
 
 
 def comparison_section(comparison: Comparison) -> Section:
@@ -116,13 +126,36 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
     lift = plain(prediction.lift_force_N[index], ".5g")
     lines = [
         f"{where}:",
-        f"F_A = {lift} N by {prediction.law}, standard error {plain(prediction.std_N[index], '.2g')} N",
-        f"{level} confidence interval of the mean: {interval(prediction.interval_N[index])} N",
+        f"F_A = {lift} N by {prediction.law}, standard error {_newtons(prediction.std_N[index])}",
+        f"{level} confidence interval of the mean: {_span(prediction.interval_N[index])}",
     ]
     wide = prediction.prediction_interval_N[index]
     if not math.isnan(float(wide[0])):
         lines.append(f"{level} prediction interval of one pull with a new rope: {interval(wide)} N")
-    return Section(title="Lift force", lines=tuple(lines), notes=prediction.notes(index))
+    verdict = prediction.verdict(index)
+    lines.append(f"{verdict.word}: {verdict.reason}")
+    notes = prediction.notes(index)
+    if not verdict.supported and prediction.spread_N is not None:
+        low, high = prediction.spread_N
+        lines.append(f"laws that the data do not tell apart answer {plain(low)} … {plain(high)} N:")
+        notes = (*(_candidate(item) for item in prediction.candidates), *notes)
+    return Section(
+        title="Lift force", lines=tuple(lines), notes=tuple(n for n in notes if n not in verdict.reasons)
+    )
+
+
+def _candidate(item: Candidate) -> str:
+    error = f"standard error {_newtons(item.std_N)}, interval {_span(item.interval_N)}"
+    return f"{item.law}: {plain(item.lift_force_N, '.5g')} N, {error}"
+
+
+def _newtons(value: float) -> str:
+    return f"{plain(value, '.2g')} N" if math.isfinite(value) else "not known"
+
+
+def _span(ends: Iterable[float]) -> str:
+    ends = tuple(ends)
+    return f"{interval(ends)} N" if all(math.isfinite(end) for end in ends) else "not known"
 
 
 def _percent(value: float) -> str:

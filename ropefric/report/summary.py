@@ -1,7 +1,13 @@
 """A campaign's result in a page of text."""
 
 from ropefric.pipeline.run import CampaignRun, count_trials
-from ropefric.report.parts import comparison_section, diagnosis_section, fit_section, prediction_section
+from ropefric.report.parts import (
+    comparison_section,
+    diagnosis_section,
+    fit_section,
+    prediction_section,
+    verdict_section,
+)
 from ropefric.report.section import Section
 from ropefric.report.text import as_text
 
@@ -11,12 +17,10 @@ __all__ = ["summary_sections", "summary_text"]
 def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
     """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""
     answer = run.answer
-    how = "as asked for" if answer.winner.forced else "the best law to be trusted by AICc"
-    if not answer.fit.trustworthy:
-        how += ", NOT to be trusted"
     sections = [
         _campaign(run),
-        fit_section(answer.fit, f"The law: {answer.fit.law}, {how}"),
+        verdict_section(answer.verdict, "The verdict"),
+        fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}"),
         comparison_section(answer.comparison),
         diagnosis_section(answer.diagnosis),
         Section(title="Doubts", notes=answer.doubts or ("nothing was found",)),

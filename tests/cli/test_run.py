@@ -54,7 +54,9 @@ def test_json_alone_on_stdout_with_the_agreed_shape(call, bench, tmp_path):
     assert tree["extraction"]["n_trials"] == 12
     assert tree["fit"]["law"] in {entry["law"] for entry in tree["ranking"]}
     assert tree["fit"]["schema"] == "ropefric.fit/1"
-    assert done.code == (0 if tree["fit"]["status"] == "ok" else NOT_TRUSTED)
+    assert done.code == NOT_TRUSTED
+    assert tree["verdict"]["word"] == tree["prediction"]["verdict"]["word"] == "not judged"
+    assert "on 2 conditions" in tree["verdict"]["reason"]
     assert tree["prediction"].keys() >= {
         "lift_force_N",
         "std_N",
@@ -102,7 +104,7 @@ def test_a_law_not_to_be_trusted_is_4(call, bench, tmp_path):
     """Two conditions of one wrap and one load tell no law from another."""
     done = call("run", bench, "--out", tmp_path, "--no-figures", "--law", "coupled")
     assert done.code == NOT_TRUSTED
-    assert "NOT to be trusted" in done.out
+    assert "coupled, as asked for; not judged" in done.out
     assert (tmp_path / "summary.txt").exists()
 
 

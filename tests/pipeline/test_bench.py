@@ -20,7 +20,7 @@ FITS = Path(__file__).parents[2] / "fits"
 def test_the_true_law_wins_by_far(bench_run, bench_truth):
     answer = bench_run[0].answer
     assert answer.fit.law == bench_truth["law"]
-    assert answer.fit.trustworthy
+    assert answer.verdict.word == "supported"
     assert answer.comparison.ranking[1].delta_aicc > 100
     supported = {cause.cause: cause.supported for cause in answer.diagnosis.causes}
     assert [supported[name] for name in ("size effect", "wrap effect", "load dependence")] == ["yes"] * 3

@@ -10,12 +10,12 @@ import pytest
 
 from ropefric.errors import DataError, FitError, UnknownNameError
 from ropefric.files.folder import OutputFolder
+from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.status import FitStatus
 from ropefric.pipeline.answer import answer_trials
 from ropefric.pipeline.run import count_trials, run_campaign, write_answer
 from ropefric.pipeline.usable import REASON, set_aside_impossible
-from ropefric.pipeline.winner import choose_winner
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import DesignSpec
 
@@ -72,7 +72,7 @@ def test_a_law_that_cannot_be_trusted_does_not_win(pulls):
     found = compare_laws(pulls("constant", 0.2))
     best = found.ranking[0]
     spoilt = replace(best, fit=replace(best.fit, status=FitStatus.AT_BOUND), status="at-bound")
-    winner = choose_winner(replace(found, ranking=(spoilt, *found.ranking[1:])))
+    winner = choose_law(replace(found, ranking=(spoilt, *found.ranking[1:])))
     assert winner.fit.law != best.law
     assert winner.fit.trustworthy
     assert f"{best.law} stands" in winner.doubts[0]
@@ -87,7 +87,7 @@ def test_where_no_law_can_be_trusted_the_best_says_so(pulls):
         else replace(entry, fit=replace(entry.fit, status=FitStatus.UNIDENTIFIABLE))
         for entry in found.ranking
     )
-    winner = choose_winner(replace(found, ranking=spoilt))
+    winner = choose_law(replace(found, ranking=spoilt))
     assert winner.fit.law == found.best.law
     assert not winner.fit.trustworthy
 
@@ -96,7 +96,7 @@ def test_a_law_without_an_answer_cannot_be_asked_for(pulls):
     found = compare_laws(pulls("constant", 0.2))
     gone = replace(found.ranking[0], fit=None, counted=False, note="no answer here")
     with pytest.raises(FitError, match="no answer here"):
-        choose_winner(replace(found, ranking=(gone, *found.ranking[1:])), gone.law)
+        choose_law(replace(found, ranking=(gone, *found.ranking[1:])), gone.law)
 
 
 def test_a_design_without_an_answer_is_a_doubt_and_no_number(pulls):
@@ -213,7 +213,7 @@ def capstan(real_data, tmp_path):
 def test_a_real_rope_on_a_cylinder_obeys_the_capstan_equation(capstan, tmp_path):
     answer = run_campaign(capstan, tmp_path / "out").answer
     assert answer.fit.law == "constant"
-    assert answer.fit.trustworthy
+    assert answer.verdict.word == "supported"
     assert answer.fit["mu"].value == pytest.approx(0.181, abs=0.006)
     low, high = answer.fit["mu"].ci95
     assert low < 0.181 < high

@@ -8,10 +8,10 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.files.folder import OutputFolder
+from ropefric.fitting.choice import choose_law
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline.run import run_campaign
-from ropefric.pipeline.winner import choose_winner
 from ropefric.report.write import write_report
 from ropefric.trials.campaign import load_campaign
 
@@ -42,12 +42,13 @@ def test_the_report_is_made_again_without_extracting_again(run, results, tmp_pat
     """From its folder alone: the manifest knows the campaign and the law that was asked for."""
     folder = tmp_path / "out"
     shutil.copytree(results / ".cache", folder / ".cache")
-    winner = choose_winner(run.answer.comparison, "constant")
+    wheel = run.answer.prediction.conditions
+    winner = choose_law(run.answer.comparison, "constant", wheel)
     asked = replace(
         run.answer,
         winner=winner,
-        prediction=predict(winner.fit, run.answer.prediction.conditions),
-        doubts=(*winner.fit.advice, *winner.doubts, *run.answer.comparison.notes[1:]),
+        prediction=winner.of(predict(winner.fit, wheel)),
+        doubts=tuple(dict.fromkeys((*winner.doubts, *winner.fit.advice, *run.answer.comparison.notes[1:]))),
     )
     with OutputFolder(folder, family="campaign") as target:
         write_report(replace(run, answer=asked), target, figures=False)
@@ -78,14 +79,15 @@ def test_without_a_wheel_there_is_no_lift_force_and_that_is_said(run, tmp_path):
 
 
 def test_a_law_not_to_be_trusted_is_the_first_thing_to_be_read(run, tmp_path):
-    winner = choose_winner(run.answer.comparison, "coupled")
+    winner = choose_law(run.answer.comparison, "coupled")
     assert not winner.fit.trustworthy
-    page = without_figures(replace(run, answer=replace(run.answer, winner=winner)), tmp_path)
+    answer = replace(run.answer, winner=winner, prediction=winner.of(run.answer.prediction))
+    page = without_figures(replace(run, answer=answer), tmp_path)
     first = page[page.index('<ul class="alerts">') :].split("</li>")[0]
     assert 'class="stop"' in first
     assert "Do not use" in first
     assert "coupled" in first
-    assert "NOT to be trusted" in page
+    assert f"coupled, {winner.verdict.word}" in page
     assert "--law coupled" in page
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import NOT_TRUSTED, TableArgument, read_table, show_sections
+from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 
@@ -20,11 +20,12 @@ Laws = Annotated[
 def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
 
-    The two constant laws always stand in the comparison. Exits with 4 when the best law's fit is not to be
-    trusted, or when the data leave no choice of law.
+    The two constant laws always stand in the comparison. Exits with 4 unless the best law is supported: when the
+    data leave two laws undecided, or no choice at all.
     """
-    from ropefric.fitting.compare import compare_laws  # noqa: PLC0415  (quick start-up)
-    from ropefric.report.parts import comparison_section  # noqa: PLC0415
+    from ropefric.fitting.choice import choose_law  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting.compare import compare_laws  # noqa: PLC0415
+    from ropefric.report.parts import comparison_section, verdict_section  # noqa: PLC0415
 
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
     table = read_table(trials, out)
@@ -32,12 +33,12 @@ def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
         found = compare_laws(
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
         )
-    best = found.best
-    trusted = found.conclusive and best.fit is not None and best.fit.trustworthy
+    choice = choose_law(found)
+    sections = [comparison_section(found), verdict_section(choice.verdict, f"The law: {choice.fit.law}")]
     return Answer(
-        data=found.to_dict(),
-        show=lambda console: show_sections([comparison_section(found)], console),
-        exit_code=0 if trusted else NOT_TRUSTED,
+        data=found.to_dict() | choice.to_dict(),
+        show=lambda console: show_sections(sections, console),
+        exit_code=exit_code_of(choice.verdict),
     )
 
 

@@ -70,7 +70,7 @@ def design(
 ) -> Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
-    Exits with 4 when there is none, or the fit is not to be trusted.
+    Exits with 4 when there is none, or the law is not supported by its fit.
     """
     R_w = read_quantity(wheel_radius, "m", "--wheel-radius") if wheel_radius else None
     phi = read_quantity(wrap, "rad", "--wrap") if wrap else None
@@ -103,7 +103,7 @@ def design(
         data=found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
         show=lambda console: show_sections([_section(found)], console),
-        exit_code=exit_code_of(stored) if reached else NOT_TRUSTED,
+        exit_code=exit_code_of(stored.verdict) if reached else NOT_TRUSTED,
     )
 
 

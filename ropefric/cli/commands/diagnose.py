@@ -1,20 +1,27 @@
 """`ropefric diagnose`: why a rope does not obey the capstan equation."""
 
 from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import TableArgument, read_table, show_sections
+from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
 from ropefric.cli.output import Output
 
 __all__ = ["COMMAND"]
 
 
 def diagnose(out: Output, trials: TableArgument) -> Answer:
-    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, no gross slip."""
+    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, no gross slip.
+
+    Exits with 4 unless the best law is supported: when the data leave two laws undecided, or no choice at all.
+    """
     from ropefric.fitting.diagnose import diagnose as find_causes  # noqa: PLC0415  (quick start-up)
     from ropefric.report.parts import diagnosis_section  # noqa: PLC0415
 
     found = find_causes(read_table(trials, out))
     section = diagnosis_section(found, full=True)
-    return Answer(data=found.to_dict(), show=lambda console: show_sections([section], console))
+    return Answer(
+        data=found.to_dict(),
+        show=lambda console: show_sections([section], console),
+        exit_code=exit_code_of(found.verdict),
+    )
 
 
 COMMAND = Command(name="diagnose", run=diagnose, example="ropefric diagnose fits/prth-trials.csv", order=110)

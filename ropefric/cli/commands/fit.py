@@ -53,12 +53,12 @@ def fit(
 ) -> Answer:
     """Fit a friction law to a trial table: parameters with 95 % intervals, and whether to trust them.
 
-    Exits with 4 when the result is not to be trusted; its status says why.
+    Exits with 4 when the law is not supported by its fit: undecided, or not judged; the status says more.
     """
     from ropefric.fitting.fit import fit_law  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.fitting.intervals import with_intervals  # noqa: PLC0415
     from ropefric.fitting.store import check_target, save_fit  # noqa: PLC0415
-    from ropefric.report.parts import fit_section, notes_sections  # noqa: PLC0415
+    from ropefric.report.parts import fit_section, notes_sections, verdict_section  # noqa: PLC0415
 
     options = {
         "fixed": parse_assignments(fix or (), option="--fix"),
@@ -71,11 +71,12 @@ def fit(
     result = with_intervals(fitted, intervals, seed=seed)
     if file is not None:
         out.note(f"wrote {save_fit(result, file, overwrite=force)}")
-    sections = [fit_section(result), *notes_sections(result)]
+    verdict = verdict_section(result.verdict, "The verdict, by this fit alone")
+    sections = [fit_section(result), verdict, *notes_sections(result)]
     return Answer(
-        data=result.to_dict(),
+        data=result.to_dict() | {"verdict": result.verdict.to_dict()},
         show=lambda console: show_sections(sections, console),
-        exit_code=exit_code_of(result),
+        exit_code=exit_code_of(result.verdict),
     )
 
 

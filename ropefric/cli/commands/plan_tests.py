@@ -100,7 +100,7 @@ def plan_tests(
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
     Starts from a stored fit, or from a law with guessed parameters, and shows the plan's worth beside that of an
-    equal number of tests that vary one factor at a time. Exits with 4 when the fit is not to be trusted.
+    equal number of tests that vary one factor at a time. Exits with 4 unless the fit supports its law.
     """
     if (fit is None) == (not law):
         raise typer.BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
@@ -133,7 +133,7 @@ def plan_tests(
     known: dict[str, object] = {}
     if fit is not None:
         stored = read_fit(fit, out)
-        rope_m, exit_code = rope_radius(stored, rope_m), exit_code_of(stored)
+        rope_m, exit_code = rope_radius(stored, rope_m), exit_code_of(stored.verdict)
         planned = planned_fit(stored, within=within, between=between, instrument_N=u_N)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:

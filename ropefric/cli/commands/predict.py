@@ -47,7 +47,7 @@ def predict(
 ) -> Answer:
     """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
 
-    Exits with 4 when the fit is not to be trusted.
+    Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
     R_w = read_quantity(wheel_radius, "m", "--wheel-radius")
     phi = read_quantity(wrap, "rad", "--wrap")
@@ -74,7 +74,9 @@ def predict(
         data["hand"] = list(lines)
         sections.append(Section(title="By hand", lines=lines, verbatim=True))
     return Answer(
-        data=data, show=lambda console: show_sections(sections, console), exit_code=exit_code_of(stored)
+        data=data,
+        show=lambda console: show_sections(sections, console),
+        exit_code=exit_code_of(found.verdict()),
     )
 
 

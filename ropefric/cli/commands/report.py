@@ -42,7 +42,7 @@ def report(
     """Make report.html again, without extracting again what the cache holds.
 
     The tables, fits and numbers beside it are brought up to date with it; pictures of single conditions are left as
-    they are, and removed if the forces have changed. Exits with 4 when the law that is used is not to be trusted.
+    they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
     from ropefric.pipeline.provenance import MANIFEST, recorded_run  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415

@@ -68,7 +68,8 @@ def run(
 
     Writes report.html, summary.txt, trials.csv, conditions.csv, problems.csv, figures/, fits/ (a file a law),
     comparison.csv, prediction.json, uncertainty.json, next_tests.csv and manifest.json. What an earlier run wrote
-    there and no longer fits is removed. Exits with 4 when the law that is used is not to be trusted.
+    there and no longer fits is removed. Exits with 4 unless the law and its lift force are supported: when the data
+    leave two of them undecided, or judge none.
     """
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (quick start-up)
 
@@ -155,7 +156,7 @@ def work_through(
     return Answer(
         data=result.to_dict() | {"written": [*result.written, *pages]},
         show=lambda console: _show(result, folder, console),
-        exit_code=exit_code_of(result.answer.fit),
+        exit_code=exit_code_of(result.answer.verdict),
     )
 
 

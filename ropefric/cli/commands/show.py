@@ -17,14 +17,16 @@ FitFile = Annotated[Path, typer.Argument(metavar="FIT.json", help="A stored fit.
 def show(out: Output, file: FitFile) -> Answer:
     """Show a stored fit: its parameters, whether to trust it, what it was made from, where it holds.
 
-    Exits with 4 when it is not to be trusted.
+    Exits with 4 when its law is not supported: undecided, or not judged.
     """
     from ropefric.report.parts import fit_section, notes_sections, origin_section  # noqa: PLC0415  (quick start-up)
 
     fit = read_fit(file, out)
     sections = [fit_section(fit, short=True), *notes_sections(fit), origin_section(fit)]
     return Answer(
-        data=fit.to_dict(), show=lambda console: show_sections(sections, console), exit_code=exit_code_of(fit)
+        data=fit.to_dict() | {"verdict": fit.verdict.to_dict()},
+        show=lambda console: show_sections(sections, console),
+        exit_code=exit_code_of(fit.verdict),
     )
 
 

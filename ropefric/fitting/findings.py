@@ -1,4 +1,4 @@
-"""The verdict on a fit: everything that keeps it from being trusted, and the experiment that would help."""
+"""The findings on a fit: everything that keeps it from being trusted, and the experiment that would help."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from ropefric.fitting.weights import Scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 
-__all__ = ["Evidence", "Verdict", "judge"]
+__all__ = ["Evidence", "Findings", "find"]
 
 # Above this ratio a part in a hundred of noise in the data is more than the parameters' own size; below it the
 # standard errors cannot be bad unless the scatter is, and that is no matter of the design.
@@ -32,7 +32,7 @@ _FEW_CONDITIONS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Findings:
     """What is to be said about a fit.
 
     Attributes
@@ -49,7 +49,7 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evidence:
-    """What the verdict is about.
+    """What the findings are about.
 
     Attributes
     ----------
@@ -95,8 +95,8 @@ class Evidence:
     slack_slope: float = 1.0
 
 
-def judge(evidence: Evidence) -> Verdict:
-    """Return the verdict.
+def find(evidence: Evidence) -> Findings:
+    """Return the findings.
 
     A large ratio of singular values alone condemns nothing: with enough data the parameters are known all the
     same. A parameter counts as not seen if it can be traded for others without any trace, or if the ratio is
@@ -104,17 +104,17 @@ def judge(evidence: Evidence) -> Verdict:
     only). Scatter between conditions is advice, not a fault:
     the clustered errors include it; a trend with p < 0.001 in wrap, size or load is a fault of the law.
     """
-    findings = [
+    found = [
         *_search(evidence),
         *_design(evidence),
         *_slack(evidence),
         *_bounds(evidence),
         *_residuals(evidence),
     ]
-    status = worst(kind for kind, _ in findings)
+    status = worst(kind for kind, _ in found)
     rank = list(FitStatus)
-    findings.sort(key=lambda finding: -rank.index(finding[0]))
-    return Verdict(status=status, advice=tuple(text for _, text in findings))
+    found.sort(key=lambda finding: -rank.index(finding[0]))
+    return Findings(status=status, advice=tuple(text for _, text in found))
 
 
 def _search(evidence: Evidence) -> Iterator[tuple[FitStatus, str]]:

@@ -1,0 +1,240 @@
+"""Which law of a comparison is used, the verdict on it, and what the laws beside it would answer."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ropefric.errors import FitError, RopefricError
+from ropefric.fitting.comparison import Comparison, ComparisonEntry
+from ropefric.fitting.judgement import RIVAL, Doubt, Verdict, same_lift, verdict_of
+from ropefric.fitting.predict import predict
+from ropefric.fitting.prediction import Candidate, Prediction
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.standing import NESTED
+from ropefric.fitting.status import FitStatus
+from ropefric.friction.condition import Conditions
+
+__all__ = ["Choice", "choose_law"]
+
+# Their forces follow the data as well as those of others, whatever is known of their parameters.
+_ANSWERING = frozenset({FitStatus.OK, FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Choice:
+    """The law that is used.
+
+    Attributes
+    ----------
+    fit : FitResult
+        Its fit.
+    entry : ComparisonEntry
+        How it stands in the comparison.
+    forced : bool
+        Whether the user named it.
+    verdict : Verdict
+        What is to be thought of it.
+    doubts : tuple of str
+        What is to be known about the choice, the reasons of the verdict among it; empty if nothing.
+    rivals : tuple of FitResult
+        Laws that the data do not tell from it.
+    """
+
+    fit: FitResult
+    entry: ComparisonEntry
+    forced: bool
+    verdict: Verdict
+    doubts: tuple[str, ...]
+    rivals: tuple[FitResult, ...]
+
+    @property
+    def how(self) -> str:
+        """Return how the law came to be used, and the verdict."""
+        chosen = self.entry.counted and not math.isnan(self.entry.weight)
+        place = "the best by AICc" if chosen else "shown, since none could be chosen"
+        return f"{'as asked for' if self.forced else place}; {self.verdict.word}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree of the law and the verdict."""
+        return {"law": self.fit.law, "verdict": self.verdict.to_dict()}
+
+    def of(self, prediction: Prediction) -> Prediction:
+        """Return a prediction of one condition with this verdict, and beside it what the rivals answer."""
+        candidates = _candidates(prediction, (self.fit, *self.rivals))
+        return replace(prediction, judged=self.verdict, candidates=candidates if len(candidates) > 1 else ())
+
+
+def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
+    """Return the best law of a comparison whose fit may be used as it stands, or the law that is asked for.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Laws, best first.
+    law : str
+        The law to use whatever its place; "" for the best.
+    wheel : Conditions, optional
+        What is to be predicted: laws that are not told apart count as one where they agree there; by default,
+        where they agree on the conditions that were tested.
+
+    Returns
+    -------
+    Choice
+        Where no law may be used as it stands, the best of all, whose verdict says so.
+
+    Raises
+    ------
+    UnknownNameError
+        If the law is not in the comparison.
+    FitError
+        If the law has no answer on these data.
+
+    Examples
+    --------
+    >>> from ropefric.fitting.compare import compare_laws
+    >>> from ropefric.fitting.table import TrialTable
+    >>> table = TrialTable(
+    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
+    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
+    ... )
+    >>> choose_law(compare_laws(table)).verdict.word
+    'not judged'
+    """
+    fitted = [entry for entry in comparison.ranking if entry.fit is not None]
+    if law:
+        chosen = comparison[law]
+        if chosen.fit is None:
+            raise FitError(f"{law} has no answer on these data: {chosen.note}", fix="use another law")
+    else:
+        good = [
+            entry for entry in fitted if entry.counted and entry.fit is not None and entry.fit.trustworthy
+        ]
+        chosen = (good or fitted)[0]
+    assert chosen.fit is not None  # noqa: S101  (looked at above)
+    rivals = _rivals(comparison, chosen, fitted)
+    doubts = [
+        *_of_place(comparison, chosen, fitted[0], forced=bool(law)),
+        *chosen.fit.doubts,
+        *_of_rivals(chosen, rivals, wheel),
+    ]
+    weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"
+    alike = f"; {_listed(rivals)} answer{'s' * (len(rivals) == 1)} alike" if rivals else ""
+    place = "has the lowest AICc" if chosen.delta_aicc <= 0.0 else f"is within {RIVAL:g} of the lowest AICc"
+    text = f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
+    return Choice(
+        fit=chosen.fit,
+        entry=chosen,
+        forced=bool(law),
+        verdict=verdict_of(doubts, text),
+        doubts=tuple(dict.fromkeys(text for _, text in doubts)),
+        rivals=tuple(entry.fit for entry in rivals if entry.fit is not None),
+    )
+
+
+def _of_place(
+    comparison: Comparison, chosen: ComparisonEntry, first: ComparisonEntry, *, forced: bool
+) -> list[Doubt]:
+    """Return what the place of a law in the comparison says against it."""
+    if not comparison.conclusive:
+        counted = [entry.law for entry in comparison.ranking if entry.counted]
+        named = f"only {' and '.join(counted)} could be" if counted else "no law could be"
+        unit = comparison.unit if comparison.n != 1 else comparison.unit[:-1]
+        return [
+            (
+                "not judged",
+                f"no choice of law: {named} ranked on {comparison.n} {unit}; measure more conditions",
+            )
+        ]
+    if not chosen.counted:
+        return [("not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}")]
+    lead = chosen.delta_aicc - (first.delta_aicc if first.counted else 0.0)
+    if chosen is first or lead <= 0.0:
+        return []
+    word: Doubt = (
+        "undecided" if lead > RIVAL else "supported",
+        f"{first.law} stands {lead:.1f} in AICc before",
+    )
+    if forced:
+        return [(word[0], f"{chosen.law} was asked for; {word[1]} it")]
+    return [(word[0], f"{word[1]} {chosen.law}, but is not to be used as it stands: {first.status}")]
+
+
+def _rivals(
+    comparison: Comparison, chosen: ComparisonEntry, fitted: Sequence[ComparisonEntry]
+) -> list[ComparisonEntry]:
+    """Return the laws that the data do not tell from the one used: all that fit, where none could be weighed."""
+    if not comparison.conclusive:
+        return [e for e in fitted if e is not chosen and e.fit is not None and e.fit.status is FitStatus.OK]
+    return [
+        entry
+        for entry in fitted
+        if entry is not chosen
+        and entry.counted
+        and entry.delta_aicc <= RIVAL
+        and entry.fit is not None
+        and entry.fit.status in _ANSWERING
+    ]
+
+
+def _of_rivals(
+    chosen: ComparisonEntry, rivals: Sequence[ComparisonEntry], wheel: Conditions | None
+) -> list[Doubt]:
+    """Return which rivals give another lift force than the law used."""
+    others = [entry.law for entry in rivals if entry.counted and not _agree(chosen, entry, wheel)]
+    if not others:
+        return []
+    where = "on the conditions tested" if wheel is None else "for the wheel asked for"
+    return [
+        (
+            "undecided",
+            f"{chosen.law} and {' and '.join(others)} are within {RIVAL:g} in AICc and answer differently {where}",
+        )
+    ]
+
+
+def _agree(chosen: ComparisonEntry, rival: ComparisonEntry, wheel: Conditions | None) -> bool:
+    assert chosen.fit is not None  # noqa: S101  (only fitted laws come here)
+    assert rival.fit is not None  # noqa: S101
+    problem = chosen.fit.problem
+    if wheel is None:
+        if problem is None:
+            return True
+        wheel = problem.conditions.select(np.unique(problem.group, return_index=True)[1])
+    try:
+        own, other = (predict(entry.fit, wheel, check=False) for entry in (chosen, rival) if entry.fit)
+    except RopefricError:
+        return False
+    nested = chosen.law in NESTED.get(rival.law, ()) or rival.law in NESTED.get(chosen.law, ())
+    # Of a law on a bound no interval is known, and only its force can be looked at.
+    known = rival.fit.status is FitStatus.OK
+    return same_lift(
+        other.log_lift - own.log_lift, own.log_half_width, other.log_half_width, nested=nested or not known
+    )
+
+
+def _candidates(prediction: Prediction, fits: Sequence[FitResult]) -> tuple[Candidate, ...]:
+    """Return the answers of several laws for one condition, the same one once."""
+    found: list[Candidate] = []
+    for fit in fits:
+        try:
+            other = predict(
+                fit, prediction.conditions, level=prediction.level, method=prediction.method, check=False
+            )
+        except RopefricError:
+            continue
+        lift_N = float(other.lift_force_N[0])
+        if not any(math.isclose(lift_N, item.lift_force_N, rel_tol=1e-6) for item in found):
+            low, high = other.interval_N[0].tolist()
+            found.append(
+                Candidate(
+                    law=fit.law, lift_force_N=lift_N, std_N=float(other.std_N[0]), interval_N=(low, high)
+                )
+            )
+    return tuple(found)
+
+
+def _listed(rivals: Sequence[ComparisonEntry]) -> str:
+    return " and ".join(entry.law for entry in rivals)

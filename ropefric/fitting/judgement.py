@@ -1,0 +1,212 @@
+"""The one verdict on a law and on what it predicts: supported, undecided or not judged, with the reason in words.
+
+All rules stand here, and the terminal, the report, JSON and the exit code say what they say.
+
+not judged
+    The data leave no choice or no test: the fit has not converged, the data do not show its parameters or only one
+    end of their range, there are fewer than `spare` = 3 more conditions than fitted parameters (as for AICc, which
+    has no value below n = k + 2 with the scatter among the k), or no law but one could be weighed.
+undecided
+    Something speaks against the law. Its own fit: the residuals follow a regressor, the repeats scatter extremely,
+    or the conditions scatter more than twice as far as their repeats (a third or more of the residuals then lie
+    beyond ±2 of the scatter between repeats) while fewer than ten conditions are left over, too few to show whether
+    that is a new rope each time or an effect the law misses; with ten, a trend would have been found, and the
+    scatter counts as scatter, which the clustered errors and the prediction interval hold. Another law: one that
+    stands more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
+    The interval: the linear one and the one drawn from the parameters' covariance differ by more than a half width.
+supported
+    Otherwise. A law within 2 that gives the same lift force is no contradiction. Two laws of which neither is a
+    special case of the other do where the root mean square of ln F_A between them lies within the half width of the
+    used law's interval, and the intervals differ by no more than a factor 2. A law and a richer one that contains
+    it do where it lies within both half widths, added as squares: what the richer law knows of its extra effect is
+    in its own, wider interval, and that it is wider says nothing against the simpler law.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import fdtrc
+
+from ropefric.fitting.status import FitStatus
+
+__all__ = [
+    "RIVAL",
+    "Doubt",
+    "Verdict",
+    "Word",
+    "doubts_of_fit",
+    "doubts_of_interval",
+    "same_lift",
+    "verdict_of",
+]
+
+Word = Literal["supported", "undecided", "not judged"]
+Doubt = tuple[Word, str]
+"""The word a finding calls for, and the finding; "supported" for one that is only to be known."""
+
+RIVAL = 2.0
+"""Difference in AICc up to which two laws are not told apart."""
+
+_WORDS: tuple[Word, ...] = ("supported", "undecided", "not judged")
+_OF_STATUS: dict[FitStatus, Word] = {
+    FitStatus.EXTREME_SCATTER: "undecided",
+    FitStatus.RESIDUAL_STRUCTURE: "undecided",
+    FitStatus.AT_BOUND: "not judged",
+    FitStatus.UNIDENTIFIABLE: "not judged",
+    FitStatus.TOO_FEW_POINTS: "not judged",
+    FitStatus.NOT_CONVERGED: "not judged",
+}
+# Conditions beyond the fitted parameters: one for the scatter, one more for the small-sample term of AICc.
+_SPARE = 3
+_MANY_SPARE = 10
+_SCATTER_RATIO = 2.0
+_LACK_OF_FIT_P = 1e-3
+_WIDTHS = 2.0
+# Forces that agree to this are the same whatever their intervals.
+_SAME = 1e-6
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What is to be thought of a law, or of a lift force.
+
+    Attributes
+    ----------
+    word : {"supported", "undecided", "not judged"}
+        The verdict.
+    reasons : tuple of str
+        Why, gravest first.
+    """
+
+    word: Word
+    reasons: tuple[str, ...]
+
+    @property
+    def supported(self) -> bool:
+        """Return whether the result may be used as it stands."""
+        return self.word == "supported"
+
+    @property
+    def reason(self) -> str:
+        """Return the reasons as one text."""
+        return " ".join(text if text.endswith((".", ")")) else f"{text}." for text in self.reasons)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree."""
+        return {"word": self.word, "reason": self.reason, "reasons": list(self.reasons)}
+
+
+def verdict_of(doubts: Iterable[Doubt], otherwise: str) -> Verdict:
+    """Return the gravest word that doubts call for, with all that call for one; `otherwise` is why there is none.
+
+    Examples
+    --------
+    >>> verdict_of([("undecided", "two laws"), ("supported", "by the way"), ("not judged", "no test")], "").reason
+    'no test. two laws.'
+    >>> verdict_of([], "nothing speaks against it").word
+    'supported'
+    """
+    grave = sorted((doubt for doubt in doubts if doubt[0] != "supported"), key=lambda d: -_WORDS.index(d[0]))
+    if not grave:
+        return Verdict(word="supported", reasons=(otherwise,))
+    return Verdict(word=grave[0][0], reasons=tuple(dict.fromkeys(text for _, text in grave)))
+
+
+def doubts_of_fit(
+    law: str,
+    *,
+    status: FitStatus,
+    advice: tuple[str, ...],
+    n: int,
+    n_conditions: int,
+    n_fitted: int,
+    within: float,
+    between: float,
+) -> tuple[Doubt, ...]:
+    """Return what speaks against a law in its own fit.
+
+    Parameters
+    ----------
+    law : str
+        Its name.
+    status : FitStatus
+        The gravest finding of the fit.
+    advice : tuple of str
+        All its findings in words.
+    n, n_conditions, n_fitted : int
+        Trials, conditions, fitted parameters.
+    within, between : float
+        Scatter between repeats, and that between conditions beyond it [-]; NaN where unknown.
+    """
+    doubts: list[Doubt] = []
+    if status is not FitStatus.OK:
+        doubts.append((_OF_STATUS[status], advice[0] if advice else status.advice))
+    spare = n_conditions - n_fitted
+    if spare < _SPARE and status is not FitStatus.TOO_FEW_POINTS:
+        text = (
+            f"{n_conditions} condition{'s' * (n_conditions != 1)} cannot test the {n_fitted} fitted parameter"
+            f"{'s' * (n_fitted != 1)} of {law}: {n_fitted + _SPARE} are needed"
+        )
+        doubts.append(("not judged", text))
+    elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within:
+        F = 1.0 + n / n_conditions * (between / within) ** 2
+        if float(fdtrc(spare, n - n_conditions, F)) < _LACK_OF_FIT_P:
+            text = (
+                f"the conditions lie {between:.2%} off {law}, their repeats scatter by {within:.2%}: "
+                f"{n_conditions} conditions do not show whether that is a new rope each time or an effect it misses"
+            )
+            doubts.append(("undecided", text))
+    return tuple(doubts)
+
+
+def doubts_of_interval(linear: FloatArray, drawn: FloatArray | None, words: str) -> tuple[Doubt, ...]:
+    """Return the doubt that a linear and a drawn interval disagree grossly, or that nothing could be drawn.
+
+    Examples
+    --------
+    >>> doubts_of_interval(np.array([144.6, 161.2]), np.array([50.0, 156.4]), "they disagree")
+    (('undecided', 'they disagree'),)
+    >>> doubts_of_interval(np.array([168.6, 169.5]), np.array([168.7, 169.7]), "they disagree")
+    ()
+    """
+    if drawn is None:
+        return (("undecided", words),)
+    half = 0.5 * float(linear[1] - linear[0])
+    apart = float(np.abs(drawn - linear).max())
+    return (("undecided", words),) if apart > half + _SAME * float(np.abs(linear).max()) else ()
+
+
+def same_lift(
+    difference: FloatArray, half_width: FloatArray, rival_half_width: FloatArray, *, nested: bool
+) -> bool:
+    """Return whether two laws give the same lift force, by root mean squares over n conditions.
+
+    Parameters
+    ----------
+    difference : ndarray, shape (n,)
+        ln F_A of the rival less that of the law used.
+    half_width, rival_half_width : ndarray, shape (n,)
+        Of their confidence intervals of ln F_A.
+    nested : bool
+        Whether one is a special case of the other.
+
+    Examples
+    --------
+    >>> near, narrow, wide = np.array([0.01]), np.array([0.02]), np.array([0.05])
+    >>> same_lift(near, narrow, wide, nested=True), same_lift(near, narrow, wide, nested=False)
+    (True, False)
+    """
+    apart, own, others = (
+        math.sqrt(float(np.mean(values**2))) for values in (difference, half_width, rival_half_width)
+    )
+    if apart <= _SAME:
+        return True
+    if nested:
+        return apart <= math.hypot(own, others)
+    return apart <= own and own / _WIDTHS <= others <= own * _WIDTHS

@@ -1,0 +1,202 @@
+"""The one verdict, in three words, wherever it is read: terminal, JSON, report, Python and exit code."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import ropefric
+from ropefric.cli.app import main
+from ropefric.fitting.choice import choose_law
+from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.predict import predict
+from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import LAWS
+from ropefric.pipeline.answer import answer_trials
+from ropefric.trials.campaign_model import DesignSpec
+
+NOT_TRUSTED = 4
+WHEEL = ("--wheel-radius", "40 mm", "--wrap", "200 deg", "--end-tension", "20 N")
+
+
+def pulls(
+    law, theta, radii=(0.04,), wraps=(6.0,), loads=(20.0,), *, repeats=4, within=0.01, between=(0.0,), seed=1
+):
+    """A table that obeys a law, each condition off it by the next of `between`."""
+    grid = [axis.ravel() for axis in np.meshgrid(radii, wraps, loads, indexing="ij")]
+    off = np.repeat(np.resize(between, grid[0].size), repeats)
+    R, phi, F = (np.repeat(axis, repeats) for axis in grid)
+    names = tuple(f"t{i}" for i in range(R.size))
+    columns = {
+        "trial": names,
+        "wheel_radius_m": R,
+        "rope_radius_m": 0.005,
+        "wrap_angle_rad": phi,
+        "end_tension_N": F,
+    }
+    bare = TrialTable(peak_N=np.full(R.size, 1e6), **columns)
+    noise = within * np.random.default_rng(seed).standard_normal(R.size)
+    return TrialTable(
+        peak_N=np.exp(LAWS[law].log_lift(list(theta), bare.conditions()) + noise + off), **columns
+    )
+
+
+def write(table, path):
+    rows = ["wheel_radius_mm,rope_diameter_mm,wrap_angle_rad,end_tension_N,peak_N"]
+    columns = (
+        1e3 * table.wheel_radius_m,
+        2e3 * table.rope_radius_m,
+        table.wrap_angle_rad,
+        table.end_tension_N,
+    )
+    rows += [",".join(map(repr, map(float, row))) for row in zip(*columns, table.peak_N, strict=True)]
+    path.write_text("\n".join([*rows, ""]), encoding="utf-8")
+    return path
+
+
+def everywhere(table, folder, capfd):
+    """Return the verdict on a table as compare, diagnose and Python give it, all the same; and what they print."""
+    path = write(table, folder / "trials.csv")
+    word = choose_law(ropefric.compare(path)).verdict
+    printed = ""
+    for command in ("compare", "diagnose"):
+        code = main([command, str(path), "--quiet"])
+        text = " ".join(capfd.readouterr().out.split())
+        assert f"{word.word}: {word.reason}" in text
+        assert code == (0 if word.supported else NOT_TRUSTED)
+        main([command, str(path), "--json", "--quiet"])
+        assert json.loads(capfd.readouterr().out)["verdict"] == word.to_dict()
+        printed += text
+    return word, printed
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_few_conditions_judge_nothing(n, tmp_path, capfd):
+    table = pulls("constant", [0.2], wraps=np.pi * np.arange(1, n + 1))
+    verdict, printed = everywhere(table, tmp_path, capfd)
+    assert verdict.word == "not judged"
+    assert "no choice of law" in verdict.reason
+    assert "trusted" not in printed
+    assert (
+        main(["fit", str(tmp_path / "trials.csv"), "--law", "constant", "--out", str(tmp_path / "f.json")])
+        == 4
+    )
+    assert main(["predict", "--fit", str(tmp_path / "f.json"), *WHEEL]) == NOT_TRUSTED
+    assert "not judged" in capfd.readouterr().out
+
+
+def test_conditions_far_beyond_their_repeats_leave_it_undecided(tmp_path, capfd):
+    """Six conditions five times as far off as their repeats: most residuals lie beyond ±2 of the repeats' scatter."""
+    off = 0.05 * np.array([1.0, -1.2, 0.9, 1.1, -1.0, -0.9])
+    table = pulls("constant", [0.2], wraps=np.pi / 2 * np.arange(1, 7), repeats=5, between=off)
+    fit = ropefric.fit(table, "constant")
+    beyond = np.abs(fit.problem.residuals(fit.theta)) > 2
+    assert beyond.sum() > 15
+    verdict, _ = everywhere(table, tmp_path, capfd)
+    assert verdict.word == "undecided"
+    assert "do not show whether that is a new rope each time or an effect it misses" in verdict.reason
+    calm = pulls("constant", [0.2], wraps=np.pi / 2 * np.arange(1, 7), repeats=5)
+    assert everywhere(calm, tmp_path, capfd)[0].word == "supported"
+
+
+def test_many_conditions_show_a_new_rope_each_time(tmp_path, capfd):
+    off = 0.04 * np.random.default_rng(4).standard_normal(24)
+    table = pulls("constant", [0.2], (0.02, 0.04), np.linspace(2, 12, 6), (10, 60), repeats=3, between=off)
+    verdict, _ = everywhere(table, tmp_path, capfd)
+    assert verdict.word == "supported"
+
+
+# --- laws that are not told apart -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def one_wheel():
+    """A wrap effect on one wheel, which three laws explain within 2 in AICc."""
+    return pulls("wrap-power", (0.2, -0.5, 0.1), wraps=(1.0, 2.0, 4.0, 8.0), loads=(5.0, 50.0), within=0.02)
+
+
+def test_laws_that_answer_differently_show_their_spread(one_wheel, tmp_path, capfd):
+    design = DesignSpec(wheel_radius_m=0.12, wrap_angle_rad=7.0, end_tension_N=40.0)
+    answer = answer_trials(one_wheel, design=design)
+    found = answer.prediction
+    assert answer.verdict.word == "undecided"
+    assert "within 2 in AICc and answer differently for the wheel asked for" in answer.verdict.reason
+    lifts = {item.law: item.lift_force_N for item in found.candidates}
+    assert len(lifts) > 1
+    assert lifts[answer.fit.law] == found.lift_force_N[0]
+    low, high = found.spread_N
+    assert all(low <= end <= high for item in found.candidates for end in item.interval_N)
+    assert low < min(lifts.values()) < max(lifts.values()) < high
+    tree = answer.to_dict()
+    assert tree["verdict"] == tree["prediction"]["verdict"]
+    assert [item["law"] for item in tree["prediction"]["candidates"]] == list(lifts)
+    assert tree["prediction"]["spread_N"] == [low, high]
+
+
+def test_laws_that_answer_alike_are_no_contradiction(one_wheel):
+    comparison = compare_laws(one_wheel)
+    near = one_condition(0.04, 0.005, 5.0, 40.0)
+    choice = choose_law(comparison, "", near)
+    found = choice.of(predict(choice.fit, near))
+    assert choice.rivals
+    assert choice.verdict.word == "supported"
+    assert "answer alike" in choice.verdict.reason
+    assert found.candidates
+
+
+def test_a_law_asked_for_against_the_data_is_not_supported(one_wheel):
+    choice = choose_law(compare_laws(one_wheel), "constant")
+    assert choice.verdict.word != "supported"
+    assert "constant was asked for" in choice.verdict.reason
+
+
+def test_a_simpler_law_is_supported_beside_a_richer_one_that_says_the_same():
+    table = pulls("constant", [0.25], wraps=np.linspace(1.57, 12.57, 8), repeats=5, within=0.03, seed=1)
+    comparison = compare_laws(table)
+    assert comparison.best.law == "constant"
+    for wrap in (2.0, 6.0, 12.0):
+        assert choose_law(comparison, "", one_condition(0.04, 0.005, wrap, 20.0)).verdict.supported
+
+
+# --- intervals ------------------------------------------------------------------------------------------------------
+
+
+def test_an_interval_that_depends_on_how_it_is_made_is_undecided(tmp_path, capfd):
+    """Three wheels and two wraps for five parameters: the linear interval is a sixth of the drawn one."""
+    table = pulls("coupled", (0.46, -0.22, -0.3, -0.48, 0.055), (0.015, 0.03, 0.06), (2.0, 6.0), (20.0, 80.0))
+    fit = ropefric.fit(table, "coupled")
+    found = ropefric.predict(fit, wheel_radius_m=0.04, wrap_angle_rad=5.0, end_tension_N=40.0)
+    linear, drawn = found.interval_N[0], found.drawn_interval_N[0]
+    assert np.abs(drawn - linear).max() > 0.5 * np.ptp(linear)
+    assert fit.verdict.word == "supported"
+    assert found.verdict().word == "undecided"
+    ropefric.save_fit(fit, tmp_path / "fit.json")
+    wheel = ("--wheel-radius", "40 mm", "--wrap", "5 rad", "--end-tension", "40 N")
+    assert main(["predict", "--fit", str(tmp_path / "fit.json"), *wheel, "--quiet"]) == NOT_TRUSTED
+    assert "undecided: the interval depends on how" in capfd.readouterr().out
+
+
+def test_nothing_left_over_gives_no_interval(tmp_path, capfd):
+    """As many conditions as parameters, and no repeats."""
+    table = pulls("constant-offset", (0.2, 0.1), wraps=(3.0, 6.0), repeats=1)
+    path = write(table, tmp_path / "trials.csv")
+    assert (
+        main(["fit", str(path), "--law", "constant-offset", "--out", str(tmp_path / "fit.json")])
+        == NOT_TRUSTED
+    )
+    capfd.readouterr()
+    assert main(["predict", "--fit", str(tmp_path / "fit.json"), *WHEEL, "--quiet"]) == NOT_TRUSTED
+    said = capfd.readouterr().out
+    assert "standard error not known" in said
+    assert "interval of the mean: not known" in said
+    main(["predict", "--fit", str(tmp_path / "fit.json"), *WHEEL, "--quiet", "--json"])
+    tree = json.loads(capfd.readouterr().out)
+    assert (tree["std_N"], tree["interval_N"], tree["prediction_interval_N"]) == (
+        None,
+        [None, None],
+        [None, None],
+    )
+    assert math.isfinite(tree["lift_force_N"])
+    assert tree["verdict"]["word"] == "not judged"

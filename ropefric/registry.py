@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from ropefric.errors import UnknownNameError
 
@@ -80,6 +80,10 @@ class Registry(Mapping[str, T]):
         except KeyError:
             fix = did_you_mean(str(name), self._members)
             raise UnknownNameError(f"unknown {self.kind} {name!r}", fix=fix) from None
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a member, or `default`: a mapping that is asked gently does not raise."""
+        return self._members.get(name, default)
 
     def __contains__(self, name: object) -> bool:
         return name in self._members

@@ -28,9 +28,13 @@ def count_holdings(campaign: "Campaign") -> dict[str, Any]:
     (2, 1, {'fewest': 2, 'most': 2})
     """
     trials = campaign.trials
-    repeats = Counter(
-        (t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad, t.end_tension_N, t.lift_force_N) for t in trials
-    )
+    from ropefric.friction.condition import condition_groups  # noqa: PLC0415  (quick start-up)
+
+    settings = [
+        (t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad, t.end_tension_N or 0.0, t.lift_force_N or 0.0)
+        for t in trials
+    ]
+    repeats = Counter(condition_groups(*zip(*settings, strict=True)).tolist() if settings else ())
     return {
         "name": campaign.name,
         "n_trials": len(trials),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from ropefric.fitting.comparison import ComparisonEntry, Unit
 from ropefric.fitting.criteria import ConditionMeans, FTest
 from ropefric.fitting.measured import Measured
-from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.friction.laws import ALL_LAWS
 
 __all__ = ["comparison_notes"]
 
@@ -48,7 +48,7 @@ def comparison_notes(
     rivals = [e.law for e in counted if e.delta_aicc <= 2.0]
     if len(rivals) > 1:
         notes.append(f"within 2 of the best AICc, so not told apart: {', '.join(rivals)}")
-    wraps = [law for law in rivals if "wrap-dependence" in LAWS.get(law, ALL_LAWS[law]).effects]
+    wraps = [law for law in rivals if "wrap-dependence" in ALL_LAWS[law].effects]
     if wraps and "constant-offset" in rivals:
         notes.append(
             f"a constant μ with an offset looks like a wrap effect, and these data do not tell constant-offset from "

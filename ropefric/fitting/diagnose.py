@@ -17,6 +17,7 @@ from ropefric.fitting.diagnosis import Cause, Diagnosis, Supported
 from ropefric.fitting.measured import measured_force
 from ropefric.fitting.problem import FloatArray
 from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 
 __all__ = ["diagnose"]
@@ -25,7 +26,6 @@ __all__ = ["diagnose"]
 _STRONG = 6.0
 _WEAK = 2.0
 _SIGNIFICANT = 0.01
-_SAME_LEVEL_DIGITS = 6
 _MANY = 0.2
 
 _EFFECTS = {
@@ -140,7 +140,7 @@ def _against(difference: float) -> str:
 def _effect(title: str, ranked: Comparison, means: ConditionMeans, levels: dict[str, FloatArray]) -> Cause:
     effect, quantity, experiment = _EFFECTS[title]
     level = levels[effect]
-    if np.unique(np.round(level, _SAME_LEVEL_DIGITS)).size < 2:
+    if distinct(np.exp(level)).size < 2:
         return Cause(
             cause=title,
             supported="cannot-tell",
@@ -188,7 +188,7 @@ def _trend(means: ConditionMeans, level: FloatArray, quantity: str) -> tuple[str
 
 
 def _offset(ranked: Comparison, means: ConditionMeans) -> Cause:
-    wraps = np.unique(np.round(means.conditions.wrap_angle_rad, _SAME_LEVEL_DIGITS))
+    wraps = distinct(means.conditions.wrap_angle_rad)
     fit = ranked["constant-offset"].fit
     if wraps.size < 2 or fit is None:
         return Cause(

@@ -11,7 +11,7 @@ from ropefric.fitting.identifiability import Identifiability
 from ropefric.fitting.status import FitStatus, worst
 from ropefric.fitting.structure import LackOfFit, Trend
 from ropefric.fitting.weights import Scatter
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, distinct
 from ropefric.friction.law import FrictionLaw
 
 __all__ = ["Evidence", "Findings", "find"]
@@ -170,7 +170,7 @@ def _relative(std: npt.NDArray[np.float64], theta: npt.NDArray[np.float64]) -> l
 def _experiments(evidence: Evidence) -> Iterator[str]:
     effects, conditions = evidence.law.effects, evidence.conditions
     sizes, wraps, loads = (
-        np.unique([float(f"{value:.9g}") for value in values])
+        distinct(values)
         for values in (conditions.size_ratio, conditions.wrap_angle_rad, conditions.end_tension_N)
     )
     if "size" in effects and sizes.size <= _FEW_CONDITIONS:

@@ -15,6 +15,7 @@ from ropefric.errors import InputError
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem, FloatArray
 from ropefric.fitting.table import TrialTable
+from ropefric.friction.condition import distinct
 
 __all__ = ["Measured", "measured_force", "measured_residual", "refit"]
 
@@ -37,7 +38,7 @@ def measured_force(table: TrialTable) -> Measured:
     'end-tension'
     """
     used = table.used
-    set_lift = np.unique(table.peak_N[used]).size < np.unique(table.end_tension_N[used]).size
+    set_lift = distinct(table.peak_N[used]).size < distinct(table.end_tension_N[used]).size
     return "end-tension" if set_lift else "lift"
 
 

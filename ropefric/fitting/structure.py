@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy.special import fdtrc
 
 from ropefric.fitting.weights import Scatter, group_means
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, distinct
 
 __all__ = ["LackOfFit", "Trend", "find_trends", "lack_of_fit"]
 
@@ -129,7 +129,7 @@ def _trend(
     if spread <= _SAME * np.abs(values).max(initial=1.0):
         return None
     x = (values - values.mean()) / spread
-    powers = 1 if np.unique(np.round(x, 9)).size < 3 else 2
+    powers = 1 if distinct(x + 2.0).size < 3 else 2
     extra = np.stack([x ** (power + 1) for power in range(powers)], axis=-1) * weight[:, None]
     # Only what the law's own parameters cannot take up counts.
     basis = _basis(own)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.fitting.table_columns import OPTIONAL_NUMBERS, REQUIRED_NUMBERS, bind_table_columns
 from ropefric.fitting.table_rows import ParsedRow, parse_rows
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.trials.trial_table import CellTable, read_cells
 
 if TYPE_CHECKING:
@@ -23,8 +23,6 @@ FloatArray = npt.NDArray[np.float64]
 
 _NUMBERS = (*REQUIRED_NUMBERS, *OPTIONAL_NUMBERS)
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
-# Conditions that agree to this many digits are one, as in an extraction.
-_SAME_DIGITS = 12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -142,8 +140,8 @@ class TrialTable:
     def _groups(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
         used = self.used
         geometry = [self.wheel_radius_m, self.rope_radius_m, self.wrap_angle_rad]
-        by_end = _numbered(*(array[used] for array in [*geometry, self.end_tension_N]))
-        return by_end, _numbered(*(array[used] for array in [*geometry, self.peak_N]))
+        by_end = condition_groups(*(array[used] for array in [*geometry, self.end_tension_N]))
+        return by_end, condition_groups(*(array[used] for array in [*geometry, self.peak_N]))
 
     def to_frame(self) -> "pd.DataFrame":
         """Return the table as a pandas DataFrame with SI columns that `table_from_frame` reads back."""
@@ -152,13 +150,6 @@ class TrialTable:
         data: dict[str, Any] = {"trial": list(self.trial)}
         data |= {_FRAME_NAMES.get(name, name): getattr(self, name) for name in _NUMBERS}
         return pd.DataFrame(data | {"kept": self.kept, "status": list(self.status)})
-
-
-def _numbered(*columns: FloatArray) -> npt.NDArray[np.int64]:
-    numbers: dict[tuple[float, ...], int] = {}
-    keys = zip(*(column.tolist() for column in columns), strict=True)
-    rounded = (tuple(float(f"{value:.{_SAME_DIGITS}g}") for value in key) for key in keys)
-    return np.array([numbers.setdefault(key, len(numbers)) for key in rounded], dtype=np.int64)
 
 
 def read_trial_table(path: str | os.PathLike[str]) -> TrialTable:

@@ -7,9 +7,16 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 
-__all__ = ["Conditions", "FloatArray", "one_condition"]
+__all__ = [
+    "Conditions", "FloatArray", "condition_groups", "distinct", "levels", "one_condition", "same_setting",
+]  # fmt: skip
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+# Nobody sets a wheel, a wrap or a weight to a millionth, and every conversion of units and every rounding of what is
+# written to nine digits stays a hundred times below it.
+_SAME_SETTING = 1e-6
 
 _ALLOWED = {
     "wheel_radius_m": ("positive", "m"),
@@ -155,6 +162,82 @@ def one_condition(
         wrap_angle_rad=np.array([wrap_angle_rad]),
         end_tension_N=np.array([end_tension_N]),
     )
+
+
+def levels(values: npt.ArrayLike) -> IntArray:
+    """Return the number 0 … m − 1 of the level each setting belongs to, by rising value, shape (n,).
+
+    A level is what lies within a millionth above its smallest value. Nothing is rounded, so there is no edge that a
+    conversion of units could put two equal settings on either side of; and since a level ends a millionth above its
+    beginning, many measured values do not join hands to make one.
+
+    Examples
+    --------
+    >>> levels([np.radians(60.0), 2.0, np.pi / 3.0, 1.0]).tolist()
+    [1, 2, 1, 0]
+    """
+    array = np.asarray(values, dtype=np.float64)
+    order = np.argsort(array, kind="stable")
+    rising = array[order]
+    ends = np.searchsorted(rising, rising + _SAME_SETTING * np.abs(rising), side="right").tolist()
+    begins = np.zeros(array.size, dtype=np.int64)
+    at = 0
+    while at < array.size:
+        begins[at] = 1
+        at = ends[at]
+    numbers = np.empty(array.size, dtype=np.int64)
+    numbers[order] = np.cumsum(begins) - 1
+    return numbers
+
+
+def distinct(values: npt.ArrayLike) -> FloatArray:
+    """Return the smallest setting of each of the `levels`, rising, shape (m,).
+
+    Examples
+    --------
+    >>> distinct([0.04, 4.0 / 100.0, 0.1 + 0.2, 0.3]).tolist()
+    [0.04, 0.3]
+    """
+    array = np.sort(np.asarray(values, dtype=np.float64))
+    return np.asarray(array[np.unique(levels(array), return_index=True)[1]])
+
+
+def condition_groups(*settings: npt.ArrayLike) -> IntArray:
+    """Return the number 0 … k − 1 of the condition of each pull, in order of appearance, shape (n,).
+
+    The one rule by which pulls are put together everywhere: all their settings have the same `levels`.
+
+    Parameters
+    ----------
+    *settings : array_like, shape (n,)
+        One or more settings of the n pulls.
+
+    Examples
+    --------
+    >>> condition_groups([0.04, 0.03, 0.04, 0.04], [3.0, 3.0, 3.0, 6.0]).tolist()
+    [0, 1, 0, 2]
+    """
+    found = levels(settings[0])
+    for values in settings[1:]:
+        number = levels(values)
+        # Numbered anew each time, so that the product of all levels need not fit into an integer.
+        found = np.unique(found * (number.max(initial=0) + 1) + number, return_inverse=True)[1]
+    _, first, group = np.unique(found, return_index=True, return_inverse=True)
+    rank = np.empty(first.size, dtype=np.int64)
+    rank[np.argsort(first, kind="stable")] = np.arange(first.size)
+    return np.asarray(rank[group])
+
+
+def same_setting(values: npt.ArrayLike, value: float) -> npt.NDArray[np.bool_]:
+    """Return which settings are a given one, as near as those of one of the `levels`, shape (n,).
+
+    Examples
+    --------
+    >>> same_setting([np.radians(60.0), 1.04], 1.0471976).tolist()
+    [True, False]
+    """
+    array = np.asarray(values, dtype=np.float64)
+    return np.asarray(np.abs(array - value) <= _SAME_SETTING * np.maximum(np.abs(array), abs(value)))
 
 
 def _as_floats(name: str, values: npt.ArrayLike) -> FloatArray:

@@ -17,7 +17,7 @@ from ropefric.fitting.planning.result import LabPlan
 from ropefric.fitting.predict import new_rope_std
 from ropefric.fitting.prediction import Prediction
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun
 
 __all__ = ["STEP", "chart_of_design", "plan_for_design", "state_design", "swings_of_design"]
@@ -165,7 +165,7 @@ def plan_for_design(run: CampaignRun, wheel: Conditions) -> LabPlan:
     low_N, high_N = fit.validity["end_tension_N"]
     cells_N = [cell.full_scale_N for cell in run.campaign.cells.values()]
     limits = RigLimits(
-        wheel_radius_m=tuple(sorted({float(f"{x:.9g}") for x in table.wheel_radius_m[used]})),
+        wheel_radius_m=tuple(distinct(table.wheel_radius_m[used]).tolist()),
         wrap_angle_rad=tuple(math.radians(x) for x in _between(wraps_deg[0], wraps_deg[1], step=45.0)),
         end_tension_N=_between(low_N, high_N),
         rope_radius_m=float(wheel.rope_radius_m[0]),

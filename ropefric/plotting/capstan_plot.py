@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib import colormaps
 
 from ropefric.errors import InputError
+from ropefric.friction.condition import levels
 from ropefric.plotting.condition_points import ConditionPoints, answered, condition_points, settings_of, swept
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import typeset
@@ -144,11 +145,11 @@ def _draw_law(
 
 def _draw_points(axes: "Axes", points: ConditionPoints) -> None:
     radii_m = points.conditions.wheel_radius_m
-    wheels = np.unique(np.round(radii_m, 9))
+    wheel = levels(radii_m)
     scale = colormaps[TRACE_COLORS]
-    for place, wheel_m in enumerate(wheels):
-        mask = np.isclose(radii_m, wheel_m, rtol=1e-6, atol=1e-9)
-        color = scale(0.85 * place / max(wheels.size - 1, 1))
+    for place in range(int(wheel.max(initial=-1)) + 1):
+        mask = wheel == place
+        color = scale(0.85 * place / max(int(wheel.max()), 1))
         axes.errorbar(
             np.degrees(points.conditions.wrap_angle_rad[mask]),
             points.log_rise[mask],
@@ -161,7 +162,7 @@ def _draw_points(axes: "Axes", points: ConditionPoints) -> None:
             elinewidth=1.0,
             capsize=2.0,
             zorder=4,
-            label=typeset(shown_regressor("wheel_radius_m", float(wheel_m))),
+            label=typeset(shown_regressor("wheel_radius_m", float(radii_m[mask][0]))),
         )
 
 

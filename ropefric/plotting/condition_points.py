@@ -9,12 +9,11 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions, FloatArray, condition_groups, levels, same_setting
 
 __all__ = ["ConditionPoints", "answered", "condition_points", "same_settings", "settings_of", "swept"]
 
 _SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-_SAME_DIGITS = 9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,15 +75,14 @@ class ConditionPoints:
         dict of str to float
             The other settings, SI; of equals, the first in the order of the data. Empty without points.
         """
-        groups: dict[tuple[float, ...], set[float]] = {}
-        others = [name for name in _SETTINGS if name != over]
-        columns = [getattr(self.conditions, name).tolist() for name in (*others, over)]
-        for *key, value in zip(*columns, strict=True):
-            groups.setdefault(tuple(map(_rounded, key)), set()).add(_rounded(value))
-        if not groups:
+        if not len(self):
             return {}
-        best = max(groups, key=lambda key: len(groups[key]))  # the first of equals
-        return dict(zip(others, best, strict=True))
+        others = [name for name in _SETTINGS if name != over]
+        group = condition_groups(*(getattr(self.conditions, name) for name in others))
+        along = levels(getattr(self.conditions, over))
+        sizes = [np.unique(along[group == number]).size for number in range(int(group.max()) + 1)]
+        first = int(np.argmax(group == int(np.argmax(sizes))))  # the first of equals
+        return {name: float(getattr(self.conditions, name)[first]) for name in others}
 
 
 def condition_points(fit: FitResult) -> ConditionPoints:
@@ -132,7 +130,7 @@ def same_settings(conditions: Conditions, settings: Mapping[str, float]) -> npt.
     """
     chosen = np.ones(len(conditions), dtype=np.bool_)
     for name, value in settings.items():
-        chosen &= np.isclose(getattr(conditions, name), value, rtol=10.0**-_SAME_DIGITS, atol=0.0)
+        chosen &= same_setting(getattr(conditions, name), value)
     return chosen
 
 
@@ -207,7 +205,3 @@ def answered(fit: FitResult, conditions: Conditions) -> npt.NDArray[np.bool_]:
             return np.concatenate([holds(side) for side in sides])
 
     return holds(conditions) if len(conditions) else np.zeros(0, dtype=np.bool_)
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.{_SAME_DIGITS}g}")

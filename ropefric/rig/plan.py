@@ -8,7 +8,7 @@ import numpy as np
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions
-from ropefric.friction.laws import LAWS
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.rig.faults import FAULTS
 from ropefric.rig.protocols import RIG_PROTOCOLS
@@ -59,7 +59,7 @@ class CampaignPlan:
     name : str
         Name of the campaign; its files say beside it that it is simulated.
     law : str
-        Name of the friction law that is true, in `LAWS`.
+        Name of the friction law that is true, in `ALL_LAWS`.
     parameters : mapping of str to float
         Its true parameters, all of them.
     rope_diameter_m : float
@@ -133,7 +133,7 @@ class CampaignPlan:
 
     def lift_force_N(self, conditions: tuple[RigCondition, ...]) -> FloatArray:
         """Return the true lift force of conditions [N], shape (n,), without scatter."""
-        law = LAWS[self.law]
+        law = ALL_LAWS[self.law]
         names = law.parameter_names
         for name in self.parameters:
             if name not in names:

@@ -7,6 +7,7 @@ from math import isnan, nan
 import numpy as np
 
 from ropefric.errors import Problem
+from ropefric.friction.condition import condition_groups
 from ropefric.trials.repeatability import summarise
 from ropefric.trials.result import ConditionSummary, TrialResult
 
@@ -18,8 +19,9 @@ def summarise_conditions(
 ) -> tuple[tuple[TrialResult, ...], tuple[ConditionSummary, ...], tuple[Problem, ...]]:
     """Return the trials with the rejected ones marked, a summary per condition, and warnings.
 
-    A condition is a wheel radius, rope radius, wrap angle and known tension, equal to twelve digits. The rule runs
-    once over the measured forces of the usable trials of a condition; nothing is deleted.
+    A condition is a wheel radius, rope radius, wrap angle and known tension, grouped by
+    `condition_groups`. The rule runs once over the measured forces of the usable trials of a condition; nothing is
+    deleted.
 
     Parameters
     ----------
@@ -37,13 +39,14 @@ def summarise_conditions(
     problems : tuple of Problem
         RF310 where so few trials are left that the rule cannot reject anything.
     """
-    groups: dict[tuple[float, ...], list[int]] = {}
-    for index, trial in enumerate(trials):
-        groups.setdefault(_key(trial), []).append(index)
+    keys = [_key(trial) for trial in trials]
+    numbers = condition_groups(*zip(*keys, strict=True)) if keys else ()
+    groups: dict[int, list[int]] = {}
+    for index, number in enumerate(numbers):
+        groups.setdefault(int(number), []).append(index)
     marked = list(trials)
     conditions, problems = [], []
-    for key in sorted(groups):
-        members = groups[key]
+    for members in sorted(groups.values(), key=lambda members: keys[members[0]]):
         summary, rejected, warnings = _summarise([trials[i] for i in members], rule)
         conditions.append(summary)
         problems.extend(warnings)
@@ -58,8 +61,7 @@ def _known_N(trial: TrialResult) -> float:
 
 
 def _key(trial: TrialResult) -> tuple[float, ...]:
-    numbers = (trial.wheel_radius_m, trial.rope_radius_m, trial.wrap_angle_rad, _known_N(trial))
-    return tuple(float(f"{number:.12g}") for number in numbers)
+    return (trial.wheel_radius_m, trial.rope_radius_m, trial.wrap_angle_rad, _known_N(trial))
 
 
 def _summarise(

@@ -1,12 +1,13 @@
 """What is doubtful in a trial list, or cannot be learned from it: said once for the whole list."""
 
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+
+import numpy as np
 
 from ropefric.errors import Problem
+from ropefric.friction.condition import FloatArray, condition_groups, distinct
 from ropefric.trials.trial_spec import TrialSpec
 
 __all__ = ["advise", "radius_doubt"]
@@ -109,47 +110,40 @@ def _doubts(trials: Sequence[TrialSpec]) -> list[Problem]:
 
 
 def _few_repeats(trials: Sequence[TrialSpec]) -> list[Problem]:
-    conditions = [_condition(trial) for trial in trials]
-    counts = Counter(conditions)
-    few = {condition: n for condition, n in counts.items() if n < FEWEST_REPEATS}
+    group = condition_groups(*_settings(trials))
+    counts = np.bincount(group)
+    few, least = int(np.count_nonzero(counts < FEWEST_REPEATS)), int(counts.min())
     if not few:
         return []
-    least = min(few.values())
-    line = next(t.line for t, c in zip(trials, conditions, strict=True) if counts[c] == least)
+    line = trials[int(np.argmax(counts[group] == least))].line
     repeats = "repeat" if least == 1 else "repeats"
     message = (
-        f"{len(few)} of {len(counts)} conditions have fewer than {FEWEST_REPEATS} repeats, the smallest {least} "
+        f"{few} of {counts.size} conditions have fewer than {FEWEST_REPEATS} repeats, the smallest {least} "
         f"{repeats}; the ±2s rule cannot reject anything for n <= 5 (largest possible |z| = (n-1)/sqrt(n))"
     )
     fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'
     return [_warning("RF310", message, fix=fix, line=line)]
 
 
-class _Condition(NamedTuple):
-    size: float
-    wrap: float
-    load: float
-    wheel_m: float
-
-
-def _condition(trial: TrialSpec) -> _Condition:
-    """Return what repeats have in common; nine digits, for 40 mm and 4 cm are one radius."""
-    load_N = trial.end_tension_N if trial.end_tension_N is not None else trial.lift_force_N or 0.0
-    values = (trial.wheel_radius_m / trial.rope_radius_m, trial.wrap_angle_rad, load_N, trial.wheel_radius_m)
-    return _Condition(*(float(f"{value:.9g}") for value in values))
+def _settings(trials: Sequence[TrialSpec]) -> tuple[FloatArray, ...]:
+    """Return what repeats have in common: size ratio, wrap, load and wheel of each trial."""
+    size = [trial.wheel_radius_m / trial.rope_radius_m for trial in trials]
+    load_N = [t.end_tension_N if t.end_tension_N is not None else t.lift_force_N or 0.0 for t in trials]
+    columns = (size, [t.wrap_angle_rad for t in trials], load_N, [t.wheel_radius_m for t in trials])
+    return tuple(np.array(column) for column in columns)
 
 
 def _unseen_effects(trials: Sequence[TrialSpec]) -> list[Problem]:
     if len(trials) < 2:
         return []
-    conditions = {_condition(trial) for trial in trials}
     problems = []
+    sizes, wraps, loads, _ = _settings(trials)
     for key, name, effect, values in (
-        ("wheel_radius", "ratio of wheel and rope radius", "size", {c.size for c in conditions}),
-        ("wrap_angle", "wrap angle", "wrap angle", {c.wrap for c in conditions}),
-        ("end_tension", "tension", "tension", {c.load for c in conditions}),
+        ("wheel_radius", "ratio of wheel and rope radius", "size", sizes),
+        ("wrap_angle", "wrap angle", "wrap angle", wraps),
+        ("end_tension", "tension", "tension", loads),
     ):
-        if len(values) == 1:
+        if distinct(values).size == 1:
             message = f"all trials have one {name}, so the effect of the {effect} cannot be seen"
             fix = f"measure at two or more values, or fit laws without an effect of the {effect}"
             problems.append(_warning("RF311", message, fix=fix, key=key))

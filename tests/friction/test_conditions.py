@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, condition_groups, distinct, levels, same_setting
 
 GOOD = {
     "wheel_radius_m": 0.04,
@@ -49,3 +49,28 @@ def test_selection_keeps_the_order():
     pulls = Conditions(**GOOD)
     assert pulls.select([2, 0]).wrap_angle_rad.tolist() == [3.0, 1.0]
     assert pulls.select(pulls.wrap_angle_rad > 1.5).wrap_angle_rad.tolist() == [2.0, 3.0]
+
+
+def test_settings_are_put_together_by_one_rule_without_an_edge():
+    """Rounding to any number of digits has edges; equal settings written in two units may lie on either side."""
+    degrees = np.arange(5.0, 1100.0, 5.0)
+    twice = np.concatenate([np.radians(degrees), np.array([float(f"{x:.9g}") for x in np.radians(degrees)])])
+    assert levels(twice).tolist() == 2 * list(range(degrees.size))
+    assert condition_groups(twice, np.full(twice.size, 0.04)).tolist() == 2 * list(range(degrees.size))
+    assert distinct([0.3, 0.1 + 0.2, 0.0, 0.0]).tolist() == [0.0, 0.3]
+    for exact, written in zip(np.radians(degrees), twice[degrees.size :], strict=True):
+        assert same_setting([exact, exact * 1.00001], written).tolist() == [True, False]
+
+
+def test_measured_forces_do_not_join_hands():
+    """A chain of neighbours, each a part in ten million above the last, is no single setting."""
+    forces_N = 60.0 * (1.0 + 1e-7 * np.arange(1000))
+    assert levels(forces_N).max() > 80
+
+
+def test_conditions_are_numbered_in_order_of_appearance_and_missing_settings_are_alike():
+    assert condition_groups([3.0, 1.0, 3.0, 2.0]).tolist() == [0, 1, 0, 2]
+    assert condition_groups([np.nan, 1.0, np.nan], [1.0, 1.0, 1.0]).tolist() == [0, 1, 0]
+    assert condition_groups([]).tolist() == []
+    big = np.arange(5000.0) + 1.0
+    assert condition_groups(big, big, big, big, big, big).tolist() == list(range(5000))

@@ -82,6 +82,8 @@ def test_a_registry_is_ordered_read_only_and_helpful():
     assert registry["constant"] is members[1]
     assert "constant" in registry
     assert len(registry) == 2
+    assert registry.get("constnat", "none") == "none"
+    assert registry.get("constant") is members[1]
     with pytest.raises(UnknownNameError, match="unknown law 'constnat' Fix: did you mean 'constant'"):
         registry["constnat"]
     with pytest.raises(ValueError, match="two members of the law registry are called"):

@@ -268,3 +268,30 @@ def test_a_parameter_at_its_bound_stays_out_of_the_map(fitted):
     made = draw_correlation(bound)
     assert made.tables[0].rows == ()
     assert "0 parameters" in made.alt
+
+
+@pytest.mark.parametrize("wrap_deg", [60.0, 90.0, 120.0, 180.0, 630.0, 720.0, 810.0, 900.0, 1080.0])
+def test_no_wrap_is_lost_from_a_figure_over_the_load(wrap_deg):
+    """Settings were rounded to nine digits and then looked for more closely than that."""
+    loads_N = np.repeat([5.0, 10.0, 50.0], 10) * 4.4482216152605
+    spread = np.tile(np.linspace(-0.02, 0.02, 10), 3)
+    table = TrialTable(
+        trial=tuple(f"t{i}" for i in range(30)), wheel_radius_m=0.04, rope_radius_m=0.005,
+        wrap_angle_rad=np.radians(wrap_deg), end_tension_N=loads_N,
+        peak_N=loads_N * np.exp(0.1 * np.radians(wrap_deg) + spread),
+    )  # fmt: skip
+    made = draw_fit_band(fit_law(table, "constant"), over="end_tension_N")
+    assert "30 trials shown of 30 fitted" in made.figure.axes[0].get_title()
+    assert len(made.tables[1].rows) == 3
+
+
+@pytest.mark.parametrize("load_lbf", [5.0, 10.0, 50.0])
+def test_no_load_is_lost_from_a_figure_over_the_wrap(load_lbf):
+    wraps = np.repeat(np.radians([90.0, 180.0, 720.0]), 2)
+    load_N = load_lbf * 4.4482216152605
+    table = TrialTable(
+        trial=tuple("abcdef"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=load_N,
+        peak_N=load_N * np.exp(0.1 * wraps + 0.01 * np.array([1, -1, 1, -1, 1, -1])),
+    )  # fmt: skip
+    made = draw_fit_band(fit_law(table, "constant"))
+    assert "6 trials shown of 6 fitted" in made.figure.axes[0].get_title()

@@ -132,7 +132,7 @@ def test_radii_that_differ_by_rounding_are_one_condition():
     trials = [
         trial("a", 100.0, wheel_m=0.04, wrap_rad=math.radians(540)),
         trial("b", 100.0, wheel_m=0.04 * (1 + 2e-16), wrap_rad=1.5 * 2 * math.pi * (1 + 3e-16)),
-        trial("c", 100.0, wheel_m=0.04 * (1 + 1e-9), wrap_rad=math.radians(540)),
+        trial("c", 100.0, wheel_m=0.04 * (1 + 1e-5), wrap_rad=math.radians(540)),
     ]
     _, conditions, _ = summarise_conditions(trials, "none")
     assert [c.trials for c in conditions] == [("a", "b"), ("c",)]

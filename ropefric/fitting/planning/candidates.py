@@ -7,15 +7,12 @@ import numpy.typing as npt
 
 from ropefric.fitting.planning.limits import FACTORS, RigLimits
 from ropefric.fitting.planning.precision import PlannedLaw
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.friction.physics import refusals_of
 
 __all__ = ["allowed_conditions", "tested_before"]
 
 BoolArray = npt.NDArray[np.bool_]
-
-# Conditions that agree to this many digits are one, as in a trial table.
-_SAME_DIGITS = 12
 
 
 def allowed_conditions(
@@ -83,10 +80,9 @@ def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
     """
     if planned.tested is None:
         return np.zeros(len(grid), dtype=bool)
-    old = set(_keys(planned.tested))
-    return np.array([key in old for key in _keys(grid)], dtype=bool)
-
-
-def _keys(conditions: Conditions) -> list[tuple[float, ...]]:
-    columns = [getattr(conditions, name).tolist() for name in (*FACTORS, "rope_radius_m")]
-    return [tuple(float(f"{x:.{_SAME_DIGITS}g}") for x in row) for row in zip(*columns, strict=True)]
+    names = (*FACTORS, "rope_radius_m")
+    group = condition_groups(
+        *(np.append(getattr(planned.tested, name), getattr(grid, name)) for name in names)
+    )
+    n_tested = len(planned.tested)
+    return np.isin(group[n_tested:], group[:n_tested])

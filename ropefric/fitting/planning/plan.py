@@ -20,9 +20,6 @@ __all__ = ["plan_tests"]
 
 BoolArray = npt.NDArray[np.bool_]
 
-# Conditions that agree to this many digits are one, as in a trial table.
-_SAME_DIGITS = 12
-
 
 def plan_tests(
     planned: PlannedLaw,

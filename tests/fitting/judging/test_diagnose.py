@@ -112,3 +112,11 @@ def test_a_comparison_without_data_is_refused(campaign):
     with pytest.raises(InputError, match="carries no data"):
         diagnose(table, replace(comparison, ranking=bare))
     assert np.isfinite(comparison.scatter_within)
+
+
+def test_a_law_that_counts_the_wrap_from_zero_may_be_among_the_best(campaign):
+    """The notes look a near law up by its name; that it is no law of the usual comparison ended in RF120."""
+    table = campaign("wrap-power-from-zero", [0.2, -0.4, 0.1])
+    ranked = compare_laws(table, ALL_LAWS.values())
+    assert any(entry.law.endswith("-from-zero") and entry.delta_aicc <= 2.0 for entry in ranked.ranking)
+    assert diagnose(table, ranked)["wrap effect"].supported == "yes"

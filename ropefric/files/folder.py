@@ -264,7 +264,7 @@ class OutputFolder(Folder):
 
     def _remove(self, name: str) -> None:
         path = self.path / name
-        if not self._behind_a_link(name) and self._is_ours(name):
+        if not self._behind_a_link(name) and self._is_ours(name) and _file_key(path) not in self._inputs:
             path.unlink()
             if path.parent != self.path:
                 with suppress(OSError):
@@ -277,7 +277,7 @@ class OutputFolder(Folder):
         found: list[str] = []
         for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
             folder = self.path / parent
-            if folder.is_symlink():
+            if parent != "." and folder.is_symlink():
                 raise DataError(
                     f"this is a link, to {folder.readlink()}, and nothing is written through links",
                     code="RF105",
@@ -442,7 +442,7 @@ class OutputFolder(Folder):
                 path.rmdir()
             except OSError:
                 break
-        with suppress(OSError):
+        with suppress(OSError, ValueError):
             self._own.rmdir()
 
 

@@ -1,9 +1,7 @@
 """The folder that a command writes into: the options that name it, and what may not be written over."""
 
 import os
-import shlex
 import sys
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ropefric.errors import RopefricError
-from ropefric.files.folder import CACHE, OutputFolder
 
 if TYPE_CHECKING:
+    from ropefric.files.folder import OutputFolder
     from ropefric.trials.campaign_model import Campaign
 
-__all__ = ["EXTRACTED", "Force", "campaign_inputs", "folder_option", "open_folder"]
+__all__ = ["EXTRACTED", "Force", "campaign_inputs", "figure_names", "folder_option", "open_folder"]
 
 EXTRACTED = (
     *("trials.csv", "conditions.csv", "problems.csv"),
@@ -48,8 +46,12 @@ def open_folder(
     inputs: Iterable[Path] = (),
     basis: str = "",
     force: bool,
-) -> OutputFolder:
+) -> "OutputFolder":
     """Return a command's folder, to be used as a context; see `OutputFolder`."""
+    import shlex  # noqa: PLC0415  (these: quick start-up)
+
+    from ropefric.files.folder import CACHE, OutputFolder  # noqa: PLC0415
+
     _lend_a_place(path / CACHE)
     return OutputFolder(
         path,
@@ -62,6 +64,17 @@ def open_folder(
     )
 
 
+def figure_names(*stems: str) -> tuple[str, ...]:
+    """Return the files that figures may be written to: pictures, and tables with endings of their own.
+
+    Examples
+    --------
+    >>> figure_names("sweep")
+    ('sweep.png', 'sweep.csv', 'sweep_*.csv')
+    """
+    return tuple(f"{stem}{end}" for stem in stems for end in (".png", ".csv", "_*.csv"))
+
+
 def campaign_inputs(campaign: "Campaign") -> tuple[Path, ...]:
     """Return every file a campaign is read from."""
     from ropefric.trials.toml_document import read_toml  # noqa: PLC0415  (quick start-up)
@@ -72,6 +85,8 @@ def campaign_inputs(campaign: "Campaign") -> tuple[Path, ...]:
 
 def _lend_a_place(folder: Path) -> None:
     """Let matplotlib keep its list of fonts in `folder` where the machine has no place for what is temporary."""
+    import tempfile  # noqa: PLC0415  (quick start-up)
+
     try:
         tempfile.gettempdir()
     except OSError:

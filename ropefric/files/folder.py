@@ -397,15 +397,16 @@ class OutputFolder(Folder):
         if key in _held:
             raise _busy({"pid": os.getpid(), "host": platform.node()}, self.path)
         try:
-            handle = -1
-            while handle < 0:
-                handle = self._open_lock(path)
+            # Not for ever: some network file systems give a file another number each time.
+            handle = next(
+                (h for again in range(20) if (h := self._open_lock(path, last=again == 19)) >= 0), -1
+            )
         except OSError as error:
             raise cannot_write(error, path) from None
         self._lock, self._key = handle, key
         _held.add(key)
 
-    def _open_lock(self, path: Path) -> int:
+    def _open_lock(self, path: Path, *, last: bool) -> int:
         """Return the lock, open and ours; -1 where its owner removed it meanwhile."""
         handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
         try:
@@ -418,7 +419,8 @@ class OutputFolder(Folder):
             # Of another machine nothing can be known; here, a lock that could be taken was left by the dead.
             busy = busy or holder.get("host", platform.node()) != platform.node()
             busy = busy or (bool(holder) and not sure and _is_alive(holder))
-            if not busy and _file_key(path) == (os.fstat(handle).st_dev, os.fstat(handle).st_ino):
+            there = last or _file_key(path) == (os.fstat(handle).st_dev, os.fstat(handle).st_ino)
+            if not busy and there:
                 os.ftruncate(handle, 0)
                 os.lseek(handle, 0, os.SEEK_SET)
                 os.write(handle, json.dumps(_me(self._command)).encode())

@@ -14,7 +14,6 @@ from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 from ropefric.cli.summary import end_line, other_problems, show_extraction
 from ropefric.errors import DataError
-from ropefric.files.folder import CACHE
 from ropefric.traces.breakaway import Status
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ def extract(
     campaign = campaign_file(campaign)
     loaded = load_campaign(campaign, missing_recordings="flag")
     n_jobs = parse_jobs(jobs, len(loaded.trials))
-    cache_folder = folder / CACHE if cache else None
+    cache_folder = folder / ".cache" if cache else None
     # Before the work, so that a folder that cannot be used costs nothing.
     target = open_folder(
         folder,

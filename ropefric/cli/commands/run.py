@@ -14,7 +14,6 @@ from ropefric.cli.out_folder import EXTRACTED, Force, campaign_inputs, folder_op
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 from ropefric.cli.summary import end_line, other_problems
-from ropefric.files.folder import CACHE
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -117,7 +116,7 @@ def work_through(
 
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     _check_law(law)
-    cache_dir = folder / CACHE if cache else None
+    cache_dir = folder / ".cache" if cache else None
     target = open_folder(
         folder,
         family="campaign",

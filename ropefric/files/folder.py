@@ -11,11 +11,12 @@ import hashlib
 import json
 import os
 import platform
+import shlex
 import stat
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
@@ -47,6 +48,7 @@ SCHEMA = "ropefric.files/1"
 
 _NO_LOCKS = {errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL}
 _held: set[tuple[int, int]] = set()
+_TOLD = 3
 
 
 class Folder:
@@ -114,8 +116,6 @@ class OutputFolder(Folder):
         The file of the family that all others rest on: when it changes, those that are not written again go.
     force : bool
         Replace what ropefric did not write.
-    command : str
-        Told to a second run that has to wait.
 
     Raises
     ------
@@ -144,7 +144,6 @@ class OutputFolder(Folder):
         inputs: Iterable[Path] = (),
         basis: str = "",
         force: bool = False,
-        command: str = "",
     ) -> None:
         super().__init__(path)
         self._family = family
@@ -152,7 +151,6 @@ class OutputFolder(Folder):
         self._sources = tuple(inputs)
         self._basis = basis
         self._force = force
-        self._command = command
         self._own = self.path / OWN
         self._entries: dict[str, _Entry] = {}
         self._staged: dict[str, Path] = {}
@@ -320,6 +318,9 @@ class OutputFolder(Folder):
                 fix += ", or replace it with --force"
             if code:
                 problems.append(Problem(code=code, message=what, path=path.as_posix(), fix=fix))
+        if len(problems) > _TOLD:
+            more = f"{problems[_TOLD].message}; so are {len(problems) - _TOLD - 1} more files"
+            problems = [*problems[:_TOLD], replace(problems[_TOLD], message=more)]
         if problems:
             raise data_error(problems)
 
@@ -395,7 +396,7 @@ class OutputFolder(Folder):
         key = _file_key(self._own)
         assert key is not None  # noqa: S101  (it was just made)
         if key in _held:
-            raise _busy({"pid": os.getpid(), "host": platform.node()}, self.path)
+            raise _busy(_me(), self.path)
         try:
             # Not for ever: some network file systems give a file another number each time.
             handle = next(
@@ -423,7 +424,7 @@ class OutputFolder(Folder):
             if not busy and there:
                 os.ftruncate(handle, 0)
                 os.lseek(handle, 0, os.SEEK_SET)
-                os.write(handle, json.dumps(_me(self._command)).encode())
+                os.write(handle, json.dumps(_me()).encode())
                 return handle
         except BaseException:
             os.close(handle)
@@ -464,11 +465,11 @@ def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
     )
 
 
-def _me(command: str) -> dict[str, Any]:
+def _me() -> dict[str, Any]:
     return {
         "pid": os.getpid(),
         "host": platform.node(),
-        "command": command,
+        "command": shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "process_start": _process_start(os.getpid()),
     }

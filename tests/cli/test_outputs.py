@@ -226,6 +226,70 @@ def test_new_campaigns_are_not_written_through_links(call, tmp_path, where):
     assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
+def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, bench, tmp_path):
+    out = tmp_path / "out"
+    assert call("extract", bench, "--out", out, "-q").code == 0
+    shutil.rmtree(out / ".ropefric")
+    before = tree(out)
+    done = call("extract", bench, "--out", out)
+    assert done.code == 3
+    assert "an earlier version of it did" in done.err
+    assert "so are 5 more files" in done.err
+    assert done.err.count("error RF140") == 4
+    assert tree(out, own=True).keys() - before.keys() == {
+        n for n in tree(out, own=True) if n.startswith(".cache")
+    }
+    assert call("extract", bench, "--out", out, "--force", "-q").code == 0
+    assert call("extract", bench, "--out", out, "-q").code == 0
+    assert tree(out) == before
+
+
+def test_from_python_too(campaign, tmp_path):
+    import ropefric as rf
+    from ropefric.errors import DataError
+
+    before = tree(campaign, own=True)
+    with pytest.raises(DataError, match="input of the same command"):
+        rf.run(campaign / "campaign.toml", campaign, overwrite=True)
+    with pytest.raises(DataError, match="no stored fit"):
+        rf.save_fit(rf.load_fit(FIT), campaign / "campaign.toml")
+    assert tree(campaign, own=True) == before
+    for _ in range(2):
+        rf.run(campaign / "campaign.toml", tmp_path / "out", law="constant")
+        rf.save_fit(rf.load_fit(FIT), tmp_path / "fit.json")
+    assert "comparison.csv" in tree(tmp_path / "out")
+
+
+def test_a_full_disk_is_no_fault_of_ours(call, tmp_path, monkeypatch):
+    from ropefric.files import folder as folders
+
+    words = ("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out", tmp_path)
+    assert call(*words).code == 0
+    before = tree(tmp_path, own=True)
+
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(folders.os, "fsync", full)
+    done = call(*words, "--sweep", "load.end_tension=10N,20N")
+    assert (done.code, done.out) == (3, "")
+    assert f"error RF105 {(tmp_path / 'sweep.csv').as_posix()}  cannot be written: no space left" in done.err
+    assert "fix: make room" in done.err
+    assert tree(tmp_path, own=True) == before
+
+
+def test_a_second_run_into_the_same_folder_is_refused_and_told_of_the_first(call, bench, tmp_path):
+    from ropefric.files.folder import OutputFolder
+
+    with OutputFolder(tmp_path, family="campaign"):
+        for words in (("run", bench, "--out", tmp_path), ("extract", bench, "--out", tmp_path, "--force")):
+            done = call(*words)
+            assert (done.code, done.out) == (3, "")
+            assert f"error RF142 {tmp_path.as_posix()}  another run works in this folder: `" in done.err
+            assert f"process {os.getpid()}, since 20" in done.err
+            assert "extract 1" not in done.err
+
+
 # --- what fits together ---
 
 

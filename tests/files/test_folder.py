@@ -315,7 +315,9 @@ def test_a_full_disk_at_any_moment_leaves_whole_files_and_is_the_users_to_mend(o
 HOLD = """
 import sys
 from ropefric.files.folder import OutputFolder
-with OutputFolder(sys.argv[1], family="campaign", command="ropefric run that"):
+out = sys.argv[1]
+sys.argv = ["bin/ropefric", "run", "that"]
+with OutputFolder(out, family="campaign"):
     print("held", flush=True)
     sys.stdin.read()
 """

@@ -229,7 +229,7 @@ class OutputFolder(Folder):
                 self._remove(name)
             for name, staged in list(self._staged.items()):
                 path = self.path / name
-                path.parent.mkdir(exist_ok=True)
+                path.parent.mkdir(parents=True, exist_ok=True)
                 put_in_place(staged, path)
                 del self._staged[name]
             for name, sha256 in new.items():
@@ -286,8 +286,9 @@ class OutputFolder(Folder):
                 continue
             patterns = [PurePosixPath(name).name for name in self._names
                         if PurePosixPath(name).parent.as_posix() == parent]  # fmt: skip
-            if not os.access(folder, os.W_OK | os.X_OK):
-                raise cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), folder)
+            reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
+            if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
+                raise cannot_write(OSError(reason, os.strerror(reason)), folder)
             names = sorted(path.name for path in folder.iterdir())
             taken = [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
             found += [name if parent == "." else f"{parent}/{name}" for name in taken]
@@ -319,7 +320,7 @@ class OutputFolder(Folder):
             if code:
                 problems.append(Problem(code=code, message=what, path=path.as_posix(), fix=fix))
         if len(problems) > _TOLD:
-            more = f"{problems[_TOLD].message}; so are {len(problems) - _TOLD - 1} more files"
+            more = f"{problems[_TOLD].message}; the same holds for {len(problems) - _TOLD - 1} more files"
             problems = [*problems[:_TOLD], replace(problems[_TOLD], message=more)]
         if problems:
             raise data_error(problems)
@@ -409,7 +410,11 @@ class OutputFolder(Folder):
 
     def _open_lock(self, path: Path, *, last: bool) -> int:
         """Return the lock, open and ours; -1 where its owner removed it meanwhile."""
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        try:
+            handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        except FileNotFoundError:  # a run that was refused has just taken its empty folder away
+            self._own.mkdir(parents=True, exist_ok=True)
+            return -1
         try:
             busy = False
             try:

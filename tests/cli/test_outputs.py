@@ -234,7 +234,7 @@ def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, benc
     done = call("extract", bench, "--out", out)
     assert done.code == 3
     assert "an earlier version of it did" in done.err
-    assert "so are 5 more files" in done.err
+    assert "the same holds for 5 more files" in done.err
     assert done.err.count("error RF140") == 4
     assert tree(out, own=True).keys() - before.keys() == {
         n for n in tree(out, own=True) if n.startswith(".cache")

@@ -166,6 +166,31 @@ def test_what_cannot_be_a_folder_is_said_at_once(tmp_path, name):
     assert tree(tmp_path) == {"file": "mine"}
 
 
+def test_a_file_in_the_place_of_a_folder_is_said_at_once(out):
+    out.mkdir(parents=True)
+    (out / "sub").write_text("mine", encoding="utf-8")
+    with pytest.raises(DataError, match="not a directory") as caught:
+        put(out, {"sub/b.txt": "new"}, names=["sub/b.txt"], force=True)
+    assert caught.value.where == (out / "sub").as_posix()
+    assert tree(out) == {"sub": "mine"}
+
+
+def test_a_folder_that_vanishes_before_the_lock_is_made_again(out, monkeypatch):
+    """As when another run, refused, takes its own empty folder away."""
+    real, calls = os.open, []
+
+    def vanishing(*what):
+        calls.append(what)
+        if len(calls) == 1:
+            (out / OWN).rmdir()
+            out.rmdir()
+        return real(*what)
+
+    monkeypatch.setattr(folders.os, "open", vanishing)
+    put(out, {"a.txt": "new"})
+    assert tree(out) == {"a.txt": "new"}
+
+
 def test_a_folder_that_takes_no_files_is_found_before_the_work(out, monkeypatch):
     out.mkdir(parents=True)
 

@@ -14,19 +14,24 @@ def main() -> int:
     """Run the command line of this process and return its exit code."""
     _listen(_leave)
     _open_closed_streams()
-    import logging  # noqa: PLC0415  (an interrupt may come from the first line on)
+    from ropefric.cli.app import main as run  # noqa: PLC0415  (an interrupt may come from the first line on)
 
-    from ropefric.cli.app import main as run  # noqa: PLC0415
-
-    # What libraries log is for no reader of ours; without a handler it would go to stderr.
-    logging.getLogger().addHandler(logging.NullHandler())
     for stream in (sys.stdout, sys.stderr):  # a terminal that cannot show φ must not end the work
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
     try:
-        return run(sys.argv[1:], on_start=lambda: _listen(_interrupt))
+        return run(sys.argv[1:], on_start=_begin)
     finally:
         _listen(signal.SIG_DFL)
+
+
+def _begin() -> None:
+    """Prepare for a command's work, which has something to clean up, and libraries that log."""
+    import logging  # noqa: PLC0415  (quick start-up)
+
+    # What they log is for no reader of ours; without a handler it would go to stderr.
+    logging.getLogger().addHandler(logging.NullHandler())
+    _listen(_interrupt)
 
 
 def _listen(handler: object) -> None:

@@ -47,7 +47,7 @@ SIGNATURES = {
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
-    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None)",
+    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None)",
     "solve": "(scene, *, level=0.95)",

@@ -13,6 +13,7 @@ from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.prediction import Method, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
+from ropefric.pipeline.folder import campaign_folder
 from ropefric.pipeline.run import CampaignRun, run_campaign
 from ropefric.trials.campaign_model import Campaign
 
@@ -97,6 +98,7 @@ def run(
     law: str = "",
     jobs: int = 1,
     cache_dir: PathLike | None = None,
+    overwrite: bool = False,
 ) -> CampaignRun:
     """Return a campaign's result, from recordings to the lift force of its wheel, and write its files into a folder.
 
@@ -105,14 +107,20 @@ def run(
     campaign : Campaign or path-like
         The campaign or its file.
     folder : path-like
-        Where trials.csv, fits/, comparison.csv, … go.
+        Where trials.csv, fits/, comparison.csv, … go; what an earlier run wrote there and no longer fits is removed.
     law : str
         The law to use; "" for the best whose fit may be used as it stands.
     jobs, cache_dir
         As `extract`.
+    overwrite : bool
+        Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
     """
     kept = None if cache_dir is None else Path(cache_dir)
-    return run_campaign(as_campaign(campaign), Path(folder), law=law, jobs=jobs, cache_dir=kept)
+    loaded = as_campaign(campaign)
+    with campaign_folder(loaded, folder, force=overwrite) as target:
+        result = run_campaign(loaded, target, law=law, jobs=jobs, cache_dir=kept)
+        target.publish("answer")
+    return result
 
 
 def _rope(fit: FitResult, given_m: npt.ArrayLike | None) -> npt.NDArray[np.float64]:

@@ -1,9 +1,6 @@
-"""The folder that a command writes into: the options that name it, and what may not be written over."""
+"""The folder that a command writes into: the options that name it, and how it is opened."""
 
 import os
-import shlex
-import sys
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,18 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ropefric.errors import RopefricError
-from ropefric.files.folder import CACHE, OutputFolder
 
 if TYPE_CHECKING:
+    from ropefric.files.folder import OutputFolder
     from ropefric.trials.campaign_model import Campaign
 
-__all__ = ["EXTRACTED", "Force", "campaign_inputs", "folder_option", "open_folder"]
-
-EXTRACTED = (
-    *("trials.csv", "conditions.csv", "problems.csv"),
-    *("figures/Rw*deg_F*.png", "figures/Rw*deg_F*.csv"),
-)
-"""What an extraction writes."""
+__all__ = ["Force", "figure_names", "folder_option", "open_campaign_folder", "open_folder"]
 
 Force = Annotated[bool, typer.Option("--force", help="Replace files there that ropefric did not write.")]
 
@@ -41,40 +32,45 @@ def _folder_named(text: str) -> Path:
 
 
 def open_folder(
-    path: Path,
-    *,
-    family: str,
-    names: Iterable[str],
-    inputs: Iterable[Path] = (),
-    basis: str = "",
-    force: bool,
-) -> OutputFolder:
+    path: Path, *, family: str, names: Iterable[str], inputs: Iterable[Path] = (), force: bool
+) -> "OutputFolder":
     """Return a command's folder, to be used as a context; see `OutputFolder`."""
-    _lend_a_place(path / CACHE)
-    return OutputFolder(
-        path,
-        family=family,
-        names=names,
-        inputs=inputs,
-        basis=basis,
-        force=force,
-        command=shlex.join(["ropefric", *sys.argv[1:]]),
-    )
+    from ropefric.files.folder import OutputFolder  # noqa: PLC0415  (quick start-up)
+
+    _lend_a_place(path)
+    return OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
 
 
-def campaign_inputs(campaign: "Campaign") -> tuple[Path, ...]:
-    """Return every file a campaign is read from."""
-    from ropefric.trials.toml_document import read_toml  # noqa: PLC0415  (quick start-up)
+def open_campaign_folder(
+    campaign: "Campaign", path: Path, *, answers: bool = True, force: bool
+) -> "OutputFolder":
+    """Return the folder of a campaign's results, to be used as a context; see `campaign_folder`."""
+    from ropefric.pipeline.folder import campaign_folder  # noqa: PLC0415  (quick start-up)
 
-    trials = campaign.path.parent / str(read_toml(campaign.path).data["trials"])
-    return (campaign.path, trials, *dict.fromkeys(trial.path for trial in campaign.trials))
+    _lend_a_place(path)
+    return campaign_folder(campaign, path, answers=answers, force=force)
+
+
+def figure_names(*stems: str) -> tuple[str, ...]:
+    """Return the files that figures may be written to: pictures, and tables with endings of their own.
+
+    Examples
+    --------
+    >>> figure_names("sweep")
+    ('sweep.png', 'sweep.csv', 'sweep_*.csv')
+    """
+    return tuple(f"{stem}{end}" for stem in stems for end in (".png", ".csv", "_*.csv"))
 
 
 def _lend_a_place(folder: Path) -> None:
-    """Let matplotlib keep its list of fonts in `folder` where the machine has no place for what is temporary."""
+    """Let matplotlib keep its list of fonts with the results where the machine has no place for such things."""
+    import tempfile  # noqa: PLC0415  (these: quick start-up)
+
+    from ropefric.files.folder import CACHE  # noqa: PLC0415
+
     try:
         tempfile.gettempdir()
     except OSError:
         wished = os.environ.get("MPLCONFIGDIR")
         if not wished or not os.access(wished, os.W_OK):
-            os.environ["MPLCONFIGDIR"] = str((folder / "matplotlib").absolute())
+            os.environ["MPLCONFIGDIR"] = str((folder / CACHE / "matplotlib").absolute())

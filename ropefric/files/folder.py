@@ -11,11 +11,12 @@ import hashlib
 import json
 import os
 import platform
+import shlex
 import stat
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
@@ -47,6 +48,7 @@ SCHEMA = "ropefric.files/1"
 
 _NO_LOCKS = {errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL}
 _held: set[tuple[int, int]] = set()
+_TOLD = 3
 
 
 class Folder:
@@ -114,8 +116,6 @@ class OutputFolder(Folder):
         The file of the family that all others rest on: when it changes, those that are not written again go.
     force : bool
         Replace what ropefric did not write.
-    command : str
-        Told to a second run that has to wait.
 
     Raises
     ------
@@ -144,7 +144,6 @@ class OutputFolder(Folder):
         inputs: Iterable[Path] = (),
         basis: str = "",
         force: bool = False,
-        command: str = "",
     ) -> None:
         super().__init__(path)
         self._family = family
@@ -152,7 +151,6 @@ class OutputFolder(Folder):
         self._sources = tuple(inputs)
         self._basis = basis
         self._force = force
-        self._command = command
         self._own = self.path / OWN
         self._entries: dict[str, _Entry] = {}
         self._staged: dict[str, Path] = {}
@@ -231,7 +229,7 @@ class OutputFolder(Folder):
                 self._remove(name)
             for name, staged in list(self._staged.items()):
                 path = self.path / name
-                path.parent.mkdir(exist_ok=True)
+                path.parent.mkdir(parents=True, exist_ok=True)
                 put_in_place(staged, path)
                 del self._staged[name]
             for name, sha256 in new.items():
@@ -264,7 +262,7 @@ class OutputFolder(Folder):
 
     def _remove(self, name: str) -> None:
         path = self.path / name
-        if not self._behind_a_link(name) and self._is_ours(name):
+        if not self._behind_a_link(name) and self._is_ours(name) and _file_key(path) not in self._inputs:
             path.unlink()
             if path.parent != self.path:
                 with suppress(OSError):
@@ -277,7 +275,7 @@ class OutputFolder(Folder):
         found: list[str] = []
         for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
             folder = self.path / parent
-            if folder.is_symlink():
+            if parent != "." and folder.is_symlink():
                 raise DataError(
                     f"this is a link, to {folder.readlink()}, and nothing is written through links",
                     code="RF105",
@@ -288,8 +286,9 @@ class OutputFolder(Folder):
                 continue
             patterns = [PurePosixPath(name).name for name in self._names
                         if PurePosixPath(name).parent.as_posix() == parent]  # fmt: skip
-            if not os.access(folder, os.W_OK | os.X_OK):
-                raise cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), folder)
+            reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
+            if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
+                raise cannot_write(OSError(reason, os.strerror(reason)), folder)
             names = sorted(path.name for path in folder.iterdir())
             taken = [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
             found += [name if parent == "." else f"{parent}/{name}" for name in taken]
@@ -320,6 +319,9 @@ class OutputFolder(Folder):
                 fix += ", or replace it with --force"
             if code:
                 problems.append(Problem(code=code, message=what, path=path.as_posix(), fix=fix))
+        if len(problems) > _TOLD:
+            more = f"{problems[_TOLD].message}; the same holds for {len(problems) - _TOLD - 1} more files"
+            problems = [*problems[:_TOLD], replace(problems[_TOLD], message=more)]
         if problems:
             raise data_error(problems)
 
@@ -395,19 +397,24 @@ class OutputFolder(Folder):
         key = _file_key(self._own)
         assert key is not None  # noqa: S101  (it was just made)
         if key in _held:
-            raise _busy({"pid": os.getpid(), "host": platform.node()}, self.path)
+            raise _busy(_me(), self.path)
         try:
-            handle = -1
-            while handle < 0:
-                handle = self._open_lock(path)
+            # Not for ever: some network file systems give a file another number each time.
+            handle = next(
+                (h for again in range(20) if (h := self._open_lock(path, last=again == 19)) >= 0), -1
+            )
         except OSError as error:
             raise cannot_write(error, path) from None
         self._lock, self._key = handle, key
         _held.add(key)
 
-    def _open_lock(self, path: Path) -> int:
+    def _open_lock(self, path: Path, *, last: bool) -> int:
         """Return the lock, open and ours; -1 where its owner removed it meanwhile."""
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        try:
+            handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        except FileNotFoundError:  # a run that was refused has just taken its empty folder away
+            self._own.mkdir(parents=True, exist_ok=True)
+            return -1
         try:
             busy = False
             try:
@@ -418,10 +425,11 @@ class OutputFolder(Folder):
             # Of another machine nothing can be known; here, a lock that could be taken was left by the dead.
             busy = busy or holder.get("host", platform.node()) != platform.node()
             busy = busy or (bool(holder) and not sure and _is_alive(holder))
-            if not busy and _file_key(path) == (os.fstat(handle).st_dev, os.fstat(handle).st_ino):
+            there = last or _file_key(path) == (os.fstat(handle).st_dev, os.fstat(handle).st_ino)
+            if not busy and there:
                 os.ftruncate(handle, 0)
                 os.lseek(handle, 0, os.SEEK_SET)
-                os.write(handle, json.dumps(_me(self._command)).encode())
+                os.write(handle, json.dumps(_me()).encode())
                 return handle
         except BaseException:
             os.close(handle)
@@ -442,7 +450,7 @@ class OutputFolder(Folder):
                 path.rmdir()
             except OSError:
                 break
-        with suppress(OSError):
+        with suppress(OSError, ValueError):
             self._own.rmdir()
 
 
@@ -462,11 +470,11 @@ def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
     )
 
 
-def _me(command: str) -> dict[str, Any]:
+def _me() -> dict[str, Any]:
     return {
         "pid": os.getpid(),
         "host": platform.node(),
-        "command": command,
+        "command": shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "process_start": _process_start(os.getpid()),
     }

@@ -223,5 +223,8 @@ def write_files(
             raise InputError("the file is there already", code="RF140", path=path.as_posix(), fix=fix)
     with ExitStack() as stack:  # none gets its name before all are written
         for path, content in zip(paths, contents.values(), strict=True):
-            stack.enter_context(replacing(path)).write(content)
+            stream = stack.enter_context(replacing(path))
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
     return paths

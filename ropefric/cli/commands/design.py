@@ -16,7 +16,7 @@ from ropefric.cli.fitting_options import (
     rope_radius,
     show_sections,
 )
-from ropefric.cli.out_folder import Force, folder_option, open_folder
+from ropefric.cli.out_folder import Force, figure_names, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.quantity_option import read_quantity
 
@@ -83,7 +83,9 @@ def design(
     with ExitStack() as stack:
         if chart is not None:  # before the work
             target = stack.enter_context(
-                open_folder(chart, family="chart", names=["design_chart*"], inputs=[fit], force=force)
+                open_folder(
+                    chart, family="chart", names=figure_names("design_chart"), inputs=[fit], force=force
+                )
             )
         found = find_design(
             stored,

@@ -9,12 +9,11 @@ from ropefric.cli.campaign_file import CampaignArgument, campaign_file, what_was
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.figures import draw_figures
 from ropefric.cli.jobs import parse_jobs
-from ropefric.cli.out_folder import EXTRACTED, Force, campaign_inputs, folder_option, open_folder
+from ropefric.cli.out_folder import Force, folder_option, open_campaign_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 from ropefric.cli.summary import end_line, other_problems, show_extraction
 from ropefric.errors import DataError
-from ropefric.files.folder import CACHE
 from ropefric.traces.breakaway import Status
 
 if TYPE_CHECKING:
@@ -50,16 +49,9 @@ def extract(
     campaign = campaign_file(campaign)
     loaded = load_campaign(campaign, missing_recordings="flag")
     n_jobs = parse_jobs(jobs, len(loaded.trials))
-    cache_folder = folder / CACHE if cache else None
+    cache_folder = folder / ".cache" if cache else None
     # Before the work, so that a folder that cannot be used costs nothing.
-    target = open_folder(
-        folder,
-        family="campaign",
-        names=EXTRACTED,
-        inputs=campaign_inputs(loaded),
-        basis="trials.csv",
-        force=force,
-    )
+    target = open_campaign_folder(loaded, folder, answers=False, force=force)
     try:
         with target:
             with Progress(out, "extract") as progress:

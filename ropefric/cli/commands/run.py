@@ -10,11 +10,10 @@ from ropefric.cli.command import Answer, Command
 from ropefric.cli.figures import draw_figures
 from ropefric.cli.fitting_options import exit_code_of, show_sections
 from ropefric.cli.jobs import parse_jobs
-from ropefric.cli.out_folder import EXTRACTED, Force, campaign_inputs, folder_option, open_folder
+from ropefric.cli.out_folder import Force, folder_option, open_campaign_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 from ropefric.cli.summary import end_line, other_problems
-from ropefric.files.folder import CACHE
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,24 +32,6 @@ Figures = Annotated[
     typer.Option("--figures/--no-figures", help="Draw figures: one per condition, and those of the report."),
 ]
 Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
-
-
-_FIGURES = (
-    "overview",
-    "mu_facets",
-    "capstan",
-    "fit_over_",
-    "residuals",
-    "ladder",
-    "tornado",
-    "design_chart",
-    "budget_",
-)
-_ANSWERS = (
-    *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),
-    *("report.html", "summary.txt"),
-    *(f"figures/{stem}*.csv" for stem in _FIGURES),
-)
 
 
 def run(
@@ -118,15 +99,8 @@ def work_through(
 
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     _check_law(law)
-    cache_dir = folder / CACHE if cache else None
-    target = open_folder(
-        folder,
-        family="campaign",
-        names=_names(),
-        inputs=campaign_inputs(campaign),
-        basis="trials.csv",
-        force=force,
-    )
+    cache_dir = folder / ".cache" if cache else None
+    target = open_campaign_folder(campaign, folder, force=force)
 
     def draw(extraction: "Extraction") -> None:
         out.problems(other_problems(extraction))
@@ -158,13 +132,6 @@ def work_through(
         show=lambda console: _show(result, folder, console),
         exit_code=exit_code_of(result.answer.verdict),
     )
-
-
-def _names() -> tuple[str, ...]:
-    """Return what may be written, as far as it is known before the work."""
-    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (quick start-up)
-
-    return (*EXTRACTED, *_ANSWERS, *(f"fits/{law}.json" for law in ALL_LAWS))
 
 
 def _check_law(law: str) -> None:

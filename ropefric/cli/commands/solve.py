@@ -8,7 +8,7 @@ import typer
 
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import show_sections
-from ropefric.cli.out_folder import Force, folder_option, open_folder
+from ropefric.cli.out_folder import Force, figure_names, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 
@@ -37,8 +37,8 @@ Level = Annotated[float, typer.Option(help="Coverage of the intervals, between 0
 
 NOT_TRUSTED = 4
 _LISTED_POINTS = 1000
-_SOLVED = ("answer.json", "start_up.csv", "start_up_figure*", "campbell*")
-_SWEPT = ("sweep.csv", "sweep_figure*")
+_SOLVED = ("answer.json", "start_up.csv", *figure_names("start_up_figure", "campbell"))
+_SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
 
 
 def solve(

@@ -1,0 +1,468 @@
+"""What commands write: never over what others wrote, never over an input, nothing left of another run."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
+FIT = Path(__file__).parents[2] / "fits" / "prth-coupled.json"
+TRIALS = Path(__file__).parents[2] / "fits" / "prth-trials.csv"
+PLAN = (
+    *("plan-tests", "--fit", FIT, "--wheels", "15 mm, 30 mm", "--wraps", "90deg, 360deg, 720deg"),
+    *(
+        "--end-tensions",
+        "5N, 50N, 200N",
+        "--max-force",
+        "800 N",
+        "--wheel-radius",
+        "100 mm",
+        "--wrap",
+        "720 deg",
+    ),
+    *("--end-tension", "80 N", "--conditions", "7", "--starts", "2"),
+)
+
+
+@pytest.fixture
+def campaign(bench, tmp_path):
+    """A copy that may be spoilt."""
+    shutil.copytree(bench, tmp_path / "campaign")
+    return tmp_path / "campaign"
+
+
+def tree(folder, *, own=False):
+    """Every file by name, without what ropefric keeps for itself."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and (own or not {".ropefric", ".cache"} & set(path.parts))
+    }
+
+
+# --- inputs ---
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("extract", "campaign.toml", "--out", "."),
+        ("extract", "campaign.toml", "--out", "", "--force"),
+        ("extract", "campaign.toml", "--out", ".", "--force"),
+        ("run", ".", "--out", "."),
+        ("run", "campaign.toml", "--out", "../campaign", "--force"),
+        ("run", "campaign.toml", "--out", "../link"),
+        ("report", "campaign.toml", "--out", "../link", "--force"),
+    ],
+)
+def test_the_campaign_is_never_written_over(call, campaign, monkeypatch, words):
+    monkeypatch.chdir(campaign)
+    (campaign.parent / "link").symlink_to(campaign)
+    before = tree(campaign, own=True)
+    done = call(*words)
+    assert done.code == 3
+    assert "extract 1" not in done.err
+    assert ("trials.csv" in done.err and "RF141" in done.err) or "the folder has no name" in done.err
+    assert tree(campaign, own=True) == before
+
+
+def test_a_recording_is_an_input_too(call, campaign, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    recording = min((campaign / "traces").iterdir())
+    os.link(recording, out / "conditions.csv")
+    done = call("extract", campaign, "--out", out, "--force", "--no-figures")
+    assert done.code == 3
+    assert "conditions.csv  this is an input" in done.err
+
+
+def test_a_table_is_not_replaced_by_its_fit(call, tmp_path):
+    table = shutil.copy(TRIALS, tmp_path / "T.csv")
+    for force in ((), ("--force",)):
+        done = call("fit", table, "--law", "constant", "--out", table, *force)
+        assert done.code == 3
+        assert "T.csv  this is an input of the same command" in done.err
+    assert table.read_bytes() == TRIALS.read_bytes()
+
+
+def test_a_fit_is_not_replaced_by_its_plan_nor_a_recording_by_its_profile(call, campaign, tmp_path):
+    fit = shutil.copy(FIT, tmp_path / "fit.json")
+    words = [fit if word == FIT else word for word in PLAN]
+    assert "this is an input" in call(*words, "--out", fit, "--force").err
+    assert fit.read_bytes() == FIT.read_bytes()
+    recording = min((campaign / "traces").iterdir())
+    before = recording.read_bytes()
+    assert "this is an input" in call("inspect", recording, "--write-profile", recording, "--force").err
+    assert recording.read_bytes() == before
+
+
+def test_a_fit_in_the_folder_of_a_scene_is_read_and_not_replaced(call, tmp_path):
+    text = (SCENES / "hoist.toml").read_text(encoding="utf-8")
+    assert "../../fits/prth-coupled.json" in text
+    (tmp_path / "hoist.toml").write_text(
+        text.replace("../../fits/prth-coupled.json", "answer.json"), encoding="utf-8"
+    )
+    shutil.copy(FIT, tmp_path / "answer.json")
+    done = call("solve", tmp_path / "hoist.toml", "--out", tmp_path, "--force")
+    assert done.code == 3
+    assert "answer.json  this is an input" in done.err
+    assert (tmp_path / "answer.json").read_bytes() == FIT.read_bytes()
+
+
+# --- what others wrote ---
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        (("solve", SCENES / "hoist.toml", "--out"), "answer.json"),
+        (("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out"), "sweep_figure.csv"),
+        (("cost", "integral", "--quick", "--out"), "cost.md"),
+        (
+            (
+                *(
+                    "design",
+                    "--fit",
+                    FIT,
+                    "--lift",
+                    "900 N",
+                    "--wheel-radius",
+                    "35 mm",
+                    "--end-tension",
+                    "60 N",
+                ),
+                "--chart",
+            ),
+            "design_chart.png",
+        ),
+    ],
+)
+def test_a_folder_with_a_file_of_others_is_refused(call, tmp_path, words, name):
+    (tmp_path / name).write_text("mine", encoding="utf-8")
+    (tmp_path / "other.txt").write_text("mine", encoding="utf-8")
+    done = call(*words, tmp_path)
+    assert done.code == 3
+    assert f"error RF140 {(tmp_path / name).as_posix()}  ropefric did not write this file" in done.err
+    assert "--force" in done.err
+    assert tree(tmp_path, own=True) == {name: b"mine", "other.txt": b"mine"}
+    if words[0] != "cost":
+        assert call(*words, tmp_path, "--force", "-q").code == 0
+        assert call(*words, tmp_path, "-q").code == 0
+        made = tree(tmp_path)
+        assert made[name] != b"mine"
+        assert made["other.txt"] == b"mine"
+
+
+@pytest.mark.parametrize(
+    "name", ["trials.csv", "report.html", "fits/coupled.json", "figures/Rw15mm_phi540deg_FB60N.png"]
+)
+def test_results_of_others_are_refused_before_the_work(call, bench, tmp_path, name):
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("mine", encoding="utf-8")
+    done = call("run", bench, "--out", tmp_path)
+    assert done.code == 3
+    assert f"{name}  ropefric did not write this file" in done.err
+    assert "extract 1" not in done.err
+    assert tree(tmp_path, own=True) == {name: b"mine"}
+
+
+def test_a_fit_is_replaced_by_a_fit_and_nothing_else_is(call, tmp_path):
+    words = ("fit", TRIALS, "--law", "constant", "-q", "--out")
+    for _ in range(2):
+        assert call(*words, tmp_path / "fit.json").code in {0, 4}
+    for name, text in (("campaign.toml", "[rope]"), ("notes.json", '{"a": 1}'), ("list.json", "[]")):
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        done = call(*words, path)
+        assert done.code == 3
+        assert f"{path.as_posix()}  the file is there already, and it is no stored fit" in done.err
+        assert path.read_text(encoding="utf-8") == text
+        assert call(*words, path, "--force").code in {0, 4}
+
+
+def test_a_plan_is_written_again_but_not_over_what_the_lab_made_of_it(call, tmp_path):
+    path = tmp_path / "plan.csv"
+    for _ in range(2):
+        assert call(*PLAN, "--out", path, "-q").code == 0
+    plan = path.read_text(encoding="utf-8")
+    for text in (plan + "done on Monday\n", "trial,file\n"):
+        path.write_text(text, encoding="utf-8")
+        done = call(*PLAN, "--out", path)
+        assert done.code == 3
+        assert "other content than this plan" in done.err
+        assert path.read_text(encoding="utf-8") == text
+    assert call(*PLAN, "--out", path, "-q", "--force").code == 0
+    assert path.read_text(encoding="utf-8") == plan
+
+
+def test_single_files_are_not_written_through_links(call, tmp_path):
+    (tmp_path / "mine.json").write_bytes(FIT.read_bytes())
+    (tmp_path / "link").symlink_to(tmp_path / "mine.json")
+    for words in (("fit", TRIALS, "--law", "constant", "--out"), (*PLAN, "--out")):
+        done = call(*words, tmp_path / "link", "--force")
+        assert done.code == 3
+        assert "this is a link, to " in done.err
+        assert "mine.json" in done.err
+    assert (tmp_path / "mine.json").read_bytes() == FIT.read_bytes()
+
+
+@pytest.mark.parametrize("where", ["init", "simulate"])
+def test_new_campaigns_are_not_written_through_links(call, tmp_path, where):
+    (tmp_path / "new").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "mine").write_text("mine", encoding="utf-8")
+    (tmp_path / "new" / "campaign.toml").symlink_to(tmp_path / "mine")
+    if where == "init":
+        done = call("init", tmp_path / "new", "--force")
+    else:
+        (tmp_path / "new" / "campaign.toml").unlink()
+        (tmp_path / "new" / "traces").symlink_to(tmp_path / "elsewhere")
+        done = call("simulate", tmp_path / "new", "--conditions", "1", "--repeats", "1")
+    assert done.code == 3
+    assert (tmp_path / "mine").read_text(encoding="utf-8") == "mine"
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
+def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, bench, tmp_path):
+    out = tmp_path / "out"
+    assert call("extract", bench, "--out", out, "-q").code == 0
+    shutil.rmtree(out / ".ropefric")
+    before = tree(out)
+    done = call("extract", bench, "--out", out)
+    assert done.code == 3
+    assert "an earlier version of it did" in done.err
+    assert "the same holds for 5 more files" in done.err
+    assert done.err.count("error RF140") == 4
+    assert tree(out, own=True).keys() - before.keys() == {
+        n for n in tree(out, own=True) if n.startswith(".cache")
+    }
+    assert call("extract", bench, "--out", out, "--force", "-q").code == 0
+    assert call("extract", bench, "--out", out, "-q").code == 0
+    assert tree(out) == before
+
+
+def test_from_python_too(campaign, tmp_path):
+    import ropefric as rf
+    from ropefric.errors import DataError
+
+    before = tree(campaign, own=True)
+    with pytest.raises(DataError, match="input of the same command"):
+        rf.run(campaign / "campaign.toml", campaign, overwrite=True)
+    with pytest.raises(DataError, match="no stored fit"):
+        rf.save_fit(rf.load_fit(FIT), campaign / "campaign.toml")
+    assert tree(campaign, own=True) == before
+    for _ in range(2):
+        rf.run(campaign / "campaign.toml", tmp_path / "out", law="constant")
+        rf.save_fit(rf.load_fit(FIT), tmp_path / "fit.json")
+    assert "comparison.csv" in tree(tmp_path / "out")
+
+
+def test_a_full_disk_is_no_fault_of_ours(call, tmp_path, monkeypatch):
+    from ropefric.files import folder as folders
+
+    words = ("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out", tmp_path)
+    assert call(*words).code == 0
+    before = tree(tmp_path, own=True)
+
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(folders.os, "fsync", full)
+    done = call(*words, "--sweep", "load.end_tension=10N,20N")
+    assert (done.code, done.out) == (3, "")
+    assert f"error RF105 {(tmp_path / 'sweep.csv').as_posix()}  cannot be written: no space left" in done.err
+    assert "fix: make room" in done.err
+    assert tree(tmp_path, own=True) == before
+
+
+def test_a_second_run_into_the_same_folder_is_refused_and_told_of_the_first(call, bench, tmp_path):
+    from ropefric.files.folder import OutputFolder
+
+    with OutputFolder(tmp_path, family="campaign"):
+        for words in (("run", bench, "--out", tmp_path), ("extract", bench, "--out", tmp_path, "--force")):
+            done = call(*words)
+            assert (done.code, done.out) == (3, "")
+            assert f"error RF142 {tmp_path.as_posix()}  another run works in this folder: `" in done.err
+            assert f"process {os.getpid()}, since 20" in done.err
+            assert "extract 1" not in done.err
+
+
+# --- what fits together ---
+
+
+def drop_condition(campaign):
+    """Take the second condition out of the list, and the last pull of the first."""
+    path = campaign / "trials.csv"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    kept = [line for line in lines if not line.startswith(("c02-", "c01-r06"))]
+    assert len(kept) < len(lines) - 6
+    path.write_text("\n".join([*kept, ""]), encoding="utf-8")
+
+
+def test_runs_extractions_and_reports_into_one_folder_fit_together(call, campaign, tmp_path):
+    out = tmp_path / "out"
+    assert call("run", campaign, "--out", out, "-q").code in {0, 4}
+    whole = tree(out)
+    assert sum(name.endswith(".png") for name in whole) == 2
+    (out / "notes.txt").write_text("mine", encoding="utf-8")
+    (out / "figures" / "mine.png").write_text("mine", encoding="utf-8")
+    mine = {"notes.txt", "figures/mine.png"}
+    for words in (
+        ("extract", campaign, "--out", out, "--no-figures"),
+        ("extract", campaign, "--out", out),
+        ("report", out),
+    ):
+        assert call(*words, "-q").code in {0, 4}
+        made = tree(out)
+        # How the campaign's file was named stands in these.
+        for name in whole.keys() - {"problems.csv", "report.html"}:
+            assert made[name] == whole[name], (words, name)
+        assert made.keys() == whole.keys() | mine
+    # A page without figures has no numbers of figures; the pictures of the conditions and their numbers stay.
+    assert call("report", out, "--no-figures", "-q").code in {0, 4}
+    left = tree(out)
+    assert "figures/overview.csv" not in left
+    assert {name for name in whole if name.startswith("figures/Rw")} <= left.keys()
+    # Other trials: what rests on the old ones goes, even where the new run makes none of it.
+    drop_condition(campaign)
+    assert call("extract", campaign, "--out", out, "--no-figures", "-q").code == 0
+    assert tree(out).keys() == mine | {"trials.csv", "conditions.csv", "problems.csv"}
+    assert call("extract", campaign, "--out", out, "-q").code == 0
+    assert sum(name.endswith(".png") for name in tree(out)) == 1 + 1
+
+
+def test_a_scene_without_a_start_up_leaves_none_of_another(call, tmp_path):
+    call("solve", SCENES / "press-start-up.toml", "--out", tmp_path, "-q")
+    assert "start_up.csv" in tree(tmp_path)
+    call("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out", tmp_path, "-q")
+    assert {"start_up.csv", "answer.json", "sweep.csv"} <= tree(tmp_path).keys()
+    call("solve", SCENES / "hoist.toml", "--out", tmp_path, "-q")
+    assert tree(tmp_path).keys() == {"answer.json", "sweep.csv", "sweep_figure.png", "sweep_figure.csv"}
+
+
+# --- the process ---
+
+
+def program(code, *words, **options):
+    """Run the program after some lines of Python; return exit code, stdout, stderr."""
+    start = "\nimport sys\nfrom ropefric.__main__ import main\nsys.exit(main())\n"
+    done = subprocess.run(
+        [sys.executable, "-c", code + start, *map(str, words)],
+        capture_output=True, text=True, check=False, timeout=120, **options,
+    )  # fmt: skip
+    return done.returncode, done.stdout, done.stderr
+
+
+STOPPED = """
+import os, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+import ropefric.trials.tables as tables
+def stop(*_):
+    os.kill(os.getpid(), signal.{signal})
+    raise AssertionError("went on")
+tables.write_tables = stop
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
+def test_a_signal_ends_the_work_in_order(call, bench, tmp_path, name, code):
+    words = ("extract", bench, "--out", tmp_path / "out", "--no-figures", "--jobs", "1")
+    before = "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
+    found, out, err = program(before + STOPPED.format(signal=name), *words)
+    assert (found, out) == (code, "")
+    assert "finished recordings are kept in" in err
+    assert err.endswith("error RF001  interrupted\n")
+    assert tree(tmp_path / "out") == {}
+    assert not (tmp_path / "out" / ".ropefric").exists()
+    assert "(12 unchanged, not extracted again)" in call(*words).err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+@pytest.mark.parametrize("module", ["typer", "ropefric.cli.commands.solve"])
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_signal_while_the_program_is_loaded_is_one_line(module, name, code):
+    """Even where the module that is being loaded makes another error of the interruption."""
+    hook = f"""
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            try:
+                os.kill(os.getpid(), signal.{name})
+            except BaseException:
+                raise ImportError("broken off")
+sys.modules.pop({module!r}, None)
+sys.meta_path.insert(0, Finder())
+"""
+    assert program(hook, "--help") == (code, "", "error RF001  interrupted\n")
+
+
+def test_an_interrupt_that_a_library_put_into_its_own_words_is_one(call, monkeypatch):
+    from ropefric.scenes import scene
+
+    def broken(_):
+        raise ImportError("broken off") from KeyboardInterrupt()
+
+    monkeypatch.setattr(scene, "load_scene", broken)
+    done = call("solve", SCENES / "hoist.toml")
+    assert (done.code, done.out, done.err) == (130, "", "error RF001  interrupted\n")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="file descriptors")
+@pytest.mark.parametrize("closed", [(1,), (2,), (0, 1, 2)])
+def test_closed_streams_end_no_work(bench, tmp_path, closed):
+    code = "".join(f"exec {number}<&-; " if number == 0 else f"exec {number}>&-; " for number in closed)
+    words = [sys.executable, "-m", "ropefric", "extract", str(bench), "--out", str(tmp_path), "--no-figures"]
+    done = subprocess.run(
+        ["sh", "-c", f'{code} exec "$@"', "sh", *words], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0
+    assert bool(done.stdout) == (1 not in closed)
+    assert bool(done.stderr) == (2 not in closed)
+    assert tree(tmp_path).keys() == {"trials.csv", "conditions.csv", "problems.csv"}
+    assert b"recordings:" not in b"".join(tree(tmp_path).values())
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+def test_a_result_that_cannot_be_told_is_no_fault_of_ours(bench, tmp_path):
+    words = [sys.executable, "-m", "ropefric", "extract", str(bench), "--out", str(tmp_path), "--no-figures"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([*words, "-q"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        assert done.returncode == 3
+        assert "no space left on device" in done.stderr
+        assert "RF000" not in done.stderr
+        assert "Exception" not in done.stderr
+        assert "trials.csv" in tree(tmp_path)
+        done = subprocess.run(words, stderr=full, stdout=subprocess.PIPE, text=True, check=False)
+        assert done.returncode == 0
+
+
+NOWHERE = """
+import os, tempfile
+for name in ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "MPLCONFIGDIR", "TMPDIR"):
+    os.environ[name] = "/proc/nowhere"
+os.environ["HOME"] = "/proc/nowhere"
+def none():
+    raise FileNotFoundError(2, "No usable temporary directory found")
+tempfile._get_default_tempdir = none
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="no folder that is read-only for root too")
+def test_without_a_place_for_what_is_temporary_figures_are_drawn_all_the_same(tmp_path):
+    words = ("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out", tmp_path / "out")
+    code, _, err = program(NOWHERE, *words, "--quiet")
+    assert (code, err) == (0, "")
+    assert (tmp_path / "out" / "sweep_figure.png").stat().st_size > 10_000
+
+
+def test_what_libraries_log_is_not_for_the_reader(tmp_path):
+    """A new folder for matplotlib's settings makes it tell of its list of fonts."""
+    code = f"import os\nos.environ['MPLCONFIGDIR'] = {str(tmp_path / 'mpl')!r}\n"
+    words = ("solve", SCENES / "hoist.toml", "--sweep", "wheel.wrap=1turn,2turn", "--out", tmp_path / "out")
+    assert program(code, *words, "--quiet")[2] == ""

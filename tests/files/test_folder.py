@@ -1,0 +1,447 @@
+"""A command's folder: whose files are whose, what goes with the next run, and one run at a time."""
+
+import errno
+import hashlib
+import json
+import os
+import platform
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from ropefric.errors import DataError
+from ropefric.files import folder as folders
+from ropefric.files.folder import OWN, Folder, OutputFolder, as_folder
+
+
+def tree(folder):
+    """Every file people see, with its text."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and OWN not in path.parts
+    }
+
+
+def put(out, contents, part="answer", **options):
+    """One run that writes these files."""
+    with OutputFolder(out, **{"family": "campaign"} | options) as folder:
+        paths = folder.write(contents)
+        folder.publish(part)
+    return paths
+
+
+@pytest.fixture
+def out(tmp_path):
+    return tmp_path / "deep" / "out"
+
+
+# --- whose files these are ---
+
+
+def test_a_folder_of_ours_is_written_again_and_again(out):
+    for text in ("one", "two", "two"):
+        assert put(out, {"a.txt": text, "sub/b.txt": text}) == (out / "a.txt", out / "sub" / "b.txt")
+        assert tree(out) == {"a.txt": text, "sub/b.txt": text}
+    assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
+
+
+def test_the_same_files_give_the_same_list_of_them(tmp_path):
+    for name in ("a", "b"):
+        put(tmp_path / name, {"x.txt": "1", "y.txt": "2"})
+    one, two = ((tmp_path / name / OWN / "files.json").read_bytes() for name in ("a", "b"))
+    assert one == two
+
+
+@pytest.mark.parametrize("name", ["a.txt", "sub/b.txt"])
+def test_a_file_of_others_is_refused_before_the_work(out, name):
+    (out / name).parent.mkdir(parents=True)
+    (out / name).write_text("mine", encoding="utf-8")
+    (out / "other.txt").write_text("mine too", encoding="utf-8")
+    with pytest.raises(DataError, match="did not write this file") as caught:
+        OutputFolder(out, family="campaign", names=["a.txt", "sub/*.txt"]).__enter__()
+    assert (caught.value.code, caught.value.where) == ("RF140", (out / name).as_posix())
+    assert "--force" in caught.value.fix
+    assert not (out / OWN).exists()
+    put(out, {name: "new"}, names=[name], force=True)
+    assert tree(out) == {name: "new", "other.txt": "mine too"}
+    put(out, {name: "newer"}, names=[name])
+
+
+def test_a_file_of_others_that_appears_meanwhile_is_not_replaced_either(out):
+    with OutputFolder(out, family="campaign") as folder:
+        folder.write({"a.txt": "new", "b.txt": "new"})
+        (out / "b.txt").write_text("mine", encoding="utf-8")
+        with pytest.raises(DataError, match="did not write"):
+            folder.publish("answer")
+    assert tree(out) == {"b.txt": "mine"}
+
+
+def test_a_file_of_ours_that_was_changed_is_somebody_elses(out):
+    put(out, {"a.txt": "old"})
+    (out / "a.txt").write_text("old, and my remarks", encoding="utf-8")
+    with pytest.raises(DataError, match="changed since ropefric wrote it"):
+        put(out, {"a.txt": "new"}, names=["a.txt"])
+    assert tree(out) == {"a.txt": "old, and my remarks"}
+
+
+@pytest.mark.parametrize(
+    "damage", ["", "{", "[]", '{"schema": "ropefric.files/9", "files": {}}', '{"files": 3}']
+)
+def test_without_a_sound_list_nothing_is_ours(out, damage):
+    put(out, {"a.txt": "old"})
+    (out / OWN / "files.json").write_text(damage, encoding="utf-8")
+    with pytest.raises(DataError, match="did not write"):
+        put(out, {"a.txt": "new"}, names=["a.txt"])
+    put(out, {"a.txt": "new"}, force=True)
+    assert tree(out) == {"a.txt": "new"}
+
+
+def test_an_input_is_never_replaced_by_whatever_name_it_goes(out, tmp_path):
+    put(out, {"a.txt": "old"})
+    os.link(out / "a.txt", tmp_path / "hard.txt")
+    for source in (out / "a.txt", tmp_path / "hard.txt", out / ".." / "out" / "a.txt"):
+        for force in (False, True):
+            with pytest.raises(DataError, match="input of the same command") as caught:
+                put(out, {"a.txt": "new"}, names=["a.txt"], inputs=[source], force=force)
+            assert caught.value.code == "RF141"
+    put(out, {"b.txt": "new"}, names=["b.txt"], inputs=[out / "a.txt", tmp_path / "nowhere"])
+    assert tree(out)["a.txt"] == "old"
+
+
+# --- links and places that cannot be used ---
+
+
+@pytest.mark.parametrize("which", ["sub", OWN, ".cache"])
+def test_a_folder_within_that_leads_elsewhere_is_refused(out, tmp_path, which):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    out.mkdir(parents=True)
+    (out / which).symlink_to(elsewhere)
+    with pytest.raises(DataError, match="link"):
+        put(out, {"sub/b.txt": "new"}, names=["sub/b.txt"], force=True)
+    assert list(elsewhere.iterdir()) == []
+
+
+def test_a_link_in_the_place_of_a_file_is_not_written_through(out, tmp_path):
+    put(out, {"a.txt": "old", "sub/b.txt": "old"})
+    (tmp_path / "mine").write_text("old", encoding="utf-8")
+    (out / "a.txt").unlink()
+    (out / "a.txt").symlink_to(tmp_path / "mine")
+    with pytest.raises(DataError, match="nothing is written through links"):
+        put(out, {"a.txt": "new"}, names=["a.txt"], force=True)
+    assert (tmp_path / "mine").read_text(encoding="utf-8") == "old"
+
+
+def test_a_link_to_a_folder_is_that_folder(out, tmp_path):
+    put(out, {"a.txt": "old"})
+    (tmp_path / "link").symlink_to(out)
+    put(tmp_path / "link", {"a.txt": "new"}, names=["a.txt"])
+    assert tree(out) == {"a.txt": "new"}
+
+
+def test_a_list_that_names_files_outside_reaches_none(out, tmp_path):
+    """A folder of results may come from anywhere, and its list is not believed where it leads out."""
+    put(out, {"a.txt": "old"})
+    victim = tmp_path / "victim.txt"
+    victim.write_text("mine", encoding="utf-8")
+    sha256 = hashlib.sha256(b"mine").hexdigest()
+    path = out / OWN / "files.json"
+    listed = json.loads(path.read_text(encoding="utf-8"))
+    for name in ("../../victim.txt", victim.as_posix()):
+        listed["files"][name] = {"sha256": [sha256], "parts": ["campaign/answer"], "basis": ""}
+    path.write_text(json.dumps(listed), encoding="utf-8")
+    put(out, {"a.txt": "new"})
+    assert victim.read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize("name", ["file", "file/below", "x" * 300, "fi\0le"])
+def test_what_cannot_be_a_folder_is_said_at_once(tmp_path, name):
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    with pytest.raises(DataError) as caught:
+        OutputFolder(tmp_path / name, family="campaign").__enter__()
+    assert caught.value.code == "RF105"
+    assert tree(tmp_path) == {"file": "mine"}
+
+
+def test_a_file_in_the_place_of_a_folder_is_said_at_once(out):
+    out.mkdir(parents=True)
+    (out / "sub").write_text("mine", encoding="utf-8")
+    with pytest.raises(DataError, match="not a directory") as caught:
+        put(out, {"sub/b.txt": "new"}, names=["sub/b.txt"], force=True)
+    assert caught.value.where == (out / "sub").as_posix()
+    assert tree(out) == {"sub": "mine"}
+
+
+def test_a_folder_that_vanishes_before_the_lock_is_made_again(out, monkeypatch):
+    """As when another run, refused, takes its own empty folder away."""
+    real, calls = os.open, []
+
+    def vanishing(*what):
+        calls.append(what)
+        if len(calls) == 1:
+            (out / OWN).rmdir()
+            out.rmdir()
+        return real(*what)
+
+    monkeypatch.setattr(folders.os, "open", vanishing)
+    put(out, {"a.txt": "new"})
+    assert tree(out) == {"a.txt": "new"}
+
+
+def test_a_folder_that_takes_no_files_is_found_before_the_work(out, monkeypatch):
+    out.mkdir(parents=True)
+
+    def read_only(*_, **__):
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr(folders.os, "open", read_only)
+    with pytest.raises(DataError, match="read-only file system"):
+        OutputFolder(out, family="campaign").__enter__()
+    monkeypatch.undo()
+    assert list(out.iterdir()) == []
+
+
+def test_a_folder_that_nothing_came_into_is_gone(out):
+    with pytest.raises(ZeroDivisionError), OutputFolder(out, family="campaign") as folder:  # noqa: PT012
+        folder.write({"a.txt": "new"})
+        raise ZeroDivisionError
+    assert not out.parent.exists()
+
+
+# --- what fits together ---
+
+
+def test_what_an_earlier_run_wrote_and_this_one_does_not_goes(out):
+    put(out, {"a.txt": "1", "figures/x.png": "1", "figures/y.png": "1", "fits/z.json": "1"})
+    (out / "figures" / "mine.png").write_text("mine", encoding="utf-8")
+    put(out, {"a.txt": "2", "figures/x.png": "2"})
+    assert tree(out) == {"a.txt": "2", "figures/x.png": "2", "figures/mine.png": "mine"}
+    assert not (out / "fits").exists()
+
+
+def test_what_was_changed_by_hand_stays(out):
+    put(out, {"a.txt": "1", "b.txt": "1"})
+    (out / "b.txt").write_text("1, and my remarks", encoding="utf-8")
+    put(out, {"a.txt": "2"})
+    assert tree(out) == {"a.txt": "2", "b.txt": "1, and my remarks"}
+
+
+def test_other_parts_stay_as_long_as_what_they_rest_on(out):
+    basis = {"basis": "trials.csv"}
+    put(out, {"trials.csv": "forces"}, "tables", **basis)
+    put(out, {"figures/x.png": "picture", "figures/x.csv": "numbers"}, "figures", **basis)
+    put(out, {"report.html": "page", "figures/x.csv": "numbers"}, "answer", **basis)
+    before = tree(out)
+    put(out, {"trials.csv": "forces"}, "tables", **basis)
+    assert tree(out) == before
+    put(out, {"report.html": "page without figures"}, "answer", **basis)
+    assert tree(out).keys() == before.keys()
+    put(out, {"trials.csv": "other forces"}, "tables", **basis)
+    assert tree(out) == {"trials.csv": "other forces"}
+
+
+def test_families_let_each_other_be(out):
+    put(out, {"answer.json": "1", "start_up.csv": "1"}, family="scene")
+    put(out, {"trials.csv": "1"}, basis="trials.csv")
+    put(out, {"answer.json": "2"}, family="scene")
+    put(out, {"trials.csv": "2"}, basis="trials.csv")
+    assert tree(out) == {"answer.json": "2", "trials.csv": "2"}
+
+
+def test_a_plain_folder_is_written_into_at_once(tmp_path):
+    plain = as_folder(tmp_path)
+    assert plain.write({"a.txt": "1"})[0].read_text(encoding="utf-8") == "1"
+    plain.publish("anything")
+    assert as_folder(plain) is plain
+    assert isinstance(plain, Folder)
+
+
+# --- stopped in between ---
+
+STOPPED = """
+import os, signal, sys
+from ropefric.files import folder as folders
+from ropefric.files.folder import OutputFolder
+calls = []
+real = folders.put_in_place
+def stop(*what):
+    calls.append(what)
+    if len(calls) == int(sys.argv[2]):
+        os.kill(os.getpid(), signal.SIGKILL)
+    real(*what)
+folders.put_in_place = stop
+with OutputFolder(sys.argv[1], family="campaign", names=["*.txt"], basis="a.txt") as folder:
+    folder.write({"a.txt": "new", "b.txt": "new", "c.txt": "new"})
+    folder.publish("answer")
+"""
+
+
+@pytest.mark.parametrize("at", [1, 2, 3])
+def test_after_a_kill_every_file_is_whole_and_the_next_run_goes_on(out, at):
+    put(out, {"a.txt": "old", "b.txt": "old", "gone.txt": "old"}, basis="a.txt")
+    done = subprocess.run([sys.executable, "-c", STOPPED, str(out), str(at)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert set(tree(out).values()) <= {"old", "new"}
+    assert "gone.txt" not in tree(out)
+    assert (out / OWN / "lock").exists()
+    put(out, {"a.txt": "newer"}, names=["*.txt"], basis="a.txt")
+    assert tree(out) == {"a.txt": "newer"}
+    assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt, KeyboardInterrupt(15), OSError(errno.ENOSPC, "full")])
+def test_a_run_that_is_stopped_before_the_end_leaves_the_old_result(out, failure):
+    put(out, {"a.txt": "old", "b.txt": "old"})
+    with pytest.raises(BaseException), OutputFolder(out, family="campaign") as folder:  # noqa: B017, PT012
+        folder.write({"a.txt": "new"})
+        with folder.stream("b.txt") as stream:
+            stream.write(b"half of the n")
+            raise failure
+    assert tree(out) == {"a.txt": "old", "b.txt": "old"}
+    assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
+
+
+def test_a_full_disk_at_any_moment_leaves_whole_files_and_is_the_users_to_mend(out, monkeypatch):
+    """The system refuses the first, second, … operation that needs room, until one run needs no more than it gets."""
+    real = os.fsync
+    left = 0
+
+    def fsync(handle):
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        real(handle)
+
+    monkeypatch.setattr(folders.os, "fsync", fsync)
+    refused = 0
+    for room in range(50):
+        left = 50
+        put(out, {"a.txt": "old", "b.txt": "old"})
+        left = room
+        try:
+            put(out, {"a.txt": "new", "b.txt": "new"}, names=["*.txt"])
+        except DataError as error:
+            refused, fix = refused + 1, error.fix
+        else:
+            break
+        assert "make room" in fix
+        assert set(tree(out)) == {"a.txt", "b.txt"}
+        assert set(tree(out).values()) <= {"old", "new"}
+    assert refused == 4  # two files, and the list before and after them
+    assert set(tree(out).values()) == {"new"}
+
+
+# --- one run at a time ---
+
+HOLD = """
+import sys
+from ropefric.files.folder import OutputFolder
+out = sys.argv[1]
+sys.argv = ["bin/ropefric", "run", "that"]
+with OutputFolder(out, family="campaign"):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def holder(out):
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(out)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout.readline() == "held\n"
+    yield process
+    process.kill()
+    process.communicate()
+
+
+def test_a_second_run_is_told_of_the_first(out, holder):
+    with pytest.raises(DataError, match=f"ropefric run that`, process {holder.pid}, since 20") as caught:
+        put(out, {"a.txt": "new"}, force=True)
+    assert caught.value.code == "RF142"
+    holder.communicate("")
+    assert not out.exists()
+    put(out, {"a.txt": "new"})
+
+
+def test_a_lock_ends_with_its_process(out, holder):
+    holder.kill()
+    holder.wait()
+    assert (out / OWN / "lock").exists()
+    put(out, {"a.txt": "new"})
+    assert not (out / OWN / "lock").exists()
+
+
+def test_a_worker_that_outlives_its_parent_holds_no_lock(out):
+    code = (
+        "import os, signal, sys, time\n"
+        "from ropefric.files.folder import OutputFolder\n"
+        "with OutputFolder(sys.argv[1], family='campaign'):\n"
+        "    if os.fork() == 0:\n"
+        "        os.close(1)\n"
+        "        sys.stdin.read()\n"
+        "        os._exit(0)\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code, str(out)], stdin=subprocess.PIPE)
+    try:
+        assert process.wait() == -signal.SIGKILL
+        put(out, {"a.txt": "new"})
+    finally:
+        process.communicate()
+
+
+def test_two_runs_in_one_process_are_two(out):
+    with OutputFolder(out, family="campaign"), pytest.raises(DataError, match=f"process {os.getpid()}"):
+        put(out, {"a.txt": "new"})
+    put(out, {"a.txt": "new"})
+
+
+def leave_lock(out, **said):
+    (out / OWN).mkdir(parents=True)
+    (out / OWN / "lock").write_text(json.dumps(said), encoding="utf-8")
+
+
+def test_a_lock_of_another_machine_says_how_to_remove_it(out):
+    leave_lock(out, host="elsewhere", pid=1, command="ropefric run that", started="2026-01-01T00:00:00+00:00")
+    with pytest.raises(DataError, match="process 1 on elsewhere") as caught:
+        put(out, {"a.txt": "new"})
+    assert f"delete {(out / OWN / 'lock').as_posix()}" in caught.value.fix
+    (out / OWN / "lock").unlink()
+    put(out, {"a.txt": "new"})
+
+
+@pytest.mark.parametrize(
+    ("pid", "start", "taken"),
+    [
+        (os.getpid(), "own", True),
+        (os.getpid(), "another", False),  # the number was given to another process since
+        (2**22 + 7, "", False),
+        (0, "", False),
+        ("x", "", False),
+    ],
+)
+def test_where_the_system_knows_no_locks_the_process_is_looked_for(out, monkeypatch, pid, start, taken):
+    if start == "own":
+        start = folders._process_start(os.getpid())
+
+    def unknown(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(folders.fcntl, "lockf", unknown)
+    leave_lock(out, host=platform.node(), pid=pid, process_start=start)
+    if taken:
+        with pytest.raises(DataError, match="another run works"):
+            put(out, {"a.txt": "new"})
+    else:
+        put(out, {"a.txt": "new"})
+
+
+def test_a_lock_that_was_never_finished_is_nobodys(out):
+    leave_lock(out)
+    (out / OWN / "lock").write_text('{"host": "el', encoding="utf-8")
+    put(out, {"a.txt": "new"})

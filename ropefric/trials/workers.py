@@ -54,7 +54,7 @@ class Limits:
         Time on the clock.
     """
 
-    memory_bytes: float = 4e9
+    memory_bytes: float = 2e9
     time_s: float = 120.0
 
     @property

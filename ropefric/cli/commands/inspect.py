@@ -32,7 +32,7 @@ Destination = Annotated[
     typer.Option("--write-profile", metavar="PATH", help="Write the suggested \\[import] section there."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write over a file that is already there.")]
-Memory = Annotated[str, typer.Option(metavar="QUANTITY", help="Most memory that reading it may take [4 GB].")]
+Memory = Annotated[str, typer.Option(metavar="QUANTITY", help="Most memory that reading it may take [2 GB].")]
 Time = Annotated[str, typer.Option(metavar="QUANTITY", help="Most time that reading it may take [120 s].")]
 
 

@@ -2,15 +2,34 @@
 
 import gzip
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from ropefric.errors import DataError
-from ropefric.files.read import InputFile
+from ropefric.files.read import BLOCK_BYTES, InputFile
 
 __all__ = ["Source"]
 
 GZIP_MAGIC = b"\x1f\x8b"
+
+MOST_UNPACKED_BYTES = 4 * 2**30
+"""Text that gzip may unpack to; a few megabytes can be made to unpack to terabytes."""
+
+
+class _Stream:
+    """Blocks as the file that gzip wants to read."""
+
+    def __init__(self, blocks: Iterator[bytes]) -> None:
+        self._blocks = blocks
+        self._rest = memoryview(b"")
+
+    def read(self, size: int) -> bytes:
+        """Return up to `size` bytes, none at the end."""
+        if not self._rest:
+            self._rest = memoryview(next(self._blocks, b""))
+        piece, self._rest = bytes(self._rest[:size]), self._rest[size:]
+        return piece
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,32 +61,46 @@ class Source:
         """Return (not raise) an error that names this file."""
         return DataError(message, code=code, path=self.shown, line=line, key=key, fix=fix)
 
-    def read_bytes(self) -> bytes:
-        """Return the file's content, unpacked where it is gzip.
+    def unpacked(self) -> Iterator[bytes]:
+        """Return an iterator over the file's content in blocks, unpacked where it is gzip; the whole is never held.
 
         Raises
         ------
         DataError
-            RF101, if there is no such file, or it cannot be read, is empty, or is damaged gzip.
+            RF101, if it cannot be read, is empty, or is damaged gzip or unpacks to more than anybody records.
         """
-        packed = self.raw_bytes()
-        named_gzip = self.path.suffix.lower() == ".gz"
-        if not packed.startswith(GZIP_MAGIC):
-            if named_gzip:
-                raise self.error(
-                    "the name ends in .gz, but the content is not gzip",
-                    fix="rename the file without .gz, or copy it again",
-                )
-            return packed
+        start = self.opened.part(0, len(GZIP_MAGIC))
+        if not start:
+            raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
+        if start == GZIP_MAGIC:
+            return self._gunzipped()
+        if self.path.suffix.lower() == ".gz":
+            raise self.error(
+                "the name ends in .gz, but the content is not gzip",
+                fix="rename the file without .gz, or copy it again",
+            )
+        return self.opened.blocks()
+
+    def _gunzipped(self) -> Iterator[bytes]:
+        n_bytes = 0
         try:
-            data = gzip.decompress(packed)
+            with gzip.GzipFile(fileobj=_Stream(self.opened.blocks()), mode="rb") as stream:  # type: ignore[call-overload]
+                while block := stream.read(BLOCK_BYTES):
+                    n_bytes += len(block)
+                    if n_bytes > MOST_UNPACKED_BYTES:
+                        raise self.error(
+                            f"the file unpacks to more than {MOST_UNPACKED_BYTES / 2**30:g} GB",
+                            fix="check what it holds; unpack it, and split it, if it is a recording",
+                        )
+                    yield block
         except (OSError, EOFError, zlib.error) as error:
+            if isinstance(error, DataError):
+                raise
             raise self.error(
                 f"the gzip data are damaged or cut off ({error})", fix="copy the file again from the logger"
             ) from None
-        if not data:
+        if not n_bytes:
             raise self.error("the file is empty (gzip of 0 bytes)")
-        return data
 
     def raw_bytes(self) -> bytes:
         """Return the file's content as it is on disk.

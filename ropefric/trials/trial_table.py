@@ -93,7 +93,7 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
 
 
 def _whole(source: Source) -> str:
-    return b"".join(block for _, block in load_text(source).blocks()).decode()
+    return b"".join(block.data for block in load_text(source).blocks()).decode()
 
 
 def _counts(line: str) -> bool:

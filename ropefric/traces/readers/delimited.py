@@ -14,7 +14,7 @@ from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.rows import check_rows
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
-from ropefric.traces.readers.text import Text, lines_of, load_text
+from ropefric.traces.readers.text import Block, Text, load_text
 
 __all__ = ["READER", "TEXT_SUFFIXES", "column_names", "ends_empty", "open_text", "parse_columns"]
 
@@ -84,8 +84,8 @@ def parse_columns(
     """
     wanted, place = sorted(set(indices)), 0
     columns = {index: np.empty(n_rows) for index in wanted}
-    for first, block in text.blocks(dialect.data_row):
-        arrays = _parse_block((first, block), text, dialect, names, wanted)
+    for block in text.blocks(dialect.data_row):
+        arrays = _parse_block(block, text, dialect, names, wanted)
         size = len(arrays[0]) if arrays else 0
         if text.is_whole and size == n_rows:  # the only block
             columns = dict(zip(wanted, arrays, strict=True))
@@ -99,27 +99,27 @@ def parse_columns(
 
 
 def _parse_block(
-    numbered: tuple[int, bytes], text: Text, dialect: Dialect, names: Sequence[str], indices: Sequence[int]
+    block: Block, text: Text, dialect: Dialect, names: Sequence[str], indices: Sequence[int]
 ) -> list[FloatArray]:
-    first, block = numbered
     # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
     for tolerant in () if b'"' in block else (False, True):
         arrays = _parse_fast(block, dialect, len(names), indices, tolerant=tolerant)
         if arrays is not None and not any(np.isinf(array).any() for array in arrays):
             return arrays
-    return parse_rows(lines_of(first, block), indices, names, dialect.style, text.source)
+    return parse_rows(block.lines(), indices, names, dialect.style, text.source)
 
 
 def _parse_fast(
-    block: bytes, dialect: Dialect, n_columns: int, indices: Sequence[int], *, tolerant: bool
+    block: Block, dialect: Dialect, n_columns: int, indices: Sequence[int], *, tolerant: bool
 ) -> list[FloatArray] | None:
     """Return columns as pandas reads them, or None where it finds a cell that is no number."""
     import pandas as pd  # noqa: PLC0415  (0.3 s to load)
 
-    style = dialect.style
+    style, body = dialect.style, io.BytesIO(block.data)
+    body.seek(block.start)
     try:
         frame = pd.read_csv(
-            io.BytesIO(block),
+            body,
             sep=r"\s+" if style.separator == " " else style.separator,
             decimal=style.decimal,
             header=None,

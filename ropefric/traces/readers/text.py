@@ -3,13 +3,14 @@
 import codecs
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import chain
+from typing import NamedTuple
 
 from ropefric.errors import DataError
 from ropefric.traces.readers.source import Source
 
-__all__ = ["HEAD_BYTES", "HEAD_LINES", "Text", "lines_of", "load_text"]
+__all__ = ["HEAD_BYTES", "HEAD_LINES", "Block", "Text", "load_text"]
 
 HEAD_BYTES = 65536
 """Marks are looked for in this much of a file; the whole file is then held to what was found."""
@@ -48,23 +49,18 @@ class Text:
     data: bytes
     encoding: str
     is_whole: bool = True
-    _tails: dict[int, bytes] = field(default_factory=dict, repr=False, compare=False)
 
-    def blocks(self, line: int = 1) -> Iterator[tuple[int, bytes]]:
-        """Return an iterator over pieces of whole lines, from a 1-based line on, with the number of their first."""
-        if self.is_whole:
-            if line not in self._tails:  # rows are counted, then read
-                self._tails.clear()
-                self._tails[line] = self.data[_start_of(self.data, line) :]
-            if self._tails[line]:
-                yield line, self._tails[line]
-            return
+    def blocks(self, line: int = 1) -> Iterator["Block"]:
+        """Return an iterator over pieces of whole lines, from a 1-based line on."""
         first = 1
-        for block in _clean_blocks(self.source.unpacked(), self.encoding, self.source):
-            start = _start_of(block, line - first + 1)
-            if start < len(block):
-                yield max(line, first), block[start:]
-            first += block.count(b"\n")
+        for data in (self.data,) if self.is_whole else self._read():
+            start = _start_of(data, line - first + 1)
+            if start < len(data):
+                yield Block(max(line, first), data, start)
+            first += 0 if self.is_whole else data.count(b"\n")
+
+    def _read(self) -> Iterator[bytes]:
+        return _clean_blocks(self.source.unpacked(), self.encoding, self.source)
 
     def line(self, number: int) -> str:
         """Return the text of a 1-based line, "" where there is none."""
@@ -72,13 +68,23 @@ class Text:
 
     def lines_from(self, number: int) -> Iterator[tuple[int, str]]:
         """Return an iterator over the file's lines with their numbers, from a 1-based line on."""
-        for first, block in self.blocks(number):
-            yield from lines_of(first, block)
+        for block in self.blocks(number):
+            yield from block.lines()
 
 
-def lines_of(first: int, block: bytes) -> Iterator[tuple[int, str]]:
-    """Return an iterator over the lines of a block with their numbers."""
-    return enumerate(block[:-1].decode(errors="replace").split("\n"), start=first)
+class Block(NamedTuple):
+    """Whole lines of a text from a byte on, and the number of the first of them; what stands before is not meant."""
+
+    line: int
+    data: bytes
+    start: int
+
+    def __contains__(self, part: object) -> bool:
+        return isinstance(part, bytes) and self.data.find(part, self.start) >= 0
+
+    def lines(self) -> Iterator[tuple[int, str]]:
+        """Return an iterator over the lines with their numbers."""
+        return enumerate(self.data[self.start : -1].decode(errors="replace").split("\n"), start=self.line)
 
 
 def _start_of(block: bytes, line: int) -> int:

@@ -329,7 +329,7 @@ def _become_expendable() -> None:
         system = ctypes.CDLL(None)
         system.prctl(_DIE_WITH_PARENT, signal.SIGKILL)
         with suppress(AttributeError):  # not every C library has it
-            # Memory that one recording took serves the next: to give it back and fetch it again is a fifth of the work.
+            # Memory that one recording took serves the next: giving it back and fetching it again takes a fifth more.
             system.mallopt(_MMAP_THRESHOLD, 32 * 2**20)
             system.mallopt(_TRIM_THRESHOLD, 128 * 2**20)
         if os.getppid() != parent:  # it died just before

@@ -25,11 +25,16 @@ class _Stream:
         self._rest = memoryview(b"")
 
     def read(self, size: int) -> bytes:
-        """Return up to `size` bytes, none at the end."""
-        if not self._rest:
-            self._rest = memoryview(next(self._blocks, b""))
-        piece, self._rest = bytes(self._rest[:size]), self._rest[size:]
-        return piece
+        """Return `size` bytes, fewer at the end only: gzip takes a short read for the file's end."""
+        pieces = []
+        while size > 0:
+            if not self._rest:
+                self._rest = memoryview(next(self._blocks, b""))
+                if not self._rest:
+                    break
+            pieces.append(self._rest[:size])
+            size, self._rest = size - len(pieces[-1]), self._rest[size:]
+        return b"".join(pieces)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +49,8 @@ class Source:
         What messages and results call it.
     file : InputFile, optional
         The file, open.
+    most_bytes : int
+        How much of it is read, from its beginning, or, where negative, from its end; 0 for everything.
 
     Examples
     --------
@@ -54,12 +61,18 @@ class Source:
     path: Path
     shown: str
     file: InputFile | None = None
+    most_bytes: int = 0
 
     def error(
         self, message: str, *, code: str = "RF101", line: int | None = None, key: str = "", fix: str = ""
     ) -> DataError:
         """Return (not raise) an error that names this file."""
         return DataError(message, code=code, path=self.shown, line=line, key=key, fix=fix)
+
+    @property
+    def is_packed(self) -> bool:
+        """Return whether the content is gzip."""
+        return self.opened.part(0, len(GZIP_MAGIC)) == GZIP_MAGIC
 
     def unpacked(self) -> Iterator[bytes]:
         """Return an iterator over the file's content in blocks, unpacked where it is gzip; the whole is never held.
@@ -73,13 +86,24 @@ class Source:
         if not start:
             raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
         if start == GZIP_MAGIC:
-            return self._gunzipped()
+            return self._up_to_here(self._gunzipped())
         if self.path.suffix.lower() == ".gz":
             raise self.error(
                 "the name ends in .gz, but the content is not gzip",
                 fix="rename the file without .gz, or copy it again",
             )
+        if self.most_bytes:
+            size = min(abs(self.most_bytes), self.opened.size)
+            return iter((self.opened.part(0 if self.most_bytes > 0 else self.opened.size - size, size),))
         return self.opened.blocks()
+
+    def _up_to_here(self, blocks: Iterator[bytes]) -> Iterator[bytes]:
+        left = self.most_bytes or MOST_UNPACKED_BYTES + BLOCK_BYTES
+        for block in blocks:
+            yield block[:left]
+            left -= len(block)
+            if left <= 0:
+                return
 
     def _gunzipped(self) -> Iterator[bytes]:
         n_bytes = 0

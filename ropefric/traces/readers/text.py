@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ropefric.errors import DataError
 from ropefric.traces.readers.source import Source
 
-__all__ = ["HEAD_BYTES", "HEAD_LINES", "Block", "Text", "load_text"]
+__all__ = ["HEAD_BYTES", "HEAD_LINES", "WHOLE_BYTES", "Block", "Text", "load_text"]
 
 HEAD_BYTES = 65536
 """Marks are looked for in this much of a file; the whole file is then held to what was found."""
@@ -138,7 +138,7 @@ def load_text(source: Source, encoding: str = "") -> Text:
     del raw
     found = encoding or next((name for mark, name in _MARKS if start.startswith(mark)), "")
     if not found:
-        found = "utf-8" if _is_utf8([start] if is_whole else source.unpacked()) else "cp1252"
+        found = "utf-8" if _is_utf8([start] if is_whole else source.unpacked(), source) else "cp1252"
     data = b""
     for block in _clean_blocks([start] if is_whole else source.unpacked(), found, source):
         data += block
@@ -149,14 +149,14 @@ def load_text(source: Source, encoding: str = "") -> Text:
     return Text(source=source, data=data, encoding=found, is_whole=is_whole)
 
 
-def _is_utf8(blocks: Iterable[bytes]) -> bool:
+def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
     decoder, is_open = codecs.getincrementaldecoder("utf-8")(), False
     try:
         for block in blocks:
             if is_open or not block.isascii():
                 decoder.decode(block)
                 is_open = bool(decoder.getstate()[0])
-        decoder.decode(b"", final=True)
+        decoder.decode(b"", final=not source.most_bytes)
     except UnicodeDecodeError:
         return False
     return True
@@ -186,7 +186,7 @@ def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Ite
             yield _without_zeros(whole, line, source)
             before = whole
     line += before.count(b"\n") if rest else 0
-    if rest:
+    if rest and source.most_bytes <= 0:  # where a part ends, a line is cut
         yield _without_zeros(rest.removesuffix(b"\r") + b"\n", line, source)
 
 
@@ -213,7 +213,7 @@ def _to_utf8(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator
                 yield block
                 continue
         try:
-            text = decoder.decode(block or b"", final=block is None)
+            text = decoder.decode(block or b"", final=block is None and not source.most_bytes)
             yield (text.removeprefix("\ufeff") if is_first else text).encode()
         except UnicodeDecodeError as error:
             at = line + error.object.count(b"\n", 0, error.start)

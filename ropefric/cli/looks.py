@@ -63,7 +63,10 @@ def _without_empty_columns(
 
 
 def _headline(found: "Inspection") -> str:
-    facts = [found.format, f"{found.n_rows} rows"]
+    rows = f"{found.n_rows} rows"
+    if found.n_rows_about:
+        rows = f"at least {found.n_rows} rows, perhaps {found.n_rows_about:.2g}"
+    facts = [found.format, rows]
     if found.samples:
         names = ", ".join(found.samples[:12]) + (" …" if len(found.samples) > 12 else "")
         facts.append(f"{len(found.samples)} recordings side by side ({names})")

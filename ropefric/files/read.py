@@ -99,13 +99,15 @@ class InputFile:
     @property
     def sha256(self) -> str:
         """Return the SHA-256 of the content."""
-        if not self._hash:
-            for _ in self.blocks():
+        if not self._hash and self.size <= KEPT_BYTES:
+            self._hash = hashlib.sha256(self.read()).hexdigest()
+        elif not self._hash:
+            for _ in self._pass(BLOCK_BYTES):
                 pass
         return self._hash
 
     def blocks(self, size: int = BLOCK_BYTES) -> Iterator[bytes]:
-        """Return an iterator over the whole content, a block at a time.
+        """Return an iterator over the whole content, a block of this size at a time; at once where it is kept anyhow.
 
         Raises
         ------
@@ -113,10 +115,9 @@ class InputFile:
             RF101, if the file changes meanwhile, or holds something else than in an earlier pass.
         """
         if self.size <= KEPT_BYTES:
-            kept = self.read()
-            yield from (kept[start : start + size] for start in range(0, len(kept), size))
-            return
-        yield from self._pass(size)
+            yield self.read()
+        else:
+            yield from self._pass(size)
 
     def read(self, limit: int | None = None) -> bytes:
         """Return the whole content.
@@ -132,12 +133,15 @@ class InputFile:
                 path=self.shown,
                 fix="check that this is the file you mean",
             )
-        if self._kept is None:
-            content = b"".join(self._pass(max(self.size, 1)))
-            if self.size > KEPT_BYTES:
-                return content
-            self._kept = content
-        return self._kept
+        if self._kept is not None:
+            return self._kept
+        if self.size > KEPT_BYTES:
+            return b"".join(self._pass(BLOCK_BYTES))
+        content = self.part(0, self.size + 1)
+        if len(content) != self.size or not self.is_steady:
+            raise self._changed()
+        self._kept = content
+        return content
 
     def part(self, start: int, size: int) -> bytes:
         """Return some bytes from a place on, without reading what stands before."""

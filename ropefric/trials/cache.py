@@ -65,6 +65,11 @@ class ResultCache:
         self._folder = folder
         self._made_by = json.dumps([SCHEMA, hash_sources(), __version__, settings])
 
+    @property
+    def is_new(self) -> bool:
+        """Return whether nothing was ever stored here."""
+        return not self._folder.exists()
+
     def _path(self, specs: Sequence[TrialSpec], sha256: str) -> Path:
         rows = [
             [repr(getattr(spec, f.name)) for f in fields(spec) if f.name not in ("path", "line", "note")]

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Executor, as_completed
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.files.read import InputFile, hash_file, use_file
+from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.trials.cache import ResultCache
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.conditions import summarise_conditions
@@ -174,6 +175,10 @@ class _Work:
 
 def _guarded(work: _Work, jobs: int) -> Generator[tuple[int, _Done]]:
     """Give place and results of each file, in the order they are finished."""
+    if work.files and (work.cache is None or work.cache.is_new):
+        with suppress(RopefricError):
+            if find_reader(work.files[0][0].path, work.campaign.profile).name in TEXT_FORMATS:
+                import pandas  # noqa: ICN001, F401, PLC0415  (loaded once here, it is there in every forked process)
     with closing(guarded(work, len(work.files), jobs=jobs, limits=work.campaign.limits)) as running:
         for place, done in running:
             yield place, work.lost(place, done) if isinstance(done, Lost) else done

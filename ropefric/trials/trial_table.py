@@ -63,8 +63,8 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
     shown = Path(path).as_posix()
     try:
         text = use_file(
-            path, lambda file: load_text(Source(path=Path(path), shown=shown, file=file)).data, shown=shown
-        ).decode("utf-8")
+            path, lambda file: _whole(Source(path=Path(path), shown=shown, file=file)), shown=shown
+        )
     except DataError as error:
         fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
         raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
@@ -90,6 +90,10 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
         path=shown, separator=separator, header=header, header_line=header_line, rows=tuple(good)
     )
     return table, tuple(problems)
+
+
+def _whole(source: Source) -> str:
+    return b"".join(block.data for block in load_text(source).blocks()).decode()
 
 
 def _counts(line: str) -> bool:

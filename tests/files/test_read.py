@@ -134,17 +134,18 @@ def test_a_file_that_is_written_to_is_read_again_or_refused(tmp_path, monkeypatc
     path = tmp_path / "run.csv"
     path.write_bytes(b"time_s,force_N\n0,1\n")
     versions = [b"time_s,force_N\n0,1\n0.1,2\n", b"time_s,force_N\n0,1\n0.1,2\n0.2,3\n"]
-    real = read.InputFile._pass
+    real = read.InputFile.part
 
-    def write_meanwhile(file, size):
-        if versions:
+    def write_meanwhile(file, start, size):
+        if versions and size > 10:
             path.write_bytes(versions.pop(0))
-        return real(file, size)
+        return real(file, start, size)
 
-    monkeypatch.setattr(read.InputFile, "_pass", write_meanwhile)
+    monkeypatch.setattr(read, "KEPT_BYTES", 1000)
+    monkeypatch.setattr(read.InputFile, "part", write_meanwhile)
     (recording,) = read_recordings(path, ImportProfile())
     assert recording.columns["force"].tolist() == [1, 2, 3]
-    versions = [b"a" * n for n in range(100)]
+    versions = [b"a" * (100 + n) for n in range(100)]
     with pytest.raises(FileChangedError, match="changed while it was read"):
         read_file(path)
 

@@ -1,6 +1,7 @@
 """Files that kill, hang or fill the memory of whoever reads them: they are lost alone."""
 
 import gzip
+import hashlib
 import os
 import shutil
 import struct
@@ -8,11 +9,13 @@ import sys
 import time
 import zipfile
 import zlib
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from ropefric.cli.app import main
+from ropefric.files import read
 from ropefric.trials import recording
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.tables import write_tables
@@ -220,3 +223,35 @@ def test_two_trials_of_one_name_keep_their_own_recordings(lab):
         assert peaks_N["w#2"] == pytest.approx(60, rel=0.01)  # the name somebody gave stays his
         assert peaks_N["w#w"] == pytest.approx(100, rel=0.01)
         assert peaks_N["w#2-2"] == pytest.approx(150, rel=0.01)
+
+
+@pytest.mark.parametrize("large", [False, True])
+@pytest.mark.parametrize("in_place", [False, True])
+def test_hash_cache_and_numbers_come_from_the_same_bytes(lab, pull_csv, monkeypatch, large, in_place):
+    """A file that is replaced between being hashed and being parsed."""
+    if large:
+        monkeypatch.setattr(read, "KEPT_BYTES", 100)
+    lab.pulls(a=100.0)
+    target, other, real = lab.folder / "a.csv", pull_csv(150.0, seed=3).encode(), recording.read_recordings
+    first = target.read_bytes()
+    todo = [other]
+
+    def replace_it(*args, **options):
+        while todo:
+            if in_place:
+                target.write_bytes(todo.pop())
+            else:
+                (lab.folder / "new").write_bytes(todo.pop())
+                (lab.folder / "new").replace(target)
+        return real(*args, **options)
+
+    monkeypatch.setattr(recording, "read_recordings", replace_it)
+    with ThreadPoolExecutor(1) as here:
+        (trial,) = lab.extract(executor=here, cache_dir=lab.folder / ".cache").trials
+    assert not todo
+    read_bytes = first if round(trial.peak_N) == 100 else other
+    assert trial.peak_N == pytest.approx(100 if read_bytes is first else 150, rel=0.01)
+    assert trial.sha256 == hashlib.sha256(read_bytes).hexdigest()
+    (again,) = lab.extract(cache_dir=lab.folder / ".cache").trials
+    assert again.sha256 == hashlib.sha256(other).hexdigest()
+    assert again.peak_N == pytest.approx(150, rel=0.01)

@@ -14,10 +14,13 @@ from ropefric.errors import DataError, InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rich.console import Console
 
     from ropefric.traces.readers.inspection import Inspection
     from ropefric.traces.readers.profile import ImportProfile
+    from ropefric.trials.workers import Limits
 
 __all__ = ["COMMAND"]
 
@@ -33,7 +36,10 @@ Destination = Annotated[
     typer.Option("--write-profile", metavar="PATH", help="Write the suggested \\[import] section there."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write over a file that is already there.")]
-Memory = Annotated[str, typer.Option(metavar="QUANTITY", help="Most memory that reading it may take [4 GB].")]
+Everything = Annotated[
+    bool, typer.Option("--all", help="Read a large text whole, not only its first and last megabyte.")
+]
+Memory = Annotated[str, typer.Option(metavar="QUANTITY", help="Most memory that reading it may take [2 GB].")]
 Time = Annotated[str, typer.Option(metavar="QUANTITY", help="Most time that reading it may take [120 s].")]
 
 
@@ -44,6 +50,7 @@ def inspect(
     file_format: Format = "auto",
     write_profile: Destination = None,
     force: Force = False,
+    everything: Everything = False,
     memory: Memory = "",
     time: Time = "",
 ) -> Answer:
@@ -58,7 +65,9 @@ def inspect(
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
     if write_profile is not None:  # before the work
         _check_target(write_profile, file, force=force)
-    found = _look(file, ImportProfile(format=file_format), memory, time)
+    found = _look(
+        partial(_inspect, file, ImportProfile(format=file_format), everything), file, _limits(memory, time)
+    )
     profile = profile_to_toml(found.profile)
     if write_profile is not None:
         write_file(write_profile, profile)
@@ -72,25 +81,31 @@ def inspect(
     return Answer(data=found.to_dict(), show=show)
 
 
-def _look(file: Path, profile: "ImportProfile", memory: str, time: str) -> "Inspection":
-    """Return what is found out about a file, by a process that may die of it."""
-    from ropefric.trials.workers import Limits, Lost, guarded  # noqa: PLC0415
+def _limits(memory: str, time: str) -> "Limits":
+    from ropefric.trials.workers import Limits  # noqa: PLC0415  (all of these: quick start-up)
 
     given: dict[str, float] = {}
     if memory:
         given["memory_bytes"] = read_quantity(memory, "byte", "--memory")
     if time:
         given["time_s"] = read_quantity(time, "s", "--time")
-    ((_, found),) = guarded(partial(_inspect, file, profile), 1, limits=Limits(**given))
+    return Limits(**given)
+
+
+def _look(inspect_it: "Callable[[int], Inspection]", file: Path, limits: "Limits") -> "Inspection":
+    """Return what is found out about a file, by a process that may die of it."""
+    from ropefric.trials.workers import Lost, guarded  # noqa: PLC0415
+
+    ((_, found),) = guarded(inspect_it, 1, limits=limits)
     if isinstance(found, Lost):
         raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
     return found
 
 
-def _inspect(file: Path, profile: "ImportProfile", _: int) -> "Inspection":
+def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> "Inspection":  # noqa: FBT001
     from ropefric.traces.readers.sniff import inspect_file  # noqa: PLC0415
 
-    return inspect_file(file, profile)
+    return inspect_file(file, profile, everything=everything)
 
 
 def _fix_of_folder(folder: Path) -> str:

@@ -10,7 +10,9 @@ from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.source import Source
 
-__all__ = ["READERS", "find_reader", "read_recordings"]
+__all__ = ["READERS", "TEXT_FORMATS", "find_reader", "read_recordings"]
+
+TEXT_FORMATS = (delimited.READER.name, wide.READER.name)
 
 READERS: Registry[Reader] = Registry(
     "file format", [delimited.READER, wide.READER, matlab.READER, tdms.READER, excel.READER]

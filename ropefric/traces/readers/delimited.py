@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ropefric.files.read import FileChangedError
 from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.cells import NAN_TEXTS, is_blank_line, parse_rows, split_line
 from ropefric.traces.readers.dialect import Dialect, find_dialect
@@ -13,7 +14,7 @@ from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.rows import check_rows
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
-from ropefric.traces.readers.text import Text, load_text
+from ropefric.traces.readers.text import Block, Text, load_text
 
 __all__ = ["READER", "TEXT_SUFFIXES", "column_names", "ends_empty", "open_text", "parse_columns"]
 
@@ -68,35 +69,54 @@ def ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
 
 
 def parse_columns(
-    text: Text, dialect: Dialect, names: Sequence[str], indices: Sequence[int]
+    text: Text, dialect: Dialect, names: Sequence[str], indices: Sequence[int], n_rows: int
 ) -> list[FloatArray]:
-    """Return columns of a text table, whose rows have been counted.
+    """Return columns of a text table, whose `n_rows` rows have been counted.
 
     The C parser of pandas reads clean files; whatever it does not take as numbers is read again cell by
-    cell, which either finds a number after all or says which cell is none.
+    cell, which either finds a number after all or says which cell is none. Block by block: what is held of a large
+    file is its columns.
 
     Raises
     ------
     DataError
         RF102, naming line, column and text of the first cell that is no finite number.
     """
+    wanted, place = sorted(set(indices)), 0
+    columns = {index: np.empty(n_rows) for index in wanted}
+    for block in text.blocks(dialect.data_row):
+        arrays = _parse_block(block, text, dialect, names, wanted)
+        size = len(arrays[0]) if arrays else 0
+        if text.is_whole and size == n_rows:  # the only block
+            columns = dict(zip(wanted, arrays, strict=True))
+        elif place + size > n_rows:
+            raise FileChangedError("the file changed while it was read", path=text.source.shown)
+        else:
+            for index, array in zip(wanted, arrays, strict=True):
+                columns[index][place : place + size] = array
+        place += size
+    return [columns[index][:place] for index in indices]
+
+
+def _parse_block(
+    block: Block, text: Text, dialect: Dialect, names: Sequence[str], indices: Sequence[int]
+) -> list[FloatArray]:
     # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
-    for tolerant in () if b'"' in text.data else (False, True):
-        arrays = _parse_fast(text, dialect, len(names), indices, tolerant=tolerant)
+    for tolerant in () if b'"' in block else (False, True):
+        arrays = _parse_fast(block, dialect, len(names), indices, tolerant=tolerant)
         if arrays is not None and not any(np.isinf(array).any() for array in arrays):
             return arrays
-    return parse_rows(text.lines_from(dialect.data_row), indices, names, dialect.style, text.source)
+    return parse_rows(block.lines(), indices, names, dialect.style, text.source)
 
 
 def _parse_fast(
-    text: Text, dialect: Dialect, n_columns: int, indices: Sequence[int], *, tolerant: bool
+    block: Block, dialect: Dialect, n_columns: int, indices: Sequence[int], *, tolerant: bool
 ) -> list[FloatArray] | None:
     """Return columns as pandas reads them, or None where it finds a cell that is no number."""
     import pandas as pd  # noqa: PLC0415  (0.3 s to load)
 
-    style, body = dialect.style, io.BytesIO(text.data)
-    body.seek(text.start_of(dialect.data_row))
-    wanted = sorted(set(indices))
+    style, body = dialect.style, io.BytesIO(block.data)
+    body.seek(block.start)
     try:
         frame = pd.read_csv(
             body,
@@ -104,7 +124,7 @@ def _parse_fast(
             decimal=style.decimal,
             header=None,
             names=list(range(n_columns)),
-            usecols=wanted,
+            usecols=list(indices),
             index_col=False,
             dtype=np.float64,
             engine="c",
@@ -122,14 +142,14 @@ def _parse_fast(
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     text, dialect = open_text(source, profile)
     names, expected = column_names(text, dialect)
-    _, is_gapless = check_rows(
+    n_rows, is_gapless = check_rows(
         text, dialect.data_row, dialect.style.separator, dialect.n_cells, expected=expected
     )
     units = (*dialect.units, *[""] * len(names))[: len(names)]
     table = Table(
         names=names,
         units=units,
-        values=lambda indices: parse_columns(text, dialect, names, indices),
+        values=lambda indices: parse_columns(text, dialect, names, indices, n_rows),
         has_header=any(names),
         first_line=dialect.data_row if is_gapless else 0,
     )

@@ -2,19 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from ropefric.errors import InputError
 from ropefric.traces.readers.cells import CellStyle, split_line
 from ropefric.traces.readers.header import find_rows
 from ropefric.traces.readers.marks import find_decimal, find_separator
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.text import Text
+from ropefric.traces.readers.text import HEAD_BYTES, HEAD_LINES, Text
 
 __all__ = ["Dialect", "find_dialect"]
 
-HEAD_BYTES = 65536
-"""Marks are looked for in this much of a file; the whole file is then held to what was found."""
-HEAD_LINES = 400
+_MOST_LINES = 400
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 
 
@@ -64,16 +63,13 @@ def find_dialect(text: Text, profile: ImportProfile) -> Dialect:
     (';', ',', 2, 3, 4)
     """
     _check(profile)
-    head = text.data[:HEAD_BYTES]
-    if len(head) < len(text.data):
-        head = head[: head.rfind(b"\n") + 1] or head  # a cut line would mislead
-    lines = b"\n".join(head.split(b"\n", HEAD_LINES)[:HEAD_LINES]).decode(errors="replace").split("\n")
+    head = text.data[: _end_of_head(text.data)]
+    lines = b"\n".join(head.split(b"\n", _MOST_LINES)[:_MOST_LINES]).decode(errors="replace").split("\n")
     skip = max(profile.data_row - 1, profile.header_row, profile.units_row, profile.block_names_row, 0)
     data_lines = lines[skip:]
     if len(data_lines) < 2:  # an explicit data row far down the file
-        begin = text.start_of(skip + 1)
-        data_lines = text.data[begin : begin + HEAD_BYTES].decode(errors="replace").split("\n")[:HEAD_LINES]
-        lines = text.data[:begin].decode(errors="replace").split("\n")[:skip] + data_lines
+        lines = [line for _, line in islice(text.lines_from(1), skip + _MOST_LINES)]
+        data_lines = lines[skip:]
     separator = profile.separator or find_separator(data_lines, lines, profile, text.source)
     rows = find_rows(lines, separator, profile, text.source)
     decimal = profile.decimal or find_decimal(head, rows.data_row, separator, text.source)
@@ -86,6 +82,16 @@ def find_dialect(text: Text, profile: ImportProfile) -> Dialect:
         units=_cells(lines, rows.units_row, separator),
         n_cells=len(split_line(lines[rows.data_row - 1], separator)),
     )
+
+
+def _end_of_head(data: bytes) -> int:
+    """Return where the lines to look at end: after `HEAD_BYTES`, but at least after some lines; never within one."""
+    end = 0
+    for _ in range(HEAD_LINES):
+        end = data.find(b"\n", end) + 1
+        if end == 0:
+            return len(data)
+    return len(data) if len(data) <= HEAD_BYTES else max(end, data.rfind(b"\n", 0, HEAD_BYTES) + 1)
 
 
 def _cells(lines: Sequence[str], row: int, separator: str) -> tuple[str, ...]:

@@ -56,7 +56,9 @@ class Inspection:
     columns : tuple of ColumnSummary
         Columns of the (first) recording.
     n_rows : int
-        Samples of the (first) recording.
+        Samples of the (first) recording, as far as they were read.
+    n_rows_about : int
+        Of a large file, of which only a part was read: how many there may be; 0 where `n_rows` is all.
     samples : tuple of str
         Names of the recordings in a wide file; empty for an ordinary one.
     sampling_rate_Hz : float or None
@@ -83,6 +85,7 @@ class Inspection:
     data_row: int = 0
     columns: tuple[ColumnSummary, ...] = ()
     n_rows: int = 0
+    n_rows_about: int = 0
     samples: tuple[str, ...] = ()
     sampling_rate_Hz: float | None = None
     is_uniform: bool = False

@@ -15,7 +15,7 @@ from ropefric.traces.readers.inspection import ColumnSummary, Inspection
 from ropefric.traces.readers.profile import Channel
 from ropefric.traces.readers.table import Table
 
-__all__ = ["MIN_RUN", "summarise"]
+__all__ = ["MIN_RUN", "summarise", "widen"]
 
 MIN_RUN = 3
 """Samples in a row at a converter's limit that make a hint."""
@@ -53,6 +53,21 @@ def summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
         saturation=tuple(saturation),
         profile=replace(found.profile, channels=channels),
         doubts=(*found.doubts, *doubts, *clock_doubts),
+    )
+
+
+def widen(one: ColumnSummary, other: ColumnSummary) -> ColumnSummary:
+    """Return a column's summary together with that of another part of it."""
+    low = [limit for limit in (one.minimum, other.minimum) if limit is not None]
+    high = [limit for limit in (one.maximum, other.maximum) if limit is not None]
+    is_numeric = one.is_numeric and other.is_numeric
+    return replace(
+        one,
+        minimum=min(low) if low and is_numeric else None,
+        maximum=max(high) if high and is_numeric else None,
+        n_missing=one.n_missing + other.n_missing,
+        is_numeric=is_numeric,
+        is_integer=one.is_integer and other.is_integer,
     )
 
 

@@ -1,12 +1,24 @@
-"""Bytes to clean text: encoding found, line ends alike, nothing binary."""
+"""Bytes to clean text: encoding found, line ends alike, nothing binary; a large file block by block."""
 
-from collections.abc import Iterator
+import codecs
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
+from typing import NamedTuple
 
 from ropefric.errors import DataError
 from ropefric.traces.readers.source import Source
 
-__all__ = ["Text", "load_text"]
+__all__ = ["HEAD_BYTES", "HEAD_LINES", "WHOLE_BYTES", "Block", "Text", "load_text"]
+
+HEAD_BYTES = 65536
+"""Marks are looked for in this much of a file; the whole file is then held to what was found."""
+HEAD_LINES = 32
+"""Lines that the head has at least, however long they are."""
+WHOLE_BYTES = 8 * 2**20
+"""Text up to this size is decoded once and kept; of a longer one only the head is."""
+LONGEST_LINE_BYTES = 32 * 2**20
 
 _MARKS = (  # UTF-32 first: its little-endian mark starts with UTF-16's
     (b"\xff\xfe\x00\x00", "utf-32"),
@@ -19,40 +31,70 @@ _MARKS = (  # UTF-32 first: its little-endian mark starts with UTF-16's
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Text:
-    r"""A text file's content.
+    r"""A text file's content: UTF-8 without byte-order mark, every line, the last one too, ending in `\n`.
 
     Attributes
     ----------
     source : Source
         The file.
     data : bytes
-        UTF-8 without byte-order mark; every line, the last one too, ends in `\n`.
+        The content as far as it is kept: whole lines from the first on, `HEAD_BYTES` and `HEAD_LINES` at least.
     encoding : str
         How the file itself is encoded.
+    is_whole : bool
+        Whether `data` is everything; where it is not, the rest is read whenever it is asked for.
     """
 
     source: Source
     data: bytes
     encoding: str
+    is_whole: bool = True
 
-    def start_of(self, line: int) -> int:
-        """Return the byte at which a 1-based line starts; the end of the data where there is no such line."""
-        start = 0
-        for _ in range(line - 1):
-            start = self.data.find(b"\n", start) + 1
-            if start == 0:
-                return len(self.data)
-        return start
+    def blocks(self, line: int = 1) -> Iterator["Block"]:
+        """Return an iterator over pieces of whole lines, from a 1-based line on."""
+        first = 1
+        for data in (self.data,) if self.is_whole else self._read():
+            start = _start_of(data, line - first + 1)
+            if start < len(data):
+                yield Block(max(line, first), data, start)
+            first += 0 if self.is_whole else data.count(b"\n")
+
+    def _read(self) -> Iterator[bytes]:
+        return _clean_blocks(self.source.unpacked(), self.encoding, self.source)
 
     def line(self, number: int) -> str:
         """Return the text of a 1-based line, "" where there is none."""
-        begin = self.start_of(number)
-        return self.data[begin : max(self.data.find(b"\n", begin), begin)].decode(errors="replace")
+        return next((line for _, line in self.lines_from(number)), "")
 
     def lines_from(self, number: int) -> Iterator[tuple[int, str]]:
         """Return an iterator over the file's lines with their numbers, from a 1-based line on."""
-        body = self.data[self.start_of(number) : -1].decode(errors="replace")
-        return enumerate(body.split("\n"), start=number)
+        for block in self.blocks(number):
+            yield from block.lines()
+
+
+class Block(NamedTuple):
+    """Whole lines of a text from a byte on, and the number of the first of them; what stands before is not meant."""
+
+    line: int
+    data: bytes
+    start: int
+
+    def __contains__(self, part: object) -> bool:
+        return isinstance(part, bytes) and self.data.find(part, self.start) >= 0
+
+    def lines(self) -> Iterator[tuple[int, str]]:
+        """Return an iterator over the lines with their numbers."""
+        return enumerate(self.data[self.start : -1].decode(errors="replace").split("\n"), start=self.line)
+
+
+def _start_of(block: bytes, line: int) -> int:
+    """Return the byte at which a 1-based line of a block starts; its end where there is no such line."""
+    start = 0
+    for _ in range(line - 1):
+        start = block.find(b"\n", start) + 1
+        if start == 0:
+            return len(block)
+    return start
 
 
 def load_text(source: Source, encoding: str = "") -> Text:
@@ -85,47 +127,108 @@ def load_text(source: Source, encoding: str = "") -> Text:
     >>> text.encoding, text.data
     ('cp1252', b'Kraft [N]\n1 \xc2\xb5\n')
     """
-    raw = source.read_bytes()
-    data, found = _to_utf8(raw, encoding, source)
+    raw, size = [], 0
+    for block in source.unpacked():
+        raw.append(block)
+        size += len(block)
+        if size > WHOLE_BYTES:
+            break
+    is_whole = size <= WHOLE_BYTES
+    start = b"".join(raw)
+    del raw
+    found = encoding or next((name for mark, name in _MARKS if start.startswith(mark)), "")
+    if not found:
+        found = "utf-8" if _is_utf8([start] if is_whole else source.unpacked(), source) else "cp1252"
+    data = b""
+    for block in _clean_blocks([start] if is_whole else source.unpacked(), found, source):
+        data += block
+        if not is_whole and len(data) >= HEAD_BYTES and data.count(b"\n") >= HEAD_LINES:
+            break
+    if data.isspace() or not data:
+        raise source.error("the file holds nothing but blanks", fix="record or copy it again")
+    return Text(source=source, data=data, encoding=found, is_whole=is_whole)
+
+
+def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
+    decoder, is_open = codecs.getincrementaldecoder("utf-8")(), False
+    try:
+        for block in blocks:
+            if is_open or not block.isascii():
+                decoder.decode(block)
+                is_open = bool(decoder.getstate()[0])
+        decoder.decode(b"", final=not source.most_bytes)
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
+    r"""Give pieces of whole lines in UTF-8 that end in `\n`."""
+    line, rest, before = 1, b"", b""
+    for decoded in _to_utf8(blocks, encoding, source):
+        if not decoded:
+            continue
+        line, before = line + before.count(b"\n"), b""
+        data = rest + decoded
+        ends_in_return = data.endswith(b"\r")  # half of a line's end, perhaps
+        if b"\r" in data:
+            whole = data[:-1] if ends_in_return else data
+            data = whole.replace(b"\r\n", b"\n").replace(b"\r", b"\n") + data[len(whole) :]
+        cut = data.rfind(b"\n") + 1
+        whole, rest = data[:cut], data[cut:]
+        if len(rest) > LONGEST_LINE_BYTES:
+            raise source.error(
+                f"the line has more than {LONGEST_LINE_BYTES // 2**20} million characters: this is no table",
+                line=line + whole.count(b"\n"),
+                fix="check that this is the recording",
+            )
+        if whole:
+            yield _without_zeros(whole, line, source)
+            before = whole
+    line += before.count(b"\n") if rest else 0
+    if rest and source.most_bytes <= 0:  # where a part ends, a line is cut
+        yield _without_zeros(rest.removesuffix(b"\r") + b"\n", line, source)
+
+
+def _without_zeros(data: bytes, line: int, source: Source) -> bytes:
     if b"\0" in data:
         at = data.index(b"\0")
         raise source.error(
-            f"this is not a text file: byte {at} is zero",
-            line=data.count(b"\n", 0, at) + 1,
+            "this is not a text file: a byte is zero",
+            line=line + data.count(b"\n", 0, at),
             fix='name the format ([import] format = "matlab", "tdms" or "excel"), or the encoding '
             '([import] encoding = "utf-16-le") where it is text',
         )
-    if b"\r" in data:
-        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    if data.isspace() or not data:
-        raise source.error("the file holds nothing but blanks", fix="record or copy it again")
-    if not data.endswith(b"\n"):
-        data += b"\n"
-    return Text(source=source, data=data, encoding=found)
+    return data
 
 
-def _to_utf8(raw: bytes, encoding: str, source: Source) -> tuple[bytes, str]:
-    if not encoding:
-        if raw.isascii():
-            return raw, "utf-8"
-        for mark, name in _MARKS:
-            if raw.startswith(mark):
-                return _decode(raw, name, source).encode(), name
+def _to_utf8(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
+    decoder, line, is_first, before = _decoder(encoding, source), 1, True, b""
+    keeps_ascii = encoding in ("utf-8", "utf-8-sig", "cp1252")
+    for block in chain(blocks, (None,)):
+        if block is not None:
+            line, before = line + before.count(b"\n"), block
+            if keeps_ascii and block.isascii() and not decoder.getstate()[0]:
+                is_first = False
+                yield block
+                continue
         try:
-            raw.decode("utf-8")
-        except UnicodeDecodeError:
-            return _decode(raw, "cp1252", source).encode(), "cp1252"
-        return raw, "utf-8"
-    text = _decode(raw, encoding, source).removeprefix("\ufeff")
-    try:
-        return text.encode(), encoding
-    except UnicodeEncodeError as error:
-        raise _undecodable(encoding, str(error), source) from None
+            text = decoder.decode(block or b"", final=block is None and not source.most_bytes)
+            yield (text.removeprefix("\ufeff") if is_first else text).encode()
+        except UnicodeDecodeError as error:
+            at = line + error.object.count(b"\n", 0, error.start)
+            reason = f"byte 0x{error.object[error.start]:02x} has no meaning there"
+            raise _undecodable(encoding, reason, source, at) from None
+        except (ValueError, Warning) as error:  # an encoding may be refused for its own reasons
+            raise _undecodable(encoding, str(error), source) from None
+        is_first = False
 
 
-def _decode(raw: bytes, encoding: str, source: Source) -> str:
+def _decoder(encoding: str, source: Source) -> codecs.IncrementalDecoder:
     try:
-        return raw.decode(encoding)
+        with suppress(ValueError, Warning):
+            b"0,1\n".decode(encoding)  # which refuses codecs that are no encodings of text
+        return codecs.getincrementaldecoder(encoding)()
     except LookupError:
         raise source.error(
             f"there is no text encoding {encoding!r}",
@@ -133,13 +236,6 @@ def _decode(raw: bytes, encoding: str, source: Source) -> str:
             key="[import] encoding",
             fix='use "utf-8", "cp1252" or "utf-16", or leave it out',
         ) from None
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise _undecodable(
-            encoding, f"byte 0x{raw[error.start]:02x} has no meaning there", source, line
-        ) from None
-    except (ValueError, Warning) as error:  # an encoding may be refused for its own reasons
-        raise _undecodable(encoding, str(error), source) from None
 
 
 def _undecodable(encoding: str, reason: str, source: Source, line: int | None = None) -> DataError:

@@ -31,7 +31,7 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         )
     text, dialect = open_text(source, profile)
     n_blocks = _count_blocks(text, dialect, width)
-    _, is_gapless = check_rows(
+    n_rows, is_gapless = check_rows(
         text,
         dialect.data_row,
         dialect.style.separator,
@@ -41,7 +41,7 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     )
     names = _spread(dialect.header, n_blocks, width)
     units = _spread(dialect.units, n_blocks, width)
-    load = _shared(text, dialect, [name for block in names for name in block], width)
+    load = _shared(text, dialect, [name for block in names for name in block], width, n_rows)
     return tuple(
         Table(
             names=names[block],
@@ -100,7 +100,7 @@ def _samples(text: Text, dialect: Dialect, profile: ImportProfile, n_blocks: int
 
 
 def _shared(
-    text: Text, dialect: Dialect, names: Sequence[str], width: int
+    text: Text, dialect: Dialect, names: Sequence[str], width: int, n_rows: int
 ) -> Callable[[tuple[int, ...]], dict[int, FloatArray]]:
     """Return a loader that parses the file once for all blocks that ask for the same columns."""
     n_blocks = len(names) // width
@@ -108,7 +108,7 @@ def _shared(
     @lru_cache(maxsize=1)
     def load(offsets: tuple[int, ...]) -> dict[int, FloatArray]:
         indices = [block * width + offset for block in range(n_blocks) for offset in offsets]
-        return dict(zip(indices, parse_columns(text, dialect, names, indices), strict=True))
+        return dict(zip(indices, parse_columns(text, dialect, names, indices, n_rows), strict=True))
 
     def load_block(block_and_offsets: tuple[int, ...]) -> dict[int, FloatArray]:
         block, *offsets = block_and_offsets

@@ -312,7 +312,7 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
     # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
     factor = unit_factor(unit, si_unit, name=name) if unit else 1.0
     result = float(Decimal(digits) * Decimal(repr(factor))) if unit and value else value
-    if not in_range(result):
+    if not in_range(result) or (value and not result):
         bound = f"{LARGEST:g}" if abs(result) > 1.0 else f"{SMALLEST:g}"
         size = "large" if abs(result) > 1.0 else "small"
         limit = f"{bound} {si_unit}".strip()

@@ -22,6 +22,7 @@ BoolArray = npt.NDArray[np.bool_]
 
 # Conditions that agree to this many digits are one, as in a trial table.
 _SAME_DIGITS = 12
+_MOST = 1000
 
 
 def plan_tests(
@@ -88,6 +89,9 @@ def plan_tests(
             key="n_conditions",
             fix="plan one or more of each, by 'v' or 'd', at a level such as 0.95",
         )
+    for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
+        if asked > _MOST:
+            raise InputError(f"{name} is {asked}; the limit is {_MOST}", key=name, fix="ask for fewer")
     grid = limits.conditions()
     allowed, notes = allowed_conditions(planned, limits, grid)
     free = allowed & ~tested_before(planned, grid)

@@ -6,12 +6,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ropefric.errors import InputError, SolverError
-from ropefric.systems.press.transient.integrators.integrator import Settings
+from ropefric.systems.press.transient.integrators.integrator import Settings, check_steps
 from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.problem import LinearStartUp
 
 __all__ = ["solve_adaptively"]
 
+_RATES_A_STEP = 12
 _IMPLICIT_SHARE = 0.1
 _EXPLICIT_SHARE = 0.01
 """What a step may err by, of the tensions: steps add up, and explicit ones on a stiff belt dance on the border of
@@ -47,13 +48,21 @@ def solve_adaptively(
     states = np.zeros((len(times_s), problem.n_state + 6))
     y = np.concatenate([problem.start, np.zeros(6)])
     states[times_s == 0.0] = y
+    asked = 0
     for piece, start, end, inside in problem.pieces(times_s):
         stops = np.unique(np.append(times_s[inside], end))
         options: dict[str, Any] = {}
+
+        def rate(t: float, y: FloatArray, piece: int = piece) -> FloatArray:
+            nonlocal asked
+            asked += 1
+            check_steps(asked / _RATES_A_STEP)
+            return problem.rate(y, problem.input_at(piece, t))
+
         if implicit:
             options["jac"] = lambda t, y, piece=piece: problem.jacobian(y, problem.input_at(piece, t))
         found = solve_ivp(
-            lambda t, y, piece=piece: problem.rate(y, problem.input_at(piece, t)),
+            rate,
             (start, end),
             y,
             method=method,

@@ -4,10 +4,32 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
+from ropefric.errors import SolverError
 from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.problem import LinearStartUp
 
-__all__ = ["Integrator", "Settings"]
+__all__ = ["MOST_STEPS", "Integrator", "Settings", "check_steps"]
+
+MOST_STEPS = 500_000
+"""Of a start-up; each takes some 50 µs."""
+
+
+def check_steps(needed: float) -> None:
+    """Refuse a start-up of more steps than anybody waits for; return quietly otherwise.
+
+    Raises
+    ------
+    SolverError
+        RF524, with the limit.
+    """
+    if not needed <= MOST_STEPS:
+        raise SolverError(
+            f"the start-up takes more than {MOST_STEPS} steps, the limit: its fastest oscillation, or the step or"
+            " tolerance asked for, is too short for the time simulated",
+            code="RF524",
+            key="start_up.simulate",
+            fix="simulate a shorter time, or correct the inertias, masses and stiffnesses",
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ropefric.errors import SolverError
-from ropefric.systems.press.transient.integrators.integrator import Integrator, Settings
+from ropefric.systems.press.transient.integrators.integrator import Integrator, Settings, check_steps
 from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.spectrum import rk4_limit_s
@@ -23,6 +23,7 @@ def _solve(problem: LinearStartUp, times_s: FloatArray, settings: Settings) -> F
             key="step_s",
             fix=f"take {limit_s:.4g} s or less, or the integrator 'exact' or 'radau'",
         )
+    check_steps(float(times_s[-1]) / step_s)
     n = problem.n_state
     states = np.zeros((len(times_s), n + 6))
     y = np.concatenate([problem.start, np.zeros(6)])

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.plain_text import json_escaped
 from ropefric.fitting.result import SCHEMA, FitResult
 from ropefric.fitting.soundness import faults
 from ropefric.friction.laws import ALL_LAWS
@@ -50,7 +51,9 @@ def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:
         # What was loaded from a file is relative to that file already.
         source["path"] = Path(os.path.relpath(source["path"], folder)).as_posix()
     tree = replace(fit, provenance=provenance | {"input": source}).to_dict()
-    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return (
+        json_escaped(json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)) + "\n"
+    )
 
 
 def save_fit(fit: FitResult, path: str | os.PathLike[str]) -> Path:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ropefric.errors import RopefricError
+from ropefric.files.plain_text import json_escaped
 from ropefric.fitting.design import DesignChart
 from ropefric.fitting.gum.budget import LinearBudget, linear_budget
 from ropefric.fitting.gum.forces import force_model
@@ -166,4 +167,6 @@ def write_evidence(evidence: Evidence, folder: Path) -> tuple[Path, ...]:
 
 
 def _json(tree: dict[str, Any]) -> str:
-    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return (
+        json_escaped(json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)) + "\n"
+    )

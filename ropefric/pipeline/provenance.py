@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.plain_text import json_escaped
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 
@@ -178,7 +179,7 @@ def write_manifest(provenance: Provenance, campaign: Path, folder: Path) -> Path
     except ValueError:  # another drive on Windows
         shown = campaign.resolve().as_posix()
     tree = provenance.to_dict() | {"campaign": shown}
-    text = json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
+    text = json_escaped(json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False))
     target = folder / MANIFEST
     target.write_text(text + "\n", encoding="utf-8", newline="\n")
     return target

@@ -1,5 +1,6 @@
 """A sweep as a CSV file: written fast, because it may have a million rows."""
 
+import csv
 from collections.abc import Mapping
 from itertools import product
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ropefric.errors import DataError
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.friction.condition import FloatArray
 from ropefric.scenes.sweep import Sweep
 
@@ -71,7 +73,7 @@ def write_columns(columns: Mapping[str, FloatArray], path: Path) -> Path:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as stream:
-            stream.write(",".join(columns) + "\n")
+            csv.writer(stream, lineterminator="\n").writerow(map(to_spreadsheet, columns))
             values = np.stack(list(columns.values()), axis=-1)
             stream.write(_rows("", [row] * len(values), values))
     except OSError as error:

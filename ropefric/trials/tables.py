@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.trials.result import Extraction
 
 __all__ = ["write_tables"]
@@ -59,4 +60,6 @@ def _cell(value: Any) -> Any:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return _NAME_SEPARATOR.join(value) if isinstance(value, list) else value
+    if isinstance(value, list):
+        value = _NAME_SEPARATOR.join(value)
+    return to_spreadsheet(value) if isinstance(value, str) else value

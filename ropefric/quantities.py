@@ -148,11 +148,10 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
     if text.endswith((")", "]")):
         body = text[:-1]
         start = max(body.rfind(")"), body.rfind("]")) + 1
-        # The first bracket opened behind the last one closed, with something before it.
-        found = [at for at in (body.find("(", max(start, 1)), body.find("[", max(start, 1))) if at > 0]
-        if found:
-            stem = body[: min(found)]
-            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], body[min(found) + 1 :].strip()
+        opened = max(body.rfind("("), body.rfind("["))
+        if opened >= max(start, 1):  # with something before it, and not closed before
+            stem = body[:opened]
+            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], body[opened + 1 :].strip()
     for suffix in _SUFFIXES:
         stem = name.removesuffix(f"_{suffix}")
         if stem and stem != name:

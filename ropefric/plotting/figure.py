@@ -69,6 +69,13 @@ class FigureWithData:
             shown = text.get_text()
             if shown and (safe := figure_text(shown)) != shown:
                 text.set_text(safe)
+        for axes in self.figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                # Ticks with words of their own: matplotlib asks for these again at each drawing.
+                words = getattr(getattr(axis.get_major_formatter(), "func", None), "args", ())
+                for named in words:
+                    if isinstance(named, dict):
+                        named.update({place: figure_text(word) for place, word in named.items()})
         if not self.alt.strip():
             object.__setattr__(self, "alt", self._named_axes())
 

@@ -18,6 +18,7 @@ __all__ = ["ConditionName", "figure_label", "figure_text", "name_condition", "na
 _SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")
 
 _OWN_MATHEMATICS = re.compile(r"(\$(?:[A-Za-zφμρσ']++_\{\\mathrm\{[A-Za-z0-9,]++\}\}/?)++\$)")
+_LONGEST_WORD = 60  # beyond, nothing else has room
 _DOLLAR = re.compile(r"(?<!\\)\$")
 
 
@@ -40,6 +41,9 @@ def figure_text(text: str) -> str:
     >>> figure_text(r"trial $\frac{$ at $F_{\mathrm{A}}$")
     'trial \\$\\frac{\\$ at $F_{\\mathrm{A}}$'
     """
+    for word in set(text.split()):
+        if len(word) > _LONGEST_WORD:
+            text = text.replace(word, f"{word[: _LONGEST_WORD - 1]}…")
     parts = _OWN_MATHEMATICS.split(visible(text))
     return "".join(part if place % 2 else _DOLLAR.sub(r"\$", part) for place, part in enumerate(parts))
 

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib import colormaps
 
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.labels import figure_text
 from ropefric.plotting.press_axes import name_lines, same_lines, span_of
 from ropefric.plotting.style import BLUE, GREY, LINE_STYLES, ORANGE, TRACE_COLORS, house_style
 
@@ -104,7 +103,7 @@ def _draw_slips(axes: "Axes", found: "StartUp") -> None:
         # A slip shorter than a pixel still gets its mark.
         axes.plot([slip.start_s], [row], marker="|", markersize=9.0, color=color)
     axes.set_ylabel("Slip on")
-    axes.set_yticks(range(len(names)), [figure_text(f"roller {name}") for name in names])
+    axes.set_yticks(range(len(names)), [f"roller {name}" for name in names])
     axes.set_ylim(max(len(names), 1) - 0.5, -0.5)
     if not names:
         axes.text(0.5, 0.5, "no belt slips", transform=axes.transAxes, ha="center", va="center", color=GREY)

@@ -32,7 +32,7 @@ def parse_jobs(text: str, n_items: int) -> int:
     """
     if text == "auto":
         return 1 if n_items < SERIAL_BELOW else max(1, _usable_cores())
-    if not text.isdecimal() or int(text) < 1:
+    if not text.isdecimal() or len(text) > 9 or int(text) < 1:
         raise typer.BadParameter(f"{text!r} is neither 'auto' nor a number of processes", param_hint="--jobs")
     return int(text)
 

@@ -155,7 +155,7 @@ def _check_schema(tree: Any, shown: str) -> None:
     if schema == SCHEMA:
         return
     family, _, number = str(schema).partition("/")
-    if family == _FAMILY and number.isdigit() and int(number) > int(_VERSION):
+    if family == _FAMILY and number.isdecimal() and len(number) < 10 and int(number) > int(_VERSION):
         raise DataError(
             f"the schema {schema} is newer than {SCHEMA}, the newest this version of ropefric reads",
             code="RF430",

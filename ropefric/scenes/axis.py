@@ -100,7 +100,8 @@ def parse_axis(scene: Scene, text: str) -> Axis:
 def _range(scene: Scene, key: str, text: str) -> Axis:
     parts = [part.strip() for part in text.split(":")]
     spaced = parts[3] if len(parts) == 4 else "linear"
-    count = int(parts[2]) if len(parts) in (3, 4) and parts[2].isdecimal() else 0
+    counted = len(parts) in (3, 4) and parts[2].isdecimal() and len(parts[2]) < 20
+    count = int(parts[2]) if counted else 0
     if not 2 <= count <= MOST_POINTS or spaced not in {"linear", "log"}:
         raise InputError(
             f"{text!r} is not START:STOP:COUNT with a count from 2 to {MOST_POINTS}",

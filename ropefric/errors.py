@@ -22,6 +22,9 @@ __all__ = [
 ]
 
 
+_LONGEST = {"message": 2000, "key": 200, "fix": 1000}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
     """One thing that is wrong or doubtful, with its place and its remedy.
@@ -56,6 +59,13 @@ class Problem:
     key: str = ""
     fix: str = ""
     severity: Literal["error", "warning"] = "error"
+
+    def __post_init__(self) -> None:
+        # A message quotes what stands in the file, and that may be 20 kB of brackets.
+        for name, most in _LONGEST.items():
+            text = getattr(self, name)
+            if len(text) > most:
+                object.__setattr__(self, name, f"{text[:most]}…")
 
     @property
     def where(self) -> str:

@@ -148,11 +148,10 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
     if text.endswith((")", "]")):
         body = text[:-1]
         start = max(body.rfind(")"), body.rfind("]")) + 1
-        # The first bracket opened behind the last one closed, with something before it.
-        found = [at for at in (body.find("(", max(start, 1)), body.find("[", max(start, 1))) if at > 0]
-        if found:
-            stem = body[: min(found)]
-            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], body[min(found) + 1 :].strip()
+        opened = max(body.rfind("("), body.rfind("["))
+        if opened >= max(start, 1):  # with something before it, and not closed before
+            stem = body[:opened]
+            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], body[opened + 1 :].strip()
     for suffix in _SUFFIXES:
         stem = name.removesuffix(f"_{suffix}")
         if stem and stem != name:
@@ -312,7 +311,7 @@ def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> flo
     # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
     factor = unit_factor(unit, si_unit, name=name) if unit else 1.0
     result = float(Decimal(digits) * Decimal(repr(factor))) if unit and value else value
-    if not in_range(result):
+    if not in_range(result) or (value and not result):
         bound = f"{LARGEST:g}" if abs(result) > 1.0 else f"{SMALLEST:g}"
         size = "large" if abs(result) > 1.0 else "small"
         limit = f"{bound} {si_unit}".strip()

@@ -30,7 +30,7 @@ def parse_jobs(text: str, n_items: int) -> int:
     >>> parse_jobs("auto", 12), parse_jobs("100000", 1)
     (1, 1)
     """
-    if text != "auto" and (not text.isdecimal() or int(text) < 1):
+    if text != "auto" and (not text.isdecimal() or len(text) > 9 or int(text) < 1):
         raise typer.BadParameter(f"{text!r} is neither 'auto' nor a number of processes", param_hint="--jobs")
     if text == "auto" and n_items < SERIAL_BELOW:
         return 1

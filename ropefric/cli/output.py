@@ -2,13 +2,14 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, TextIO
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any, TextIO
 
 from ropefric.errors import Problem
+from ropefric.files.plain_text import visible
 from ropefric.files.write import cannot_write
 
 if TYPE_CHECKING:
@@ -92,11 +93,25 @@ def console_on(stream: TextIO, *, color: bool = True) -> "Console":
     >>> stream.getvalue()
     'F_A = 12 N\n'
     """
-    from rich.console import Console  # noqa: PLC0415  (half of the start-up time)
-
     width = None if stream.isatty() or "COLUMNS" in os.environ else PIPE_WIDTH
     styled = {} if color else {"color_system": None}
-    return Console(file=stream, highlight=False, emoji=False, width=width, **styled)  # type: ignore[arg-type]
+    return _console_class()(file=stream, highlight=False, emoji=False, width=width, **styled)  # type: ignore[arg-type]
+
+
+@cache
+def _console_class() -> "type[Console]":
+    from rich.console import Console  # noqa: PLC0415
+    from rich.segment import Segment  # noqa: PLC0415
+
+    class PlainConsole(Console):
+        """Shows what steers a terminal instead of obeying it, whoever wrote it: headers, names, messages."""
+
+        def render(self, renderable: Any, options: Any = None) -> Iterator[Segment]:
+            for segment in super().render(renderable, options):
+                text, style, control = segment
+                yield segment if control else Segment(visible(text), style)
+
+    return PlainConsole
 
 
 def rendered(console: "Console", show: "Callable[[Console], None]") -> str:

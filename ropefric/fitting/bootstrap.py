@@ -21,6 +21,7 @@ IntervalMethod = Literal["percentile", "basic"]
 # In standard errors: what separates two refits says nothing at a millionth of their spread.
 _TOLERANCE = 1e-9
 _WORTH_A_NOTE = 0.025
+_MOST_RESAMPLES = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -138,8 +139,9 @@ def bootstrap(
     best = np.asarray(theta, dtype=np.float64)
     if best.shape != problem.start.shape:
         raise InputError(f"theta has shape {best.shape}; law {problem.law.name} needs {problem.start.shape}")
-    if n < 2:
-        raise InputError(f"a bootstrap of {n} resamples has no spread", key="n", fix="take 2000")
+    if not 2 <= n <= _MOST_RESAMPLES:
+        what = "has no spread" if n < 2 else f"is too large: {_MOST_RESAMPLES} is the limit"
+        raise InputError(f"a bootstrap of {n} resamples {what}", key="n", fix="take 2000")
     rng = np.random.default_rng(seed)
     levels = two_level_scatter(problem, best) if scatter is None else _checked(scatter)
     enough = np.ones(n, dtype=np.bool_)

@@ -21,6 +21,7 @@ _LARGEST = math.log(np.finfo(np.float64).max)
 _DISAGREEMENT = 0.1
 # The check of the linear interval by draws is made unasked only where it is quick.
 _CHECKED_CONDITIONS = 100
+_MOST_DRAWS = 10_000_000
 _CHECKING_DRAWS = 2000
 
 
@@ -89,8 +90,9 @@ def predict(
         )
     if method not in {"linear", "monte-carlo"}:
         raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
-    if n < 100:
-        raise InputError(f"{n} draws are too few", key="n", fix="draw 100 or more")
+    if not 100 <= n <= _MOST_DRAWS:
+        few = "few" if n < 100 else "many"
+        raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
     theta, covariance = np.asarray(fit.theta), np.asarray(fit.covariance)
     log_lift = model.log_lift(theta, conditions)
     if (log_lift > _LARGEST).any():

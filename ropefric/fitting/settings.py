@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from numbers import Integral
 from typing import Any, Literal
 
 from ropefric.errors import InputError, UnknownNameError
@@ -98,5 +99,5 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
 
 
 def _check_whole(key: str, value: Any, least: int, most: int, why: str) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
         raise InputError(f"{key} is {value!r:.40}; {why} and at most {most}", key=key)

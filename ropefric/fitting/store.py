@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.plain_text import json_document
 from ropefric.files.read import read_file
 from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.fitting.result import SCHEMA, FitResult
@@ -55,7 +56,7 @@ def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:
         # What was loaded from a file is relative to that file already.
         source["path"] = Path(os.path.relpath(source["path"], folder)).as_posix()
     tree = replace(fit, provenance=provenance | {"input": source}).to_dict()
-    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_document(tree)
 
 
 def save_fit(fit: FitResult, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -187,7 +188,7 @@ def _check_schema(tree: Any, shown: str) -> None:
     if schema == SCHEMA:
         return
     family, _, number = str(schema).partition("/")
-    if family == _FAMILY and number.isdigit() and int(number) > int(_VERSION):
+    if family == _FAMILY and number.isdecimal() and len(number) < 10 and int(number) > int(_VERSION):
         raise DataError(
             f"the schema {schema} is newer than {SCHEMA}, the newest this version of ropefric reads",
             code="RF430",

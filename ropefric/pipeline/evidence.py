@@ -1,12 +1,12 @@
 """What a report shows beyond the answer: budgets, what the design is sensitive to, what to measure next."""
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
+from ropefric.files.plain_text import json_document
 from ropefric.fitting.design import DesignChart
 from ropefric.fitting.gum.budget import LinearBudget, linear_budget
 from ropefric.fitting.gum.forces import force_model
@@ -145,13 +145,7 @@ def evidence_files(evidence: Evidence) -> dict[str, str]:
     """
     texts = {}
     if evidence.lift is not None:
-        texts["uncertainty.json"] = _json(evidence.lift.to_dict())
+        texts["uncertainty.json"] = json_document(rounded_tree(evidence.lift.to_dict()))
     if evidence.plan is not None:
         texts["next_tests.csv"] = evidence.plan.to_csv()
     return texts
-
-
-def _json(tree: dict[str, Any]) -> str:
-    return (
-        json.dumps(rounded_tree(tree), sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    )

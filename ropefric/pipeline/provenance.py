@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError
+from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file, read_file
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
@@ -175,7 +176,7 @@ def manifest_text(provenance: Provenance, campaign: Path, folder: Path) -> str:
     except ValueError:  # another drive on Windows
         shown = campaign.resolve().as_posix()
     tree = provenance.to_dict() | {"campaign": shown}
-    return json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_document(tree)
 
 
 def recorded_run(folder: Path) -> tuple[Path, str]:

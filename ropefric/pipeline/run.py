@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from typing import Any
 
 from ropefric.errors import DataError
 from ropefric.files.folder import Folder, as_folder
+from ropefric.files.plain_text import json_document
 from ropefric.fitting.comparison import Comparison
 from ropefric.fitting.store import fit_text
 from ropefric.fitting.table import read_trial_table
@@ -161,8 +161,7 @@ def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]
     texts["comparison.csv"] = _ranking_text(answer.comparison)
     if answer.prediction is not None:
         tree = answer.prediction.to_dict()
-        text = json.dumps(tree, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False)
-        texts["prediction.json"] = text + "\n"
+        texts["prediction.json"] = json_document(tree)
     return target.write(texts)
 
 

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
+from ropefric.plotting.labels import figure_text
 from ropefric.plotting.words import counted, plain_text
 
 __all__ = ["DataTable", "FigureWithData", "new_figure"]
@@ -62,6 +64,18 @@ class FigureWithData:
     alt: str = ""
 
     def __post_init__(self) -> None:
+        # Names of trials and machine parts are anybody's: the one place that keeps them from being taken for TeX.
+        for text in self.figure.findobj(Text):
+            shown = text.get_text()
+            if shown and (safe := figure_text(shown)) != shown:
+                text.set_text(safe)
+        for axes in self.figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                # Ticks with words of their own: matplotlib asks for these again at each drawing.
+                words = getattr(getattr(axis.get_major_formatter(), "func", None), "args", ())
+                for named in words:
+                    if isinstance(named, dict):
+                        named.update({place: figure_text(word) for place, word in named.items()})
         if not self.alt.strip():
             object.__setattr__(self, "alt", self._named_axes())
 

@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ropefric.files.plain_text import visible
 from ropefric.glossary import axis_label
 
 if TYPE_CHECKING:
@@ -12,9 +13,13 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import ConditionSummary
 
-__all__ = ["ConditionName", "figure_label", "name_condition", "name_files", "typeset"]
+__all__ = ["ConditionName", "figure_label", "figure_text", "name_condition", "name_files", "typeset"]
 
 _SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")
+
+_OWN_MATHEMATICS = re.compile(r"(\$(?:[A-Za-zφμρσ']++_\{\\mathrm\{[A-Za-z0-9,]++\}\}/?)++\$)")
+_LONGEST_WORD = 60  # beyond, nothing else has room
+_DOLLAR = re.compile(r"(?<!\\)\$")
 
 
 def typeset(text: str) -> str:
@@ -26,6 +31,21 @@ def typeset(text: str) -> str:
     'Break-away force $F_{\\mathrm{A}}$ [N]'
     """
     return _SUBSCRIPT.sub(r"$\1_{\\mathrm{\2}}$", text)
+
+
+def figure_text(text: str) -> str:
+    r"""Return text as it may stand in a figure: what is not our own mathematics is none, and all of it shows.
+
+    Examples
+    --------
+    >>> figure_text(r"trial $\frac{$ at $F_{\mathrm{A}}$")
+    'trial \\$\\frac{\\$ at $F_{\\mathrm{A}}$'
+    """
+    for word in set(text.split()):
+        if len(word) > _LONGEST_WORD:
+            text = text.replace(word, f"{word[: _LONGEST_WORD - 1]}…")
+    parts = _OWN_MATHEMATICS.split(visible(text))
+    return "".join(part if place % 2 else _DOLLAR.sub(r"\$", part) for place, part in enumerate(parts))
 
 
 def figure_label(name: str) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ropefric.errors import InputError
 from ropefric.files.folder import Folder, as_folder
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.plotting.figure import DataTable, FigureWithData
 from ropefric.plotting.style import house_style
 from ropefric.registry import did_you_mean
@@ -92,4 +93,4 @@ def _cell(value: object) -> str:
         return str(value).lower()
     if isinstance(value, float):
         return "" if math.isnan(value) else f"{value:.8g}"
-    return str(value)
+    return to_spreadsheet(value) if isinstance(value, str) else str(value)

@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from ropefric.files.plain_text import visible
 from ropefric.plotting.figure import FigureWithData
 from ropefric.plotting.save import FORMATS
 from ropefric.plotting.style import house_style
@@ -62,7 +63,7 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
     _rename(root, _prefix(stem) if stem else f"f{_hash(ET.tostring(root))}")
     root.attrib = {
         "role": "img",
-        "aria-label": figure.alt,
+        "aria-label": visible(figure.alt),
         "viewBox": root.attrib["viewBox"],
         "class": "figure",
         "style": f"stroke-linejoin:round;stroke-linecap:butt;white-space:pre;font-family:{_FONT},{_FALLBACK}",

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from html import escape
 
+from ropefric.files.plain_text import visible
 from ropefric.report.section import Section, Table
 
 __all__ = ["as_page"]
@@ -26,7 +27,7 @@ def as_page(title: str, sections: Sequence[Section]) -> str:
     True
     """
     body = "".join(_section(section) for section in sections)
-    return (
+    return visible(
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escape(title)}</title>\n'
         f"<style>\n{_STYLE}</style>\n</head>\n<body>\n<h1>{escape(title)}</h1>\n{body}</body>\n</html>\n"
     )

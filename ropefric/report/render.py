@@ -6,6 +6,7 @@ from functools import cache
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from ropefric.files.plain_text import visible
 from ropefric.report.chapter import Block, Fold, Picture, Report
 from ropefric.report.section import Section
 
@@ -39,7 +40,8 @@ def as_html(report: Report) -> str:
     environment = _environment()
     template = environment.get_template("report.html.j2")
     numbers = {stem: place for place, stem in enumerate(pictures, start=1)}
-    return template.render(report=report, numbers=numbers, style=Markup(_style())) + "\n"  # noqa: S704  (our own file)
+    page = template.render(report=report, numbers=numbers, style=Markup(_style()))  # noqa: S704  (our own file)
+    return visible(page) + "\n"
 
 
 @cache

@@ -6,6 +6,7 @@ import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.rig.plan import CampaignPlan, RigCondition
 from ropefric.rig.protocols import RIG_PROTOCOLS
 from ropefric.rig.story import SimulatedRecording
@@ -64,7 +65,9 @@ def table_text(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(rows)
+    writer.writerows(
+        [to_spreadsheet(cell) if isinstance(cell, str) else cell for cell in row] for row in rows
+    )
     return buffer.getvalue()
 
 

@@ -19,6 +19,7 @@ __all__ = ["DEFAULT_FAULTS", "CampaignPlan", "RigCondition"]
 
 DEFAULT_FAULTS: dict[str, float] = {fault.name: fault.rate for fault in FAULTS.values()}
 """Fraction of recordings each fault befalls in an ordinary campaign."""
+_MOST_TRIALS = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,6 +110,13 @@ class CampaignPlan:
                 f"{len(self.conditions)} conditions with {self.repeats} repeats make no recording",
                 key="repeats",
                 fix="plan at least one condition and one repeat",
+            )
+        if self.n_trials > _MOST_TRIALS:
+            raise InputError(
+                f"{len(self.conditions)} conditions with {self.repeats} repeats are {self.n_trials} recordings;"
+                f" the limit is {_MOST_TRIALS}",
+                key="repeats",
+                fix="ask for fewer repeats",
             )
         for name, rate in self.faults.items():
             if not 0.0 <= rate <= 1.0:

@@ -13,9 +13,10 @@ from ropefric.registry import did_you_mean
 from ropefric.scenes.scene import Scene, read_scene
 from ropefric.trials.toml_document import TomlDocument
 
-__all__ = ["Axis", "parse_axis", "replaced", "scalar_keys"]
+__all__ = ["MOST_POINTS", "Axis", "parse_axis", "replaced", "scalar_keys"]
 
-_MAX_POINTS = 10_000_000
+MOST_POINTS = 10_000_000
+"""Of an axis, and of a whole grid: some 2.5 GB."""
 _NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
 
 
@@ -99,10 +100,11 @@ def parse_axis(scene: Scene, text: str) -> Axis:
 def _range(scene: Scene, key: str, text: str) -> Axis:
     parts = [part.strip() for part in text.split(":")]
     spaced = parts[3] if len(parts) == 4 else "linear"
-    count = int(parts[2]) if len(parts) in (3, 4) and parts[2].isdecimal() else 0
-    if not 2 <= count <= _MAX_POINTS or spaced not in {"linear", "log"}:
+    counted = len(parts) in (3, 4) and parts[2].isdecimal() and len(parts[2]) < 20
+    count = int(parts[2]) if counted else 0
+    if not 2 <= count <= MOST_POINTS or spaced not in {"linear", "log"}:
         raise InputError(
-            f"{text!r} is not START:STOP:COUNT with a count from 2 to {_MAX_POINTS}",
+            f"{text!r} is not START:STOP:COUNT with a count from 2 to {MOST_POINTS}",
             key="--sweep",
             fix="write it like  90deg:1440deg:50  or, in equal ratios,  90deg:1440deg:50:log",
         )

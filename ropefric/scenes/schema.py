@@ -5,6 +5,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.quantities import LARGEST, SMALLEST, in_range
 from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, text
 
 __all__ = ["FrictionTable", "ReferenceTable", "ScaleTable", "SceneTable", "number", "optional", "positive"]
@@ -21,6 +22,13 @@ def number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < float("inf"):
         fix = "write it without quotes and without unit" if isinstance(value, str) else ""
         reject("RF110", f"expected a number, got {got(value)}", fix=fix)
+    if not in_range(value):
+        limits = f"{SMALLEST:g} to {LARGEST:g}"
+        reject(
+            "RF110",
+            f"{got(value)} is too large or too small: {limits} are the limits",
+            fix="correct the number",
+        )
     return float(value)
 
 

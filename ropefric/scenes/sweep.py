@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.friction.condition import FloatArray
-from ropefric.scenes.axis import Axis, replaced
+from ropefric.scenes.axis import MOST_POINTS, Axis, replaced
 from ropefric.scenes.kind import Quantity
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene import Scene, source_of
@@ -91,6 +91,13 @@ def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | No
     if not keys or len(set(keys)) < len(keys):
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
     total = prod(axis.values.size for axis in axes)
+    if total > MOST_POINTS:
+        sizes = " × ".join(str(axis.values.size) for axis in axes)
+        raise InputError(
+            f"a grid of {sizes} is {total} points; the limit is {MOST_POINTS}",
+            key="--sweep",
+            fix="ask for fewer values of each key",
+        )
     collected = _Collected(total=total)
     by_array = all(key in scene.kind.sweep_fields for key in keys) and scene.kind.in_one_call(scene.problem)
     solve = _solve_answerable if by_array else _solve_point

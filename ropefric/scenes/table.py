@@ -1,12 +1,15 @@
 """A sweep as a CSV file: written fast, because it may have a million rows."""
 
-from collections.abc import Mapping
+import csv
+import io
+from collections.abc import Iterable, Mapping
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 from ropefric.files.folder import Folder
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.friction.condition import FloatArray
 from ropefric.scenes.sweep import Sweep
 
@@ -46,7 +49,7 @@ def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
     lines = [word + cells for word in words[-1]]
     values = np.stack(list(sweep.columns.values()), axis=-1)
     with folder.stream(name) as stream:
-        stream.write((",".join(header_of(sweep)) + "\n").encode())
+        stream.write(_header(header_of(sweep)).encode())
         for place, outer in enumerate(product(*words[:-1])):
             for start in range(0, len(lines), _BLOCK):
                 rows = lines[start : start + _BLOCK]
@@ -59,7 +62,13 @@ def columns_text(columns: Mapping[str, FloatArray]) -> str:
     """Return columns of one length as CSV."""
     values = np.stack(list(columns.values()), axis=-1)
     row = ",".join(["%.9g"] * len(columns)) + "\n"
-    return ",".join(columns) + "\n" + _rows("", [row] * len(values), values)
+    return _header(columns) + _rows("", [row] * len(values), values)
+
+
+def _header(names: Iterable[str]) -> str:
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerow(map(to_spreadsheet, names))
+    return stream.getvalue()
 
 
 def _rows(outer: str, rows: list[str], values: FloatArray) -> str:

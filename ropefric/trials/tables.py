@@ -9,6 +9,7 @@ from typing import Any
 
 from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.trials.result import Extraction
 
 __all__ = ["write_tables"]
@@ -83,4 +84,6 @@ def _cell(value: Any) -> Any:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return _NAME_SEPARATOR.join(value) if isinstance(value, list) else value
+    if isinstance(value, list):
+        value = _NAME_SEPARATOR.join(value)
+    return to_spreadsheet(value) if isinstance(value, str) else value

@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass, field
 
 from ropefric.errors import InputError, Problem
+from ropefric.files.plain_text import from_spreadsheet
 from ropefric.quantities import parse_quantity
 from ropefric.trials.trial_columns import BoundColumn
 from ropefric.trials.trial_table import CellTable
@@ -80,7 +81,7 @@ def read_row(
     for name, column in columns.items():
         cell = cells[column.index]
         if not column.si_unit:
-            texts[name] = cell
+            texts[name] = from_spreadsheet(cell)
         elif cell:
             try:
                 numbers[name] = _number(cell, column, decimal)

@@ -104,6 +104,7 @@ def test_long_headers_are_taken_apart_at_once(letter):
         ("-1e31 N", "N", "too large"),
         ("5e-324", "", "too small: 1e-30 is the limit"),
         ("1e-28 mm", "m", "too small"),
+        ("5e-324 mm", "m", "too small"),
     ],
 )
 def test_what_no_machine_has_is_refused_with_the_limit(text, si_unit, words):

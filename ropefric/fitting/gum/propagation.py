@@ -13,7 +13,7 @@ from ropefric.friction.condition import FloatArray
 
 __all__ = ["DISAGREEMENT", "DrawnAnswer", "numerical_tolerance", "propagate", "shortest_interval"]
 
-_FEWEST = 10_000
+_FEWEST, _MOST = 10_000, 10_000_000
 # The end of a 95 % interval from N draws scatters by about 2.7 σ/√N; U is about 2 σ.
 _END_NOISE = 2.7 / 1.96
 DISAGREEMENT = 0.1
@@ -133,9 +133,9 @@ def propagate(
     >>> found.agrees, round(found.half_68, 1)
     (True, 1.0)
     """
-    if draws < _FEWEST or seed < 0:
+    if not _FEWEST <= draws <= _MOST or seed < 0:
         raise InputError(
-            f"{draws} draws with seed {seed}", key="draws", fix=f"draw {_FEWEST} or more, seed 0 or more"
+            f"{draws} draws with seed {seed}", key="draws", fix=f"draw {_FEWEST} to {_MOST}, seed 0 or more"
         )
     values = model.draw(np.random.default_rng(seed), draws)
     values = np.sort(values[np.isfinite(values)])

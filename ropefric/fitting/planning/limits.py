@@ -15,6 +15,9 @@ __all__ = ["FACTORS", "RigLimits", "geometric_levels", "linear_levels"]
 FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
 """What a plan may vary; the rope is the same throughout."""
 
+_MOST_LEVELS, _MOST_CONDITIONS = 1000, 50_000
+"""Of one factor, and of all combinations, each of which the search weighs against the others."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigLimits:
@@ -60,6 +63,13 @@ class RigLimits:
             if len(set(levels)) < len(levels):
                 raise InputError(f"{name}: a setting is given twice", key=name, fix="give each once")
             object.__setattr__(self, name, tuple(levels))
+        if math.prod(self.shape) > _MOST_CONDITIONS:
+            sizes = " × ".join(str(size) for size in self.shape)
+            raise InputError(
+                f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}",
+                key="limits",
+                fix="give fewer wheels, wraps or end tensions, or fewer levels",
+            )
         for item in fields(self):
             if item.name not in FACTORS and not getattr(self, item.name) > 0.0:
                 raise InputError(f"{item.name} = {getattr(self, item.name):g} is not positive", key=item.name)
@@ -132,9 +142,11 @@ def geometric_levels(low: float, high: float, n: int, *, digits: int = 2) -> tup
 
 
 def _check_range(low: float, high: float, n: int) -> None:
-    if not (low < high and n >= 2):
+    if not (low < high and 2 <= n <= _MOST_LEVELS):
         raise InputError(
-            f"{n} settings from {low:g} to {high:g}", key="range", fix="give low before high, two or more"
+            f"{n} settings from {low:g} to {high:g}",
+            key="range",
+            fix=f"give low before high, two to {_MOST_LEVELS} settings",
         )
 
 

@@ -20,6 +20,8 @@ __all__ = ["plan_tests"]
 
 BoolArray = npt.NDArray[np.bool_]
 
+_MOST = 1000
+
 
 def plan_tests(
     planned: PlannedLaw,
@@ -85,6 +87,9 @@ def plan_tests(
             key="n_conditions",
             fix="plan one or more of each, by 'v' or 'd', at a level such as 0.95",
         )
+    for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
+        if asked > _MOST:
+            raise InputError(f"{name} is {asked}; the limit is {_MOST}", key=name, fix="ask for fewer")
     grid = limits.conditions()
     allowed, notes = allowed_conditions(planned, limits, grid)
     free = allowed & ~tested_before(planned, grid)

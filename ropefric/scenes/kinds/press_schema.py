@@ -165,7 +165,7 @@ class StartUpTable(StrictTable):
     times: list[Annotated[float, optional("s", "1 s")]] | None = None
     speeds: list[Annotated[float, optional("m/s", "0.5 m/s")]] | None = None
     simulate: Annotated[float, optional("s", "20 s", above=0)]
-    points: Annotated[int, PlainValidator(whole_number(2, 1_000_000))] = 2001
+    points: Annotated[int, PlainValidator(whole_number(2, 200_000))] = 2001
     slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
     integrator: Annotated[str, PlainValidator(choice(lambda: INTEGRATORS))] = "exact"

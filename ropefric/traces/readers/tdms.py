@@ -1,6 +1,7 @@
 """National Instruments TDMS; needs the extra `lab`."""
 
 import io
+import logging
 import warnings
 from typing import Any
 
@@ -48,6 +49,7 @@ def _load(source: Source) -> Any:
         raise source.error(
             "reading TDMS needs the package nptdms", code="RF107", fix='pip install "ropefric[lab]"'
         ) from None
+    logging.getLogger("nptdms").setLevel(logging.CRITICAL)  # it writes damaged bytes to the terminal
     raw = source.raw_bytes()
     try:
         with warnings.catch_warnings():

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 from ropefric.errors import SolverError
 from ropefric.systems.press.transient.guards import Guard, switched
 from ropefric.systems.press.transient.inputs import Inputs
+from ropefric.systems.press.transient.integrators import check_steps
 from ropefric.systems.press.transient.mode import Mode, sticking
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import FrictionLimit, Motion
@@ -19,7 +20,7 @@ from ropefric.systems.press.transient.problem import starting_state
 __all__ = ["Change", "HybridSolution", "solve_hybrid"]
 
 _SWITCHES_AT_ONCE = 60
-_MAX_SWITCHES = 20_000
+_MAX_SWITCHES = 3_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +107,7 @@ class _Solver:
         self.motions: dict[Mode, Motion] = {}
         self.changes: list[Change] = []
         self.works = np.zeros(6)
+        self.steps = 0
 
     def motion(self, mode: Mode) -> Motion:
         if mode not in self.motions:
@@ -164,6 +166,8 @@ class _Solver:
 
     def _try(self, phase: Phase, z: FloatArray, length: float) -> tuple[Guard | None, float, FloatArray]:
         """Return the guard that ends the mode within a step, or None; the time that passed, and z after it."""
+        self.steps += 1
+        check_steps(self.steps)
         flow, integrals = phase.grid_step(length)
         after = flow @ z
         n = len(phase.guards)

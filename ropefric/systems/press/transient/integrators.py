@@ -19,6 +19,28 @@ from ropefric.systems.press.transient.spectrum import rk4_limit_s
 __all__ = ["INTEGRATORS", "Settings"]
 
 
+MOST_STEPS = 500_000
+"""Of a start-up; each takes some 50 µs."""
+
+
+def check_steps(needed: float) -> None:
+    """Refuse a start-up of more steps than anybody waits for; return quietly otherwise.
+
+    Raises
+    ------
+    SolverError
+        RF524, with the limit.
+    """
+    if not needed <= MOST_STEPS:
+        raise SolverError(
+            f"the start-up takes more than {MOST_STEPS} steps, the limit: its fastest oscillation, or the step or"
+            " tolerance asked for, is too short for the time simulated",
+            code="RF524",
+            key="start_up.simulate",
+            fix="simulate a shorter time, or correct the inertias, masses and stiffnesses",
+        )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """What integrators can be told; each reads what concerns it.
@@ -118,6 +140,7 @@ def _by_rk4(problem: LinearStartUp, times_s: FloatArray, settings: Settings) -> 
             key="step_s",
             fix=f"take {limit_s:.4g} s or less, or the integrator 'exact' or 'radau'",
         )
+    check_steps(float(times_s[-1]) / step_s)
     n = problem.n_state
     states = np.zeros((len(times_s), n + 6))
     y = np.concatenate([problem.start, np.zeros(6)])
@@ -154,6 +177,7 @@ _RK4 = Integrator(
 )
 
 
+_RATES_A_STEP = 12
 _IMPLICIT_SHARE = 0.1
 _EXPLICIT_SHARE = 0.01
 """What a step may err by, of the tensions: steps add up, and explicit ones on a stiff belt dance on the border of
@@ -189,13 +213,21 @@ def _adaptively(
     states = np.zeros((len(times_s), problem.n_state + 6))
     y = np.concatenate([problem.start, np.zeros(6)])
     states[times_s == 0.0] = y
+    asked = 0
     for piece, start, end, inside in problem.pieces(times_s):
         stops = np.unique(np.append(times_s[inside], end))
         options: dict[str, Any] = {}
+
+        def rate(t: float, y: FloatArray, piece: int = piece) -> FloatArray:
+            nonlocal asked
+            asked += 1
+            check_steps(asked / _RATES_A_STEP)
+            return problem.rate(y, problem.input_at(piece, t))
+
         if implicit:
             options["jac"] = lambda t, y, piece=piece: problem.jacobian(y, problem.input_at(piece, t))
         found = solve_ivp(
-            lambda t, y, piece=piece: problem.rate(y, problem.input_at(piece, t)),
+            rate,
             (start, end),
             y,
             method=method,

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.slip import available_pull_N, contacts_of, grip_on
 from ropefric.systems.press.transient.model import ElasticPress
@@ -9,6 +10,9 @@ from ropefric.systems.press.transient.motion import FrictionLimit
 from ropefric.systems.press.transient.polynomial import FloatArray
 
 __all__ = ["friction_limit", "friction_utilisation"]
+
+_LEAST_GRIP = 1e-7
+"""A thousand times what `guards.guards_of` takes for zero, as a share of the tension."""
 
 
 def friction_limit(
@@ -37,6 +41,14 @@ def friction_limit(
     for i, contact in enumerate(contacts_of(press, model.preload_N, angular_acceleration_rad_s2=spin)):
         grip = grip_on(contact, friction, told=told)
         growth[i] = np.exp(grip.exponent)
+        if growth[i] - 1.0 < _LEAST_GRIP:
+            raise InputError(
+                f"roller {press.rollers[i].name} holds the belt by e^(μφ) − 1 = {growth[i] - 1.0:.3g} of its tension:"
+                f" a start-up with slip cannot tell less than {_LEAST_GRIP:g} from no friction at all",
+                code="RF523",
+                key="friction",
+                fix="give a larger coefficient or wrap angle, or write slip = false",
+            )
         still = float(contact.slack_N) * np.expm1(float(grip.exponent))
         # What the acceleration of 1 m/s² alone adds to the friction that can be borne.
         added = float(available_pull_N(contact, grip)) - still

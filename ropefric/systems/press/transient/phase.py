@@ -10,6 +10,7 @@ from scipy.linalg import eigvals
 from ropefric.systems.press.transient.energy import power_forms
 from ropefric.systems.press.transient.exponential import Propagator
 from ropefric.systems.press.transient.guards import Guard, guards_of
+from ropefric.systems.press.transient.integrators import check_steps
 from ropefric.systems.press.transient.motion import Motion
 from ropefric.systems.press.transient.polynomial import FloatArray
 
@@ -82,6 +83,7 @@ class Phase:
         longest = min(self.step_s, whole_s)
         first = [longest / part for part in _FIRST_STEPS] if fresh else []
         left = whole_s - sum(first)
+        check_steps(left / longest)
         count = max(1, int(np.ceil(left / longest)))
         # Rounding makes equal steps differ in their last digits; one matrix serves them all.
         return [*first, *[float(f"{left / count:.11e}")] * count]

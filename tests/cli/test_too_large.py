@@ -1,0 +1,73 @@
+"""Numbers that no machine has and counts that no machine can work off: refused at once, with place and limit."""
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FIT = ROOT / "fits" / "prth-coupled.json"
+HOIST = ROOT / "data" / "scenes" / "hoist.toml"
+PULL = ("--wheel-radius", "40 mm", "--wrap", "540 deg", "--end-tension", "80 N")
+RIG = ("--wheels", "15 mm .. 60 mm", "--wraps", "90 deg .. 1080 deg", "--end-tensions", "5 N, 80 N",
+       "--max-force", "800 N")  # fmt: skip
+BILLION = 10**9
+
+COMMANDS = {
+    "length": (("predict", "--fit", FIT, *PULL, "--wheel-radius", "1e300 mm"), 2, "1e+30 m is the limit"),
+    "speed": (("predict", "--fit", FIT, *PULL, "--speed", "1e300 m/s"), 2, "1e+30 m/s is the limit"),
+    "no number": (("predict", "--fit", FIT, *PULL, "--wrap", "5e-324 deg"), 2, "1e-30 rad is the limit"),
+    "unit": (("predict", "--fit", FIT, *PULL, "--wrap", "1 " + "a" * 30 + "!"), 2, "is not a unit"),
+    "power": (("predict", "--fit", FIT, *PULL, "--wrap", "10**10**10 deg"), 2, "is not a unit"),
+    "draws": (("budget", "--fit", FIT, *PULL, "--draws", BILLION), 3, "10000 to 10000000"),
+    "repeats": (("simulate", "SIM", "--repeats", BILLION), 3, "the limit is 100000"),
+    "levels": (("plan-tests", "--fit", FIT, *PULL, *RIG, "--levels", BILLION), 3, "two to 1000 settings"),
+    "all settings": (("plan-tests", "--fit", FIT, *PULL, *RIG, "--wheels", "1 mm .. 1e9 mm",
+                      "--wraps", "1 deg .. 90000 deg", "--levels", 1000), 3, "the limit is 50000"),
+    "conditions": (("plan-tests", "--fit", FIT, *PULL, *RIG, "--conditions", BILLION), 3, "the limit is 1000"),
+    "pulls": (("plan-tests", "--fit", FIT, *PULL, *RIG, "--repeats", BILLION), 3, "the limit is 1000"),
+    "starts": (("plan-tests", "--fit", FIT, *PULL, *RIG, "--starts", BILLION), 3, "the limit is 1000"),
+    "sweep": (("solve", HOIST, "--sweep", "wheel.wrap=90deg:1440deg:5000000",
+               "--sweep", "load.end_tension=1N:2N:5000000"), 3, "25000000000000 points; the limit is 10000000"),
+    "axis": (("solve", HOIST, "--sweep", f"wheel.wrap=1deg:2deg:{10**30}"), 3, "from 2 to 10000000"),
+    "sweep to": (("solve", HOIST, "--sweep", "load.end_tension=1N:1e300N:5"), 3, "1e+30 N is the limit"),
+    "unit of a sweep": (("solve", HOIST, "--sweep", f"wheel.wrap=1{'a' * 40}!:2:3"), 3, "is not a unit"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_refused_with_place_and_limit(call, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    argv, code, words = COMMANDS[name]
+    done = call(*argv)
+    assert done.code == code, done.err
+    assert words in done.err
+    assert not list(tmp_path.iterdir())
+
+
+SCENES = {
+    "coefficient": ("press-start-up", "mu = 0.6", "mu = 1e-300", "1e-30 to 1e+30 are the limits"),
+    "least coefficient": ("press-start-up", "mu = 0.6", "mu = 1e-29", "from no friction at all"),
+    "least wrap": ("press-start-up", '"28.1 deg"', '"1e-12 deg"', "from no friction at all"),
+    "damping": ("press-start-up", '"500 N*s/m"', '"9.9e29 N*s/m"', "more than 500000 steps"),
+    "points": ("press-start-up", "points = 1601", "points = 100000000", "from 2 to 200000"),
+    "blade": ("band-saw", '"1.6 m"', '"1e300 m"', "1e+30 m is the limit"),
+    "rate": ("band-saw", "[excitation]", '[excitation]\nfrequencies = ["1e300 Hz"]', "1e+30 Hz is the limit"),
+    "factor": ("belt-press", "closure", "load_factor = 1e300\nclosure", "1e-30 to 1e+30 are the limits"),
+    "unit": ("belt-press", '"200 mm"', '"200 10**10**10"', "is not a unit"),
+    "letters": ("belt-press", '"200 mm"', '"9.8 Millimeterdurchmesserlautdatenblatt-2019"', "is not a unit"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_that_cannot_be_are_refused(call, tmp_path, name):
+    scene, old, new, words = SCENES[name]
+    text = (ROOT / "data" / "scenes" / f"{scene}.toml").read_text(encoding="utf-8")
+    assert old in text
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        text.replace(old, new, 1).replace("../../fits", (ROOT / "fits").as_posix()), encoding="utf-8"
+    )
+    done = call("solve", path)
+    assert done.code == 3, done.err
+    assert words in done.err
+    assert "scene.toml:" in done.err

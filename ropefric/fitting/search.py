@@ -37,6 +37,7 @@ _SAME_COST = 1e-8
 # From this ratio of the best to the worst known combination on, parameters are rounded one after the other.
 _TRADED = 300.0
 _TIGHT = 1e-13
+_NOTHING = 1e-150
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,7 +100,9 @@ def _rounded(problem: FitProblem, minimum: Minimum) -> Minimum:
     can be traded for each other that error is far below what the search knows of each, so they are rounded one
     after the other, the least known first and by its whole error, and those that are left are fitted anew.
     """
-    theta, free = minimum.theta.copy(), problem.vary & ~minimum.at_bound
+    theta = minimum.theta.copy()
+    seen = (problem.jacobian(theta) != 0.0).any(axis=0)
+    free = problem.vary & ~minimum.at_bound & seen
     while np.count_nonzero(free) > 1:
         index, std, ratio = _least_known(problem, theta, free)
         if ratio < _TRADED:
@@ -133,7 +136,7 @@ def _least_known(
     length = np.where(length > 0.0, length, 1.0)
     padding = np.zeros((max(jacobian.shape[1] - len(jacobian), 0), jacobian.shape[1]))
     _, values, rows = np.linalg.svd(np.vstack([jacobian / length, padding]), full_matrices=False)
-    values = np.maximum(values, values.max(initial=0.0) / RANK_RATIO)
+    values = np.maximum(values, max(values[0] / RANK_RATIO, _NOTHING))
     place = int(np.argmax(np.abs(rows[-1]).round(6)))
     std = float(np.linalg.norm(rows[:, place] / values) / length[place])
     return int(np.flatnonzero(free)[place]), std, float(values[0] / values[-1])

@@ -32,7 +32,7 @@ class FittedParameter:
     name : str
         Its name in the law.
     value : float
-        The estimate, to a decimal below 1e-4 of its standard error with the others held, or the value it was fixed at.
+        The estimate, to a decimal below 1e-4 of its standard error with the others held, or what it was fixed at.
     std : float
         Standard error, to four digits; 0 for a fixed one, NaN on a bound, infinite where the data do not show it.
     ci95 : tuple of float

@@ -13,7 +13,13 @@ import ropefric
 from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
-from ropefric.fitting.covariance import bread, clustered_covariance, rounded_covariance, unseen_part
+from ropefric.fitting.covariance import (
+    bread,
+    clustered_covariance,
+    rank_lost,
+    rounded_covariance,
+    unseen_part,
+)
 from ropefric.fitting.criteria import aicc, bic
 from ropefric.fitting.findings import Evidence, find
 from ropefric.fitting.identifiability import identify
@@ -59,13 +65,13 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     jacobian = slopes[:, shown]
     n_conditions = int(problem.group.max()) + 1
     covariance, kind, dof, notes = _errors(found, settings, jacobian, n_conditions)
-    covariance = rounded_covariance(covariance)
+    seen = identify(jacobian, [name for name, free in zip(law.parameter_names, shown, strict=True) if free])
+    covariance = rounded_covariance(covariance, lost=rank_lost(jacobian))
     std = np.where(minimum.at_bound, nan, 0.0)
     known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
     std[shown] = np.where(unseen_part(jacobian), inf, known)
     log_residuals = -residuals * problem.std
     lack = lack_of_fit(jacobian, log_residuals, problem.std, problem.group, found.scatter)
-    seen = identify(jacobian, [name for name, free in zip(law.parameter_names, shown, strict=True) if free])
     findings = find(
         Evidence(
             law=law,

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
 from ropefric.fitting.identifiability import NOT_SEEN, RANK_RATIO
 
-__all__ = ["bread", "clustered_covariance", "rounded_covariance", "unseen_part"]
+__all__ = ["bread", "clustered_covariance", "rank_lost", "rounded_covariance", "unseen_part"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -17,7 +17,7 @@ IntArray = npt.NDArray[np.int64]
 _LARGEST_LEVERAGE = 0.999
 # Decimals of a correlation beside those its smallest eigenvalue needs, and the most that rounding leaves any.
 _DECIMALS = 3
-_MOST_DECIMALS = 12
+_MOST_DECIMALS = 17
 
 
 def bread(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray:
@@ -38,9 +38,7 @@ def bread(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray
     q = jacobian.shape[1]
     if not q:
         return np.zeros((0, 0))
-    length, values, rows = _decomposed(jacobian if weights is None else jacobian * np.sqrt(weights)[:, None])
-    seen = values > values.max(initial=0.0) / RANK_RATIO
-    half = rows.T[:, seen] / values[seen] / length[:, None]
+    half, _ = _root(jacobian if weights is None else jacobian * np.sqrt(weights)[:, None])
     return np.asarray(half @ half.T)
 
 
@@ -55,19 +53,26 @@ def unseen_part(jacobian: FloatArray) -> npt.NDArray[np.bool_]:
     q = jacobian.shape[1]
     if not q:
         return np.zeros(0, dtype=bool)
-    _, values, rows = _decomposed(jacobian)
+    _, _, values, rows = _decomposed(jacobian)
     lost = values <= values.max(initial=0.0) / RANK_RATIO
     return np.asarray(np.abs(rows[lost]).max(axis=0, initial=0.0) > 1e-6)
 
 
-def _decomposed(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _root(jacobian: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return H with H Hᵀ = (JᵀJ)⁻¹ and U with J = U H⁻¹, over the combinations that are seen."""
+    length, left, values, rows = _decomposed(jacobian)
+    seen = values > values.max(initial=0.0) / RANK_RATIO
+    return rows.T[:, seen] / values[seen] / length[:, None], left[: len(jacobian), seen]
+
+
+def _decomposed(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     q = jacobian.shape[1]
     length = np.linalg.norm(jacobian, axis=0)
     seen = length > NOT_SEEN
     length = np.where(seen, length, 1.0)
     scaled = np.vstack([np.where(seen, jacobian, 0.0) / length, np.zeros((max(q - len(jacobian), 0), q))])
-    _, values, rows = np.linalg.svd(scaled, full_matrices=False)
-    return length, values, rows
+    left, values, rows = np.linalg.svd(scaled, full_matrices=False)
+    return length, left, values, rows
 
 
 def clustered_covariance(
@@ -101,22 +106,39 @@ def clustered_covariance(
     [[1.0]]
     """
     w = np.ones_like(residuals) if weights is None else weights
-    inverse = bread(jacobian, w)
-    weighted = jacobian * w[:, None]
+    if not jacobian.shape[1]:
+        return np.zeros((0, 0))
+    # In the combinations that are seen, and not in the parameters: where these can be traded for each other the
+    # inverse of JᵀWJ is so large that products with it lose twice the digits.
+    half, left = _root(jacobian * np.sqrt(w)[:, None])
     k = int(group.max(initial=-1)) + 1
-    scores = np.zeros((k, jacobian.shape[1]))
-    np.add.at(scores, group, weighted * residuals[:, None])
-    share = np.einsum("ni,ij,nj->n", weighted, inverse, jacobian)
-    leverage = np.minimum(np.bincount(group, share, k), _LARGEST_LEVERAGE)
-    scores = scores / np.sqrt(1.0 - leverage)[:, None]
-    return inverse @ (scores.T @ scores) @ inverse
+    scores = np.zeros((k, half.shape[1]))
+    np.add.at(scores, group, left * (np.sqrt(w) * residuals)[:, None])
+    leverage = np.minimum(np.bincount(group, (left**2).sum(axis=1), k), _LARGEST_LEVERAGE)
+    spread = half @ (scores / np.sqrt(1.0 - leverage)[:, None]).T
+    return np.asarray(spread @ spread.T)
 
 
-def rounded_covariance(covariance: FloatArray) -> FloatArray:
+def rank_lost(jacobian: FloatArray) -> int:
+    """Return how many combinations of the parameters change nothing.
+
+    Examples
+    --------
+    >>> rank_lost(np.array([[1.0, 1.0], [2.0, 2.0]]))
+    1
+    """
+    if not jacobian.shape[1]:
+        return 0
+    _, _, values, _ = _decomposed(jacobian)
+    return int(np.count_nonzero(values <= values.max(initial=0.0) / RANK_RATIO))
+
+
+def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
     """Return a covariance to the digits that mean something, shape (q, q): standard errors to four.
 
     Correlations keep three decimals beyond the first of the smallest eigenvalue of their matrix, so that it stays
-    positive definite and the best known combination of parameters keeps its error to a per cent or better.
+    positive definite and the best known combination of parameters keeps its error to a per cent or better; `lost`
+    combinations, which change nothing, have no part in it.
 
     Examples
     --------
@@ -128,10 +150,11 @@ def rounded_covariance(covariance: FloatArray) -> FloatArray:
         return covariance
     correlation = covariance / size[:, None] / size
     correlation = 0.5 * (correlation + correlation.T)
-    smallest = float(np.linalg.eigvalsh(correlation)[0]) if size.size else 1.0
+    smallest = float(np.linalg.eigvalsh(correlation)[min(lost, size.size - 1)]) if size.size else 1.0
     decimals = min(_DECIMALS - floor(log10(max(smallest, 10.0**-_MOST_DECIMALS))), _MOST_DECIMALS)
     std = np.array([significant(value, STD_DIGITS) for value in size.tolist()])
     product = correlation.round(decimals) * std[:, None] * std
     product[np.diag_indices_from(product)] = std**2
-    cells = [significant(cell, GIVEN_DIGITS) for cell in product.ravel().tolist()]
+    digits = min(max(GIVEN_DIGITS, decimals + 2), _MOST_DECIMALS)
+    cells = [significant(cell, digits) for cell in product.ravel().tolist()]
     return np.array(cells).reshape(product.shape)

@@ -33,9 +33,9 @@ class FittedParameter:
     name : str
         Its name in the law.
     value : float
-        The estimate, or the value it was fixed at.
+        The estimate, to a decimal below 1e-4 of its standard error with the others held, or what it was fixed at.
     std : float
-        Standard error; 0 for a fixed one, NaN on a bound, infinite where the data do not show it.
+        Standard error, to four digits; 0 for a fixed one, NaN on a bound, infinite where the data do not show it.
     ci95 : tuple of float
         95 % interval by Student's t, cut off at the bounds.
     lower, upper : float

@@ -83,8 +83,7 @@ def lack_of_fit(
         return LackOfFit(between=nan, p_value=nan)
     weight = np.bincount(group, 1.0 / std**2)
     excess = float(weight @ group_means(log_residuals, group) ** 2)
-    orthonormal = np.linalg.qr(jacobian)[0] if q else jacobian
-    leverage = np.bincount(group, (orthonormal**2).sum(axis=1), k)
+    leverage = np.bincount(group, (_basis(jacobian) ** 2).sum(axis=1), k)
     variance = (excess - (k - q)) / float(weight @ (1.0 - np.minimum(leverage, 1.0)))
     p_value = float(fdtrc(k - q, scatter.dof, excess / (k - q)))
     return LackOfFit(between=sqrt(max(variance, 0.0)), p_value=p_value)

@@ -1,5 +1,6 @@
 """How all figures look: readable at A4 width, by colour-blind eyes and on a grey printer, same bytes each time."""
 
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -56,6 +57,7 @@ _STYLE = {
     "pdf.fonttype": 42,
     "path.simplify": True,
 }
+_ONE_AT_A_TIME = threading.RLock()
 
 
 def line_look(place: int) -> dict[str, Any]:
@@ -74,6 +76,8 @@ def line_look(place: int) -> dict[str, Any]:
 def house_style() -> Iterator[None]:
     """Apply the style for the time of a `with` block, whatever the user's matplotlibrc says.
 
+    The style of matplotlib is one for the whole process, so threads draw one after the other.
+
     Examples
     --------
     >>> import matplotlib
@@ -84,5 +88,5 @@ def house_style() -> Iterator[None]:
     >>> matplotlib.rcParams["font.size"] == before
     True
     """
-    with matplotlib.style.context(["default", _STYLE]):
+    with _ONE_AT_A_TIME, matplotlib.style.context(["default", _STYLE]):
         yield

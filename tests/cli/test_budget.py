@@ -65,7 +65,9 @@ def test_a_budget_of_a_lift_force_adds_up(call):
 def test_of_an_exact_wheel_it_is_what_predict_says(call):
     budget = call("budget", "--fit", COUPLED, *WHEEL, "--json").json()
     predicted = call("predict", "--fit", COUPLED, *WHEEL, "--json").json()
-    assert budget["combined"] == pytest.approx(predicted["std_N"])
+    assert budget["combined"] == pytest.approx(predicted["std_N"], rel=5e-4), (
+        "a standard error has four digits"
+    )
     assert "taken as exact: wheel radius, rope radius, wrap angle, end tension" in budget["notes"]
 
 

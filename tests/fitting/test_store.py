@@ -2,6 +2,7 @@
 
 import copy
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -236,3 +237,13 @@ def test_fit_of_a_table_in_memory_cannot_be_verified_and_says_so(campaign):
 
     save_fit(fit_law(table_from_frame(table.to_frame()), "constant"), campaign / "memory.json")
     assert "names no data file" in verify_fit(campaign / "memory.json").message
+
+
+def test_a_fit_of_version_0_1_0_loads_and_comes_out_of_its_data_again(tmp_path):
+    """It held every digit; what is kept now is less than a thousandth of a standard error away."""
+    here = Path(__file__).parent
+    shutil.copy(here / "coupled-0.1.0.json", tmp_path)
+    shutil.copy(here.parents[1] / "fits" / "prth-trials.csv", tmp_path)
+    old = load_fit(tmp_path / "coupled-0.1.0.json")
+    assert repr(old["mu_inf"].value) == "0.4611695939390463"
+    assert verify_fit(tmp_path / "coupled-0.1.0.json").ok

@@ -40,7 +40,9 @@ def test_the_bench_leaves_what_others_can_check(bench_run):
     assert [row["law"] for row in rows] == [entry.law for entry in run.answer.comparison.ranking]
     assert float(rows[0]["delta_aicc"]) == 0.0
     prediction = json.loads((folder / "prediction.json").read_text(encoding="utf-8"))
-    assert prediction["lift_force_N"] == run.answer.prediction.lift_force_N[0]
+    assert prediction["lift_force_N"] == pytest.approx(run.answer.prediction.lift_force_N[0], rel=5e-9), (
+        "nine digits"
+    )
     source = json.loads((folder / "fits" / "coupled.json").read_text(encoding="utf-8"))["provenance"]["input"]
     assert source["path"] == "../trials.csv"
     counts = run.to_dict()["extraction"]

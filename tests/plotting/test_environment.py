@@ -1,0 +1,73 @@
+"""Figures do not depend on what else a machine or a process is set up for."""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
+from ropefric.plotting.save import save_figure
+from ropefric.plotting.style import house_style
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
+from ropefric.plotting.save import save_figure
+from ropefric.plotting.style import house_style
+
+with house_style():
+    figure = new_figure()
+    axes = figure.subplots()
+    axes.plot([0, 1, 2], [3.0, 1.0, 2.0], label=r"$F_A$")
+    axes.set(xlabel="wrap angle [deg]", ylabel=r"$\\mu$", title="a title")
+    axes.legend()
+made = FigureWithData(figure=figure, tables=(DataTable(header=("x",), rows=((1.0,),)),))
+save_figure(made, Path(sys.argv[1]), "figure", formats=("png", "svg"))
+"""
+RC = "text.usetex: True\nfont.family: serif\nsavefig.dpi: 30\naxes.facecolor: red\nfigure.autolayout: True\n"
+
+
+def drawn(folder, **environment):
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", SCRIPT, str(folder)],
+        env=os.environ | environment,
+        cwd=folder.parent,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plain")
+    return drawn(folder / "out")
+
+
+def test_neither_backend_nor_style_of_the_user_shows(plain, tmp_path):
+    """A backend that there is not, and a style in a file that is named or lies where one works."""
+    (tmp_path / "matplotlibrc").write_text(RC, encoding="utf-8")
+    assert drawn(tmp_path / "out", MPLBACKEND="nonsense") == plain
+
+
+def test_threads_draw_what_one_draws(tmp_path):
+    def draw(number):
+        with house_style():
+            figure = new_figure()
+            axes = figure.subplots()
+            axes.plot([0, 1, 2], [3.0, 1.0, 2.0], label="a line")
+            axes.set(xlabel="wrap angle [deg]", ylabel="force [N]")
+            axes.legend()
+        made = FigureWithData(figure=figure, tables=(DataTable(header=("x",), rows=((1.0,),)),))
+        paths = save_figure(made, tmp_path / str(number), "figure", formats=("png", "svg"))
+        return [path.read_bytes() for path in paths]
+
+    alone = draw(0)
+    with ThreadPoolExecutor(4) as threads:
+        assert all(one == alone for one in threads.map(draw, range(1, 9)))

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ropefric.plotting.words import counted, plain_text
+from ropefric.glossary import counted
+from ropefric.plotting.words import plain_text
 
 __all__ = ["DataTable", "FigureWithData", "new_figure"]
 

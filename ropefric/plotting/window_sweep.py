@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropefric.errors import InputError
+from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import figure_label
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, house_style
-from ropefric.plotting.words import counted, say_instead, shown
+from ropefric.plotting.words import say_instead, shown
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.protocols.breakaway import pick_breakaway
 from ropefric.traces.settings import PickSettings

@@ -3,6 +3,7 @@
 import math
 
 from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.chapter import Fact
@@ -82,7 +83,7 @@ def _uncertainty_facts(evidence: Evidence) -> tuple[Fact, ...]:
     if evidence.plan is not None:
         plan = evidence.plan
         better = f"for a mean law {plain(plan.improvement, '.2g')} times as certain"
-        value = f"{len(plan)} conditions, {len(plan) * plan.repeats} pulls"
+        value = f"{counted(len(plan), 'condition')}, {counted(len(plan) * plan.repeats, 'pull')}"
         facts.append(Fact(name="What to measure next", value=value, remark=better))
     return tuple(facts)
 

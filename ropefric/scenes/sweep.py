@@ -56,8 +56,8 @@ class Sweep:
     first_failure: str
     simulated: tuple[str, ...]
     error_bound: float
-    accuracy: float
-    failures: dict[str, int]
+    accuracy: float = math.inf
+    failures: dict[str, int] = field(default_factory=dict)
 
     @property
     def keeps_accuracy(self) -> bool:

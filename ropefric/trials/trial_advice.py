@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ropefric.errors import Problem
+from ropefric.glossary import counted
 from ropefric.trials.trial_spec import TrialSpec
 
 __all__ = ["advise", "radius_doubt"]
@@ -118,7 +119,8 @@ def _few_repeats(trials: Sequence[TrialSpec]) -> list[Problem]:
     line = next(t.line for t, c in zip(trials, conditions, strict=True) if counts[c] == least)
     repeats = "repeat" if least == 1 else "repeats"
     message = (
-        f"{len(few)} of {len(counts)} conditions have fewer than {FEWEST_REPEATS} repeats, the smallest {least} "
+        f"{len(few)} of {counted(len(counts), 'condition')} have fewer than {FEWEST_REPEATS} repeats, the smallest "
+        f"{least} "
         f"{repeats}; the ±2s rule cannot reject anything for n <= 5 (largest possible |z| = (n-1)/sqrt(n))"
     )
     fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'

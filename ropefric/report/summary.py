@@ -53,4 +53,9 @@ def _campaign(run: CampaignRun) -> Section:
         lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
     if statuses:
         lines.append(f"recordings without a usable force: {statuses}")
+    lines += [
+        f"force cell {name}: {', '.join(cell.assumed)} assumed, not stated: state them in [cells.{name}]"
+        for name, cell in run.campaign.cells.items()
+        if cell.assumed
+    ]
     return Section(title="", lines=tuple(lines))

@@ -36,7 +36,7 @@ def conditions_section(extraction: Extraction, evidence: Evidence) -> Section:
                 "–" if stated is None else f"{100 * stated.relative:.2g} %",
                 ""
                 if stated is None
-                else f"{stated.budget.lines[0].name} ({100 * stated.budget.lines[0].share:.0f} %)",
+                else f"{stated.budget.lines[0].label} ({100 * stated.budget.lines[0].share:.0f} %)",
                 ", ".join(gone),
             )
         )

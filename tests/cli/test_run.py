@@ -133,7 +133,7 @@ def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path):
     rows = list(csv.DictReader(listed))
     (folder / rows[3]["file"]).write_bytes(b"")
     (folder / rows[4]["file"]).write_bytes(b"")
-    names = [*rows[0], "exclude"]
+    names = list(dict.fromkeys([*rows[0], "exclude"]))
     with (folder / "trials.csv").open("w", encoding="utf-8", newline="") as stream:
         writer = csv.DictWriter(stream, names)
         writer.writeheader()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ropefric.errors import UnknownNameError
 from ropefric.registry import Registry
 
-__all__ = ["GLOSSARY", "Term", "axis_label", "describe"]
+__all__ = ["GLOSSARY", "Term", "axis_label", "counted", "describe"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,3 +119,14 @@ def describe(name: str) -> str:
         return GLOSSARY[name].meaning
     except UnknownNameError:
         return name
+
+
+def counted(n: int, noun: str) -> str:
+    """Return a number of things in words.
+
+    Examples
+    --------
+    >>> counted(1, "trial"), counted(12, "trial")
+    ('1 trial', '12 trials')
+    """
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

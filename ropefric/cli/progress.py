@@ -2,12 +2,11 @@
 
 import sys
 import time
-from collections import Counter
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from ropefric.cli.output import Output
-from ropefric.cli.tally import kind_of
+from ropefric.traces.breakaway import Status
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["Progress"]
 
 REDRAW_S = 0.1
+_WITHOUT_FORCE = set(Status) - {Status.OK}
 
 
 class Progress:
@@ -39,7 +39,7 @@ class Progress:
         self._bar: Bar | None = None
         self._drawn_s = -REDRAW_S
         self._tenths = 0
-        self._counts: Counter[str] = Counter()
+        self._without = 0
 
     def __enter__(self) -> Self:
         if not self._out.quiet and sys.stderr.isatty():
@@ -55,7 +55,7 @@ class Progress:
     def update(self, done: int, total: int, item: str) -> None:
         """Take note that `done` of `total` items are finished, the last being `item`.
 
-        An item that ends in the status of a recording ("run_148 no-peak") is counted as flagged or failed.
+        An item that ends in the status of a recording ("run_148 no-peak") is counted if it gave no usable force.
         """
         self._count(item)
         if self._out.quiet:
@@ -67,12 +67,10 @@ class Progress:
             self._out.note(f"{self._what} {done}/{total}  {100 * done // total} %{self._tally()}")
 
     def _count(self, item: str) -> None:
-        self._counts[kind_of(item.rpartition(" ")[2])] += 1
+        self._without += item.rpartition(" ")[2] in _WITHOUT_FORCE
 
     def _tally(self) -> str:
-        return "".join(
-            f" · {self._counts[kind]} {kind}" for kind in ("flagged", "failed") if self._counts[kind]
-        )
+        return f" · {self._without} without a force" if self._without else ""
 
     def _redraw(self, done: int, total: int) -> None:
         now_s = time.monotonic()

@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ropefric.cli.tables import make_table, number
-from ropefric.cli.tally import count_kinds
 from ropefric.errors import Problem
+from ropefric.glossary import counted
 from ropefric.traces.breakaway import ADVICE, Status
+from ropefric.trials.result import count_trials, outcome_words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -47,7 +48,7 @@ def show_extraction(extraction: "Extraction", console: "Console") -> None:
     flagged = _flagged(extraction)
     if not flagged:
         return
-    console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials gave no usable force:\n")
+    console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials are without a force:\n")
     console.print(make_table(("trial", "status", "why "), [_flagged_row(trial) for trial in flagged], left=3))
     console.print()
     for status in dict.fromkeys(
@@ -86,25 +87,26 @@ def other_problems(extraction: "Extraction") -> list[Problem]:
 
 
 def end_line(extraction: "Extraction", problems_file: Path) -> str:
-    """Return the last word on a run: how many recordings are fine, and where the others are listed.
+    """Return the last word on a run: what became of the trials, and where the reasons are listed.
 
     Examples
     --------
     >>> from ropefric.trials.result import Extraction
     >>> end_line(Extraction(name="", trials=(), conditions=(), problems=()), Path("out/problems.csv"))
-    '0 recordings: 0 ok, 0 flagged, 0 failed → out/problems.csv'
+    '0 trials: 0 kept → out/problems.csv'
     """
     trials = extraction.trials
     n_recordings = len({(trial.file, trial.sample) for trial in trials})
-    what = "recordings" if n_recordings == len(trials) else f"trials in {n_recordings} recordings"
-    counts = count_kinds(trial.breakaway.status for trial in trials)
-    tally = ", ".join(f"{n} {kind}" for kind, n in counts.items())
+    what = counted(len(trials), "trial")
+    if n_recordings != len(trials):
+        what += f" in {counted(n_recordings, 'recording')}"
+    tally = outcome_words(count_trials(extraction))
     reused = f" ({extraction.n_reused} unchanged, not extracted again)" if extraction.n_reused else ""
-    return f"{len(trials)} {what}: {tally}{reused} → {problems_file}"
+    return f"{what}: {tally}{reused} → {problems_file}"
 
 
 def _flagged(extraction: "Extraction") -> "list[TrialResult]":
-    return [trial for trial in extraction.trials if trial.breakaway.status != Status.OK]
+    return [trial for trial in extraction.trials if trial.outcome == "without a force"]
 
 
 def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, ...]:

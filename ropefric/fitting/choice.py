@@ -16,6 +16,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.standing import NESTED
 from ropefric.fitting.status import FitStatus
 from ropefric.friction.condition import Conditions
+from ropefric.glossary import counted
 
 __all__ = ["Choice", "choose_law"]
 
@@ -139,13 +140,13 @@ def _of_place(
 ) -> list[Doubt]:
     """Return what the place of a law in the comparison says against it."""
     if not comparison.conclusive:
-        counted = [entry.law for entry in comparison.ranking if entry.counted]
-        named = f"only {' and '.join(counted)} could be" if counted else "no law could be"
-        unit = comparison.unit if comparison.n != 1 else comparison.unit[:-1]
+        ranked = [entry.law for entry in comparison.ranking if entry.counted]
+        named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
+        where = counted(comparison.n, comparison.unit[:-1])
         return [
             (
                 "not judged",
-                f"no choice of law: {named} ranked on {comparison.n} {unit}; measure more conditions",
+                f"no choice of law: {named} ranked on {where}; measure more conditions",
             )
         ]
     if not chosen.counted:

@@ -20,6 +20,7 @@ from ropefric.fitting.status import FitStatus
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.glossary import counted
 
 __all__ = ["ALWAYS", "REFUSED", "compare_laws"]
 
@@ -236,7 +237,8 @@ def _why_not(fit: FitResult | RopefricError) -> str:
 
 def _too_few(stands: Standing, means: ConditionMeans) -> str:
     if stands.aicc == math.inf:
-        return f"{len(means)} observations cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
+        few = counted(len(means), "observation")
+        return f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
     return ""
 
 

@@ -7,6 +7,7 @@ from ropefric.fitting.comparison import ComparisonEntry, Unit
 from ropefric.fitting.criteria import ConditionMeans, FTest
 from ropefric.fitting.measured import Measured
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.glossary import counted
 
 __all__ = ["comparison_notes"]
 
@@ -35,17 +36,16 @@ def comparison_notes(
     measured : {"lift", "end-tension"}
         Which force was measured.
     """
-    notes = [
-        f"AICc counts {len(means)} {unit}, not repeats" if unit == "conditions" else "AICc counts every trial"
-    ]
+    in_all = counted(len(means), unit[:-1])
+    notes = [f"AICc counts {in_all}, not repeats" if unit == "conditions" else "AICc counts every trial"]
     if not means.repeated and unit == "conditions":
         notes.append("no condition was repeated, so every trial is a condition of its own")
     if measured == "end-tension":
         notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
-    counted = [entry for entry in ranking if entry.counted]
-    if any(math.isnan(entry.weight) for entry in counted) or not counted:
-        notes += _unjudged(ranking, tests, len(means), unit)
-    rivals = [e.law for e in counted if e.delta_aicc <= 2.0]
+    ranked = [entry for entry in ranking if entry.counted]
+    if any(math.isnan(entry.weight) for entry in ranked) or not ranked:
+        notes += _unjudged(ranking, tests, in_all)
+    rivals = [e.law for e in ranked if e.delta_aicc <= 2.0]
     if len(rivals) > 1:
         notes.append(f"within 2 of the best AICc, so not told apart: {', '.join(rivals)}")
     wraps = [law for law in rivals if "wrap-dependence" in ALL_LAWS[law].effects]
@@ -57,14 +57,14 @@ def comparison_notes(
     return tuple(notes)
 
 
-def _unjudged(ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], n: int, unit: Unit) -> list[str]:
+def _unjudged(ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], in_all: str) -> list[str]:
     """Return that the ranking decides nothing, and which tests speak against what it holds."""
-    counted = [entry.law for entry in ranking if entry.counted]
-    named = f"only {' and '.join(counted)} could be" if counted else "no law could be"
+    ranked = [entry.law for entry in ranking if entry.counted]
+    named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
     notes = [
-        f"{named} ranked on {n} {unit}, so weights would say nothing and no law is chosen: measure more conditions"
+        f"{named} ranked on {in_all}, so weights would say nothing and no law is chosen: measure more conditions"
     ]
-    against = [test for test in tests if test.simpler in counted and test.fuller not in counted]
+    against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
     against = sorted((test for test in against if test.p_value < _CHANCE), key=lambda test: test.p_value)
     notes += [
         f"an F-test speaks against {test.simpler}: {test.fuller}, which is not ranked, follows the trials better "

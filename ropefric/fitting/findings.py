@@ -13,6 +13,7 @@ from ropefric.fitting.structure import LackOfFit, Trend
 from ropefric.fitting.weights import Scatter
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.friction.law import FrictionLaw
+from ropefric.glossary import counted
 
 __all__ = ["Evidence", "Findings", "find"]
 
@@ -123,7 +124,8 @@ def _search(evidence: Evidence) -> Iterator[tuple[FitStatus, str]]:
     q = int(evidence.vary.sum())
     if evidence.n_conditions < q:
         text = (
-            f"{evidence.n_conditions} conditions cannot determine the {q} parameters of {evidence.law.name}: "
+            f"{counted(evidence.n_conditions, 'condition')} cannot determine the "
+            f"{counted(q, 'parameter')} of {evidence.law.name}: "
             "repeats of one condition count once. Measure more conditions, or use a simpler law."
         )
         yield FitStatus.TOO_FEW_POINTS, text

@@ -32,6 +32,7 @@ import numpy.typing as npt
 from scipy.special import fdtrc
 
 from ropefric.fitting.status import FitStatus
+from ropefric.glossary import counted
 
 __all__ = [
     "RIVAL",
@@ -150,8 +151,8 @@ def doubts_of_fit(
     spare = n_conditions - n_fitted
     if spare < _SPARE and status is not FitStatus.TOO_FEW_POINTS:
         text = (
-            f"{n_conditions} condition{'s' * (n_conditions != 1)} cannot test the {n_fitted} fitted parameter"
-            f"{'s' * (n_fitted != 1)} of {law}: {n_fitted + _SPARE} are needed"
+            f"{counted(n_conditions, 'condition')} cannot test {counted(n_fitted, 'fitted parameter')} of {law}: "
+            f"{n_fitted + _SPARE} are needed"
         )
         doubts.append(("not judged", text))
     elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within:

@@ -19,10 +19,10 @@ from ropefric.pipeline.usable import set_aside_impossible
 from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.result import Extraction
+from ropefric.trials.result import Extraction, count_trials
 from ropefric.trials.tables import write_tables
 
-__all__ = ["CampaignRun", "count_trials", "run_campaign", "write_answer"]
+__all__ = ["CampaignRun", "run_campaign", "write_answer"]
 
 _RANKING = (
     "law",
@@ -134,34 +134,13 @@ def run_campaign(
     )
 
 
-def count_trials(extraction: Extraction) -> dict[str, Any]:
-    """Return how many trials were extracted, gave a force, and are kept, and how many have each status.
-
-    Examples
-    --------
-    >>> count_trials(Extraction(name="", trials=(), conditions=(), problems=()))["n_trials"]
-    0
-    """
-    statuses = [trial.breakaway.status for trial in extraction.trials]
-    return {
-        "n_trials": len(statuses),
-        "n_conditions": len(extraction.conditions),
-        "n_ok": statuses.count(Status.OK),
-        "n_kept": sum(trial.kept for trial in extraction.trials),
-        "n_rejected": sum(bool(trial.rejected_by) for trial in extraction.trials),
-        "n_excluded": sum(bool(trial.excluded) for trial in extraction.trials),
-        "status": {status.value: statuses.count(status) for status in Status if status in statuses},
-    }
-
-
 def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
     """Write fits/LAW.json for every law, comparison.csv and, if there is one, prediction.json; return their paths."""
     target = as_folder(folder)
     texts = {f"fits/{fit.law}.json": fit_text(fit, target.path / "fits") for fit in answer.fits}
     texts["comparison.csv"] = _ranking_text(answer.comparison)
     if answer.prediction is not None:
-        tree = answer.prediction.to_dict()
-        texts["prediction.json"] = json_document(tree)
+        texts["prediction.json"] = json_document(answer.prediction.to_dict())
     return target.write(texts)
 
 

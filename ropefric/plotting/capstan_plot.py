@@ -7,12 +7,13 @@ from matplotlib import colormaps
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import levels
+from ropefric.glossary import counted
 from ropefric.plotting.condition_points import ConditionPoints, answered, condition_points, settings_of, swept
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import typeset
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import INK, MARKERS, TRACE_COLORS, house_style, line_look
-from ropefric.plotting.words import counted, regressor_label, say_instead, shown_regressor
+from ropefric.plotting.words import regressor_label, say_instead, shown_regressor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 from matplotlib import colormaps
 
 from ropefric.errors import UnknownNameError
+from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import ConditionName, name_condition
 from ropefric.plotting.strip import draw_strip
 from ropefric.plotting.style import TRACE_COLORS, house_style
 from ropefric.plotting.tracepanel import draw_traces, recordings_of
-from ropefric.plotting.words import counted, plain_text
+from ropefric.plotting.words import plain_text
 from ropefric.registry import did_you_mean
 
 if TYPE_CHECKING:

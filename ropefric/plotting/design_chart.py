@@ -7,11 +7,12 @@ import numpy as np
 from matplotlib import colormaps
 
 from ropefric.errors import InputError
+from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import figure_label, typeset
 from ropefric.plotting.legend import legend_below
 from ropefric.plotting.style import INK, MARKERS, ORANGE, TRACE_COLORS, house_style
-from ropefric.plotting.words import counted, regressor_label
+from ropefric.plotting.words import regressor_label
 
 if TYPE_CHECKING:
     import numpy.typing as npt

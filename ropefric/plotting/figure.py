@@ -7,8 +7,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from ropefric.glossary import counted
 from ropefric.plotting.labels import figure_text
-from ropefric.plotting.words import counted, plain_text
+from ropefric.plotting.words import plain_text
 
 __all__ = ["DataTable", "FigureWithData", "new_figure"]
 

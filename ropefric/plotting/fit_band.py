@@ -10,12 +10,13 @@ import numpy.typing as npt
 from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions
+from ropefric.glossary import counted
 from ropefric.plotting.condition_points import answered, condition_points, same_settings, settings_of, swept
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import figure_label, typeset
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, house_style
-from ropefric.plotting.words import counted, regressor_label, shown, shown_regressor
+from ropefric.plotting.words import regressor_label, shown, shown_regressor
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,9 +3,10 @@
 import math
 from typing import TYPE_CHECKING
 
+from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.style import BLUE, GREY, INK, house_style
-from ropefric.plotting.words import counted, shown
+from ropefric.plotting.words import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

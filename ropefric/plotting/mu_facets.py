@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.glossary import counted
 from ropefric.plotting.condition_points import (
     ConditionPoints,
     answered,
@@ -19,7 +20,7 @@ from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import figure_label, typeset
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import GREY, INK, house_style, line_look
-from ropefric.plotting.words import counted, regressor_label, say_instead, shown_regressor
+from ropefric.plotting.words import regressor_label, say_instead, shown_regressor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

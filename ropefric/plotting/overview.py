@@ -6,11 +6,13 @@ from enum import IntEnum
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import house_style
-from ropefric.plotting.words import counted, say_instead
+from ropefric.plotting.words import say_instead
 from ropefric.traces.breakaway import Status
+from ropefric.trials.result import count_trials, outcome_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,9 +129,7 @@ def draw_overview(extraction: "Extraction") -> FigureWithData:
     bands = _bands(len(trials))
     names = [trial.trial for trial in trials]
     longest = max((len(name) for name in names), default=0)
-    n_kept = sum(trial.kept for trial in trials)
-    n_fail = sum(Level.FAIL in row for row in levels)
-    n_flag = sum(Level.FLAG in row and Level.FAIL not in row for row in levels)
+    counts = f"{counted(len(trials), 'trial')}: {outcome_words(count_trials(extraction))}"
     with house_style():
         band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
         figure = new_figure(10.0, 1.1 + band_inch * max(len(bands), 1))
@@ -138,15 +138,13 @@ def draw_overview(extraction: "Extraction") -> FigureWithData:
             say_instead(panels[0], "there is no trial")
         for axes, (start, stop) in zip(panels, bands, strict=False):
             _draw_band(axes, names[start:stop], levels[start:stop], width=bands[0][1])
-        figure.suptitle(
-            f"{extraction.name}: {counted(len(trials), 'trial')}, {n_kept} kept, {n_flag} flagged, {n_fail} failed"
-        )
+        figure.suptitle(f"{extraction.name}, {counts}")
         legend_of_figure(figure)
     rows = tuple((name, *(_WORDS[level] for level in row)) for name, row in zip(names, levels, strict=True))
     return FigureWithData(
         figure=figure,
         tables=(DataTable(header=("trial", *CHECKS), rows=rows),),
-        alt=_alt(extraction.name, levels, n_kept, n_flag, n_fail),
+        alt=_alt(extraction.name, levels, counts),
     )
 
 
@@ -193,15 +191,13 @@ def _spans(column: Sequence[Level], level: Level) -> list[tuple[float, float]]:
     return spans
 
 
-def _alt(name: str, levels: Sequence[tuple[Level, ...]], n_kept: int, n_flag: int, n_fail: int) -> str:
+def _alt(name: str, levels: Sequence[tuple[Level, ...]], counts: str) -> str:
     if not levels:
         return f"Campaign {name}: there is no trial."
-    text = (
-        f"Campaign {name}, {counted(len(levels), 'trial')}: {n_kept} kept, {n_flag} flagged, {n_fail} failed."
-    )
+    text = f"Campaign {name}, {counts}."
     found = []
     for place, check in enumerate(CHECKS):
         n = sum(row[place] in {Level.FLAG, Level.FAIL} for row in levels)
         if n:
             found.append(f"{n} {_OPPOSITE[check]}")
-    return f"{text} {', '.join(found)}." if found else text
+    return f"{text} By check: {', '.join(found)}." if found else text

@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, house_style
-from ropefric.plotting.words import counted, say_instead, shown
+from ropefric.plotting.words import say_instead, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import figure_label, typeset
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, house_style
 from ropefric.plotting.tracepanel import draw_outline_of, frame_means
-from ropefric.plotting.words import counted, say_instead, shown
+from ropefric.plotting.words import say_instead, shown
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.smoothing import smooth
 from ropefric.traces.trace import FloatArray, ForceTrace

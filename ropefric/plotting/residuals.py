@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ndtri
 
+from ropefric.glossary import counted
 from ropefric.plotting.condition_points import condition_points
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import figure_label
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import BLUE, INK, ORANGE, house_style
-from ropefric.plotting.words import counted, say_instead
+from ropefric.plotting.words import say_instead
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

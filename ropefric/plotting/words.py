@@ -12,7 +12,7 @@ from ropefric.plotting.style import GREY
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["TYPESET", "counted", "plain_text", "regressor_label", "say_instead", "shown", "shown_regressor"]
+__all__ = ["TYPESET", "plain_text", "regressor_label", "say_instead", "shown", "shown_regressor"]
 
 TYPESET = re.compile(r"\$([A-Za-zφμρσ]++)_\{\\mathrm\{([A-Za-z0-9,]++)\}\}\$")
 """A symbol with its index, as `ropefric.plotting.labels.typeset` sets it."""
@@ -30,17 +30,6 @@ def shown(value: float, unit: str = "", digits: int = 4) -> str:
         return "unknown"
     number = f"{value:.{digits}g}"
     return f"{number} {unit}" if unit else number
-
-
-def counted(n: int, noun: str) -> str:
-    """Return a number of things in words.
-
-    Examples
-    --------
-    >>> counted(1, "trial"), counted(12, "trial")
-    ('1 trial', '12 trials')
-    """
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 def regressor_label(name: str) -> str:

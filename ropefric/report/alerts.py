@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.chapter import Alert
@@ -68,24 +69,28 @@ def _of_prediction(run: CampaignRun, evidence: Evidence) -> Iterable[Alert]:
 def _of_trials(run: CampaignRun) -> Iterable[Alert]:
     trials = run.extraction.trials
     for status in Status:
-        if status is not Status.OK and (flagged := [t for t in trials if t.breakaway.status is status]):
-            title = f"{_counted(flagged)} without a usable force: {status}"
+        if status is not Status.OK and (
+            flagged := [t for t in trials if t.outcome == "without a force" and t.breakaway.status is status]
+        ):
+            title = f"{counted(len(flagged), 'trial')} without a force: {status}"
             yield Alert(grade="doubt", title=title, text=f"{_named(flagged)}. {_advice(status, flagged)}")
     by_rule: dict[str, list[TrialResult]] = {}
     by_reason: dict[str, list[TrialResult]] = {}
     for trial in trials:
-        if trial.rejected_by:
+        if trial.outcome == "rejected":
             by_rule.setdefault(trial.rejected_by, []).append(trial)
         elif trial.excluded:
             by_reason.setdefault(trial.excluded, []).append(trial)
     for rule, rejected in by_rule.items():
         label = RULES[rule].label if rule in RULES else rule
-        title = f"{_counted(rejected)} set aside by the rule {rule} ({label})"
+        title = f"{counted(len(rejected), 'trial')} rejected by the rule {rule} ({label})"
         text = f"{_named(rejected)}. They take no part in the law; look for a physical reason."
         yield Alert(grade="note", title=title, text=text)
     for reason, excluded in by_reason.items():
         yield Alert(
-            grade="note", title=f"{_counted(excluded)} set aside: {reason}", text=f"{_named(excluded)}."
+            grade="note",
+            title=f"{counted(len(excluded), 'trial')} excluded: {reason}",
+            text=f"{_named(excluded)}.",
         )
 
 
@@ -118,10 +123,6 @@ def _advice(status: Status, flagged: Sequence[TrialResult]) -> str:
     fixes = dict.fromkeys(problem.fix for trial in flagged for problem in trial.problems if problem.fix)
     details = dict.fromkeys(trial.breakaway.detail for trial in flagged)
     return f"{'; '.join([*details][:_SAID])}. To do: {'; '.join([*fixes][:_SAID]) or 'record again'}."
-
-
-def _counted(trials: Sequence[TrialResult]) -> str:
-    return "1 trial" if len(trials) == 1 else f"{len(trials)} trials"
 
 
 def _named(trials: Sequence[TrialResult]) -> str:

@@ -1,9 +1,10 @@
 """A campaign's report: what to know first, the result, the evidence, settings and provenance."""
 
 from ropefric import __version__
+from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.provenance import Provenance
-from ropefric.pipeline.run import CampaignRun, count_trials
+from ropefric.pipeline.run import CampaignRun
 from ropefric.report.alerts import alerts_of
 from ropefric.report.chapter import Alert, Block, Chapter, Fold, Report
 from ropefric.report.key_facts import key_facts, measured_section
@@ -20,6 +21,7 @@ from ropefric.report.pictures import Pictures
 from ropefric.report.section import Section
 from ropefric.report.trial_tables import conditions_section, set_aside_section
 from ropefric.report.uncertainty import uncertainty_sections
+from ropefric.trials.result import count_trials, outcome_words
 
 __all__ = ["campaign_report"]
 
@@ -48,7 +50,8 @@ def campaign_report(
     """
     counts = count_trials(run.extraction)
     lead = (
-        f"{counts['n_trials']} trials of {counts['n_conditions']} conditions, {counts['n_kept']} of them kept; "
+        f"{counted(counts['n_trials'], 'trial')} of {counted(counts['n_conditions'], 'condition')}: "
+        f"{outcome_words(counts)}; "
         "the friction law they ask for, how good it is, and the lift force it gives."
     )
     chapters = (

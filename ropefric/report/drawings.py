@@ -96,7 +96,7 @@ def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
     gone = [item.n_recorded - item.n_kept for item in conditions]
     worst = sorted(range(len(conditions)), key=lambda place: (-gone[place], place))[:_FLAGGED]
     found = {
-        place: f"{gone[place]} of {conditions[place].n_recorded} trials flagged or set aside"
+        place: f"{gone[place]} of {conditions[place].n_recorded} trials not kept"
         for place in worst
         if gone[place]
     }

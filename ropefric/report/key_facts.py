@@ -3,6 +3,7 @@
 import math
 
 from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.chapter import Fact
@@ -75,14 +76,14 @@ def _uncertainty_facts(evidence: Evidence) -> tuple[Fact, ...]:
         facts.append(
             Fact(
                 name=f"What dominates the {evidence.lift.model.name}",
-                value=first.name,
+                value=first.label,
                 remark=f"{100 * first.share:.0f} % of its variance",
             )
         )
     if evidence.plan is not None:
         plan = evidence.plan
         better = f"for a mean law {plain(plan.improvement, '.2g')} times as certain"
-        value = f"{len(plan)} conditions, {len(plan) * plan.repeats} pulls"
+        value = f"{counted(len(plan), 'condition')}, {counted(len(plan) * plan.repeats, 'pull')}"
         facts.append(Fact(name="What to measure next", value=value, remark=better))
     return tuple(facts)
 
@@ -99,7 +100,11 @@ def measured_section(run: CampaignRun) -> Section:
         f"{name} R_w = {plain(1e3 * wheel.radius_m)} mm" + (f" ({wheel.material})" if wheel.material else "")
         for name, wheel in campaign.wheels.items()
     )
-    cells = ", ".join(f"{name} to {plain(cell.full_scale_N)} N" for name, cell in campaign.cells.items())
+    cells = ", ".join(
+        f"{name} to {plain(cell.full_scale_N)} N"
+        + (f" ({', '.join(cell.assumed)} assumed, not stated)" if cell.assumed else "")
+        for name, cell in campaign.cells.items()
+    )
     ranges = ", ".join(tested_range(name, validity[name]) for name in REGRESSORS if name in validity)
     smoothing = campaign.smoothing.mode
     if campaign.smoothing.window_s:

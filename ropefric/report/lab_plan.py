@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from ropefric.fitting.planning.result import LabPlan, Outlook
+from ropefric.glossary import counted
 from ropefric.report.numbers import interval, plain
 from ropefric.report.section import Section, Table
 
@@ -29,7 +30,8 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
         for row in plan.rows()
     )
     headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the cell")
-    title = f"{n} conditions to test, {n * plan.repeats} pulls, the best for {_GOALS[plan.criterion]}"
+    pulls = counted(n * plan.repeats, "pull")
+    title = f"{counted(n, 'condition')} to test, {pulls}, the best for {_GOALS[plan.criterion]}"
     scatter = plan.planned.scatter
     values = plan.planned.law.as_mapping(plan.planned.theta)
     expected = ", ".join(

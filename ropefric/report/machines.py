@@ -9,10 +9,18 @@ from ropefric.report.section import Section, Table
 __all__ = ["machine_sections"]
 
 _CHANGE_WORDS = {
-    "preload": "if the preload of all tensioners falls to",
-    "speed": "if the belts run as fast as",
-    "load": "if all loads grow by the factor",
-    "friction": "if the coefficient falls to",
+    "preload": ("if the preload of all tensioners falls to", "the preload of all tensioners rises to"),
+    "speed": ("if the belts run as fast as", "the belts run no faster than"),
+    "load": ("if all loads grow by the factor", "all loads fall to what they are times"),
+    "friction": ("if the coefficient falls to", "the coefficient rises to"),
+}
+# A roller without torque uses no friction; what is left of it is rounding.
+_ROUNDING = 1e-12
+_NOTHING_HOLDS = {
+    "preload": "no preload of all tensioners holds",
+    "speed": "no slower run of the belts holds",
+    "load": "no smaller loads hold",
+    "friction": "no coefficient holds",
 }
 
 
@@ -26,7 +34,9 @@ def machine_sections(tree: Mapping[str, Any]) -> list[Section]:
 
 
 def _number(value: float | None, form: str = ".4g") -> str:
-    return "–" if value is None or not math.isfinite(value) else format(value, form)
+    if value is None or not math.isfinite(value):
+        return "–"
+    return format(0.0 if abs(value) < _ROUNDING else value, form)
 
 
 def _press(tree: Mapping[str, Any]) -> list[Section]:
@@ -57,19 +67,33 @@ def _press(tree: Mapping[str, Any]) -> list[Section]:
 def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
     lines = []
     if tree["slips"]:
-        lines.append(
-            f"rollers beyond gross slip: {', '.join(tree['slips'])}; their belts cannot be pulled like this"
-        )
+        slipping = ", ".join(f"{name} ({_beyond(tree['slip'][name])})" for name in tree["slips"])
+        lines.append(f"rollers that slip already: {slipping}; their belts cannot be pulled like this")
     elif tree["first_to_slip"] is None:
         lines.append("no roller carries a torque")
     else:
         lines.append(f"no roller slips; nearest to it is roller {tree['first_to_slip']}")
     for change, words in _CHANGE_WORDS.items():
         one = tree["critical"][change]
-        if one["roller"] is not None:
-            unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
-            lines.append(f"{words} {one['value']:.4g}{unit}, roller {one['roller']} slips first")
+        slips, unit = (
+            one["state"] == "slips",
+            "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}",
+        )
+        if slips and not one["value"]:
+            lines.append(f"{_NOTHING_HOLDS[change]} {'it' if len(tree['slips']) == 1 else 'them all'}")
+        elif slips:
+            last = (
+                "it stops" if len(tree["slips"]) == 1 else f"the last of them, roller {one['roller']}, stops"
+            )
+            lines.append(f"{last} where {words[1]} {one['value']:.4g}{unit}")
+        elif one["roller"] is not None:
+            lines.append(f"{words[0]} {one['value']:.4g}{unit}, roller {one['roller']} slips first")
     return tuple(lines)
+
+
+def _beyond(slip: Mapping[str, Any]) -> str:
+    use = slip["utilisation"]
+    return "its belt lifts off" if use is None else f"utilisation {use:.3g}"
 
 
 def _start_up(tree: Mapping[str, Any]) -> list[Section]:

@@ -9,6 +9,7 @@ from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.judgement import Verdict
 from ropefric.fitting.prediction import Candidate, Prediction
 from ropefric.fitting.result import FitResult
+from ropefric.glossary import counted
 from ropefric.report.numbers import interval, plain, shorthand, tested_range
 from ropefric.report.section import Section, Table
 
@@ -31,7 +32,7 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
     between = f"between conditions {_percent(found.scatter_between)}"
     lines = (
         f"{law.name}: {law.equation}",
-        f"{found.n} trials of {found.n_conditions} conditions",
+        f"{counted(found.n, 'trial')} of {counted(found.n_conditions, 'condition')}",
         f"scatter between repeats {_percent(found.scatter_within)}, {between}",
         f"status {fit.status}: {fit.status.advice}",
     )

@@ -148,13 +148,14 @@ _SHOWN_POINTS = 20
 def sweep_sections(sweep: "Sweep") -> list[Section]:
     """Return what a sweep found: its points where they are few, else the range of every number."""
     names = ", ".join(sweep.simulated) or "none"
-    lines = [f"effects: {names}; relative difference to everything at most {sweep.error_bound:.2g}"]
+    bound = f"at most {sweep.error_bound:.2g} (wanted: {sweep.accuracy:g})"
+    lines = [f"effects: {names}; relative difference to everything {bound}"]
     if sweep.failed:
         lines.append(f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}")
     total = math.prod(sweep.shape)
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
     if total <= _SHOWN_POINTS:
-        return [Section(title=title, lines=tuple(lines), table=_points(sweep))]
+        return [Section(title=title, lines=tuple(lines), table=_points(sweep), notes=sweep.warnings)]
     rows = []
     for name, values in sweep.columns.items():
         found = values[~np.isnan(values)]
@@ -164,6 +165,7 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
             title=title,
             lines=tuple(lines),
             table=Table(headings=("quantity", "lowest", "highest"), rows=tuple(rows)),
+            notes=sweep.warnings,
         )
     ]
 

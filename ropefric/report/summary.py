@@ -1,6 +1,7 @@
 """A campaign's result in a page of text."""
 
-from ropefric.pipeline.run import CampaignRun, count_trials
+from ropefric.glossary import counted
+from ropefric.pipeline.run import CampaignRun
 from ropefric.report.parts import (
     comparison_section,
     diagnosis_section,
@@ -10,6 +11,7 @@ from ropefric.report.parts import (
 )
 from ropefric.report.section import Section
 from ropefric.report.text import as_text
+from ropefric.trials.result import count_trials, outcome_words
 
 __all__ = ["summary_sections", "summary_text"]
 
@@ -43,9 +45,17 @@ def _campaign(run: CampaignRun) -> Section:
     counts = count_trials(run.extraction)
     statuses = ", ".join(f"{n} {status}" for status, n in counts["status"].items() if status != "ok")
     line = (
-        f"{run.campaign.name}: {counts['n_trials']} trials of {counts['n_conditions']} conditions, {counts['n_ok']} "
-        f"with a force, {counts['n_kept']} kept; {counts['n_rejected']} set aside by {run.campaign.rejection}"
+        f"{run.campaign.name}: {counted(counts['n_trials'], 'trial')} of "
+        f"{counted(counts['n_conditions'], 'condition')}: {outcome_words(counts)}"
     )
-    if counts["n_excluded"]:
-        line += f", {counts['n_excluded']} otherwise"
-    return Section(title="", lines=(line, *((f"without a force: {statuses}",) if statuses else ())))
+    lines = [line]
+    if counts["n_rejected"]:
+        lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
+    if statuses:
+        lines.append(f"recordings without a usable force: {statuses}")
+    lines += [
+        f"force cell {name}: {', '.join(cell.assumed)} assumed, not stated: state them in [cells.{name}]"
+        for name, cell in run.campaign.cells.items()
+        if cell.assumed
+    ]
+    return Section(title="", lines=tuple(lines))

@@ -2,12 +2,13 @@
 
 import math
 
+from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.report.numbers import plain
 from ropefric.report.section import Section, Table
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
-from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
+from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, outcome_words
 
 __all__ = ["conditions_section", "set_aside_section"]
 
@@ -35,13 +36,13 @@ def conditions_section(extraction: Extraction, evidence: Evidence) -> Section:
                 "–" if stated is None else f"{100 * stated.relative:.2g} %",
                 ""
                 if stated is None
-                else f"{stated.budget.lines[0].name} ({100 * stated.budget.lines[0].share:.0f} %)",
+                else f"{stated.budget.lines[0].label} ({100 * stated.budget.lines[0].share:.0f} %)",
                 ", ".join(gone),
             )
         )
     headings = (
         *("no.", "R_w [mm]", "φ [deg]", f"{known} [N]", "kept", f"mean {measured} [N]", "s [N]"),
-        *("u_c [N]", "u_c/mean", "largest part of u_c ", "set aside "),
+        *("u_c [N]", "u_c/mean", "largest part of u_c ", "not kept "),
     )
     note = (
         f"mean {measured} and s: of the trials kept; u_c: standard uncertainty of that mean, repeats and measuring "
@@ -56,8 +57,8 @@ def set_aside_section(extraction: Extraction) -> Section:
     """Return all trials that do not count: their condition, what became of them, and why."""
     gone = [trial for trial in extraction.trials if not trial.kept]
     place = {name: summary for summary in extraction.conditions for name in summary.trials}
-    n, total = len(gone), len(extraction.trials)
-    title = f"Trials flagged or set aside: {n} of {total}"
+    counts = count_trials(extraction)
+    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {outcome_words(counts)})"
     if not gone:
         return Section(title=title, lines=("Every trial gave a force and counts.",))
     rows = tuple(
@@ -79,16 +80,14 @@ def set_aside_section(extraction: Extraction) -> Section:
 
 
 def _verdict(trial: TrialResult) -> str:
-    if trial.breakaway.status is not Status.OK:
-        return str(trial.breakaway.status)
-    return "excluded" if trial.excluded else "rejected"
+    return str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
 
 
 def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
-    if trial.breakaway.status is not Status.OK:
-        return trial.breakaway.detail
     if trial.excluded:
         return trial.excluded
+    if trial.breakaway.status is not Status.OK:
+        return trial.breakaway.detail
     rule = RULES[trial.rejected_by].label if trial.rejected_by in RULES else trial.rejected_by
     if summary is None:
         return rule

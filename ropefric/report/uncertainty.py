@@ -63,7 +63,7 @@ def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) ->
             plain(item.budget.effective_dof, ".3g"),
             plain(item.budget.expanded, ".2g"),
             f"{100 * item.budget.expanded / abs(item.budget.estimate):.2g} %",
-            f"{item.budget.lines[0].name} ({100 * item.budget.lines[0].share:.0f} %)",
+            f"{item.budget.lines[0].label} ({100 * item.budget.lines[0].share:.0f} %)",
             str(item.status),
         )
         for number, words, item in stated
@@ -92,7 +92,7 @@ def _row(line: BudgetLine) -> tuple[str, ...]:
     if not divisor:
         divisor = f"√{item.repeats}" if item.repeats else plain(item.divisor, ".3g")
     return (
-        item.name,
+        line.label,
         item.symbol,
         plain(item.estimate, ".5g"),
         plain(item.stated, ".2g"),

@@ -12,7 +12,7 @@ from ropefric.scenes.schema import SceneTable
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
 
-__all__ = ["Kind", "Quantity", "SweepField"]
+__all__ = ["Failure", "Kind", "Quantity", "SweepField"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,6 +37,38 @@ class Quantity:
     name: str
     value: FloatArray
     positive: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Failure:
+    """A way in which a machine does not do what it is for, however well that is known.
+
+    Attributes
+    ----------
+    words : str
+        What it does not do.
+    measure : str
+        The number that shows it, in words.
+    value : ndarray, shape (n,)
+        That number, for each case.
+    fails : ndarray of bool, shape (n,)
+        Which cases fail.
+
+    Examples
+    --------
+    >>> Failure(words="the hoist does not lift", measure="lift margin", value=np.array([0.67]),
+    ...     fails=np.array([True])).text()
+    'the hoist does not lift: lift margin 0.67'
+    """
+
+    words: str
+    measure: str
+    value: FloatArray
+    fails: npt.NDArray[np.bool_]
+
+    def text(self) -> str:
+        """Return what the first case that fails does not do."""
+        return f"{self.words}: {self.measure} {float(self.value[self.fails][0]):.3g}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +119,8 @@ class Kind:
         name to an array; for telling an extrapolation.
     sweep_fields : mapping
         Keys that can be swept in one call.
+    failures : callable
+        `failures(answer, problem)` returns the ways in which the machine may not do what it is for.
     in_one_call : callable
         `in_one_call(problem)` returns whether a problem can be solved for many cases at once.
     answerable : callable
@@ -114,4 +148,5 @@ class Kind:
     sweep_fields: Mapping[str, SweepField]
     answerable: Callable[[Any], npt.NDArray[np.bool_]]
     scene_key: Callable[[str], str]
+    failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)

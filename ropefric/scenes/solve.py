@@ -44,10 +44,22 @@ class Solution:
     extrapolation: tuple[str, ...]
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """Return what speaks against using the answer."""
+    def failures(self) -> tuple[str, ...]:
+        """Return what the machine does not do, however well that is known: a hoist that does not lift."""
+        found = self.scene.kind.failures(self.answer, self.scene.problem)
+        return tuple(one.text() for one in found if one.fails.any())
+
+    @property
+    def stands(self) -> bool:
+        """Return whether the friction is supported, the accuracy kept, and the machine does what it is for."""
         source = self.scene.source
-        own = () if source is None else source.warnings
+        return self.plan.keeps_accuracy and not self.failures and (source is None or not source.warnings)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Return what speaks against using the answer, or the machine."""
+        source = self.scene.source
+        own = (*self.failures, *(() if source is None else source.warnings))
         beyond = tuple(f"extrapolated: {words}" for words in self.extrapolation)
         if self.plan.keeps_accuracy:
             return (*own, *beyond)
@@ -75,6 +87,7 @@ class Solution:
         tree["error_bound"] = finite(plan.error_bound)
         tree["method"] = method_tree(plan.method)
         tree["friction"] = None if self.scene.source is None else self.scene.source.origin
+        tree["failures"] = list(self.failures)
         tree["warnings"] = list(self.warnings)
         return tree
 

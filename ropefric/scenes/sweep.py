@@ -1,5 +1,6 @@
 """A scene solved over a grid of its own numbers: in one call where the system allows, point by point elsewhere."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from math import prod
@@ -43,6 +44,10 @@ class Sweep:
         Effects in the model, wherever on the grid.
     error_bound : float
         The largest of all points.
+    accuracy : float
+        What was wanted.
+    failures : mapping of str to int
+        At how many points the machine does not do what it is for, by what it does not do.
     """
 
     axes: tuple[Axis, ...]
@@ -51,6 +56,23 @@ class Sweep:
     first_failure: str
     simulated: tuple[str, ...]
     error_bound: float
+    accuracy: float = math.inf
+    failures: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def keeps_accuracy(self) -> bool:
+        """Return whether the error bound is within the accuracy wanted at every point."""
+        return self.error_bound <= self.accuracy
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Return what speaks against using the answers, and where the machine does not do what it is for."""
+        total = prod(self.shape)
+        found = [f"at {n} of {total} points {words}" for words, n in self.failures.items()]
+        if not self.keeps_accuracy:
+            bound = "not known" if math.isinf(self.error_bound) else f"up to {self.error_bound:.2g}"
+            found.append(f"the error is {bound} at some points, more than the accuracy of {self.accuracy:g}")
+        return tuple(found)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -119,6 +141,8 @@ def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | No
         first_failure=collected.first_failure,
         simulated=tuple(name for name in scene.kind.system.effects if name in collected.simulated),
         error_bound=collected.error_bound,
+        accuracy=scene.accuracy,
+        failures=collected.failures,
     )
 
 
@@ -132,6 +156,7 @@ class _Collected:
     first_failure: str = ""
     error_bound: float = 0.0
     simulated: set[str] = field(default_factory=set)
+    failures: dict[str, int] = field(default_factory=dict)
 
     def put(self, places: IntArray, quantities: tuple[Quantity, ...]) -> None:
         for quantity in quantities:
@@ -212,4 +237,8 @@ def _solve(
     answer = scene.kind.system.solve(model, plan.method)
     collected.put(places, scene.kind.quantities(answer, problem))
     collected.simulated.update(plan.simulated)
+    for failure in scene.kind.failures(answer, problem):
+        if failure.fails.any():
+            before = collected.failures.get(failure.words, 0)
+            collected.failures[failure.words] = before + int(failure.fails.sum())
     collected.error_bound = max(collected.error_bound, plan.error_bound)

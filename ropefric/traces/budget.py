@@ -44,6 +44,8 @@ class Component:
         ∂F_A/∂x [-].
     dof : float
         Degrees of freedom; infinite where none are known.
+    assumed : str
+        The key that would state it, where nobody has and the limit is assumed; "" where it is stated.
 
     Examples
     --------
@@ -59,6 +61,7 @@ class Component:
     divisor: float
     sensitivity: float = 1.0
     dof: float = math.inf
+    assumed: str = ""
 
     @property
     def contribution_N(self) -> float:
@@ -119,7 +122,7 @@ class ErrorBudget:
         }
 
 
-def _limit(name: str, limit_N: float) -> Component:
+def _limit(name: str, limit_N: float, assumed: str = "") -> Component:
     return Component(
         name=name,
         estimate_N=limit_N,
@@ -127,6 +130,7 @@ def _limit(name: str, limit_N: float) -> Component:
         type="B",
         distribution="rectangular",
         divisor=_RECTANGULAR,
+        assumed=assumed,
     )
 
 
@@ -146,7 +150,8 @@ def _chain(calibration: Calibration) -> Iterator[Component]:
     """Give the components that are the same at every force."""
     cell = calibration.cell
     for name in ("linearity", "hysteresis", "repeatability", "transmitter"):
-        yield _limit(name, getattr(cell, name) * cell.full_scale_N)
+        key = f"cells.{cell.name}.{name}" if name in cell.assumed else ""
+        yield _limit(name, getattr(cell, name) * cell.full_scale_N, key)
     # Half a count, u = LSB/√12. Averaging reduces it only where noise dithers the converter, and a peak is
     # no place to rely on that: it stays whole.
     yield _limit("quantisation", calibration.lsb_N / 2.0)

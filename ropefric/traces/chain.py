@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from numbers import Integral, Real
 from typing import Any, NamedTuple
 
 from ropefric.errors import InputError
 
-__all__ = ["Adc", "ForceCell", "Line", "require_floats"]
+__all__ = ["ASSUMED_LIMITS", "Adc", "ForceCell", "Line", "require_floats"]
 
 _LARGEST_FRACTION = 0.1  # no force cell is sold with 10 % of error: such a number is a percentage by mistake
 _OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyond it is a slip of the unit
@@ -128,6 +128,10 @@ class Adc:
         return (self.high_V - self.low_V) / self.max_count
 
 
+ASSUMED_LIMITS = {"linearity": 0.0002, "hysteresis": 0.0002, "repeatability": 0.0002, "transmitter": 0.001}
+"""Limits of error of a cell and its transmitter where none is stated: those of common ones, of full scale."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceCell:
     """A force cell and its transmitter.
@@ -141,12 +145,15 @@ class ForceCell:
     zero_V, full_scale_V : float
         Transmitter output at no load and at full scale [V]; the nominal line runs through both.
     linearity, hysteresis, repeatability, transmitter : float
-        Limits of error, as fractions of full scale [-]: ±0.02 %FS is 0.0002.
+        Limits of error, as fractions of full scale [-]: ±0.02 %FS is 0.0002. One that is not given is assumed, as
+        `ASSUMED_LIMITS` has it, and named in `assumed`.
     points : tuple of (force_N, voltage_V)
         Calibration points, both strictly increasing. None, or at least two; then the least-squares line
         through them replaces the nominal line.
     serial, calibrated : str
         Serial number, and date of calibration as ISO text.
+    assumed : tuple of str
+        Which limits of error were not given.
 
     Raises
     ------
@@ -165,16 +172,21 @@ class ForceCell:
     full_scale_N: float
     zero_V: float = 0.0
     full_scale_V: float = 5.0
-    linearity: float = 0.0002
-    hysteresis: float = 0.0002
-    repeatability: float = 0.0002
-    transmitter: float = 0.001
+    linearity: float = None  # type: ignore[assignment]  # (these four: not given, so assumed)
+    hysteresis: float = None  # type: ignore[assignment]
+    repeatability: float = None  # type: ignore[assignment]
+    transmitter: float = None  # type: ignore[assignment]
     points: tuple[tuple[float, float], ...] = ()
     serial: str = ""
     calibrated: str = ""
+    assumed: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         what = f"force cell {self.name!r}"
+        missing = [key for key in ASSUMED_LIMITS if getattr(self, key) is None]
+        for key in missing:
+            object.__setattr__(self, key, ASSUMED_LIMITS[key])
+        object.__setattr__(self, "assumed", tuple(dict.fromkeys((*self.assumed, *missing))))
         for key in ("name", "serial", "calibrated"):
             text: Any = getattr(self, key)
             if not isinstance(text, str):

@@ -33,6 +33,7 @@ def check_settings(document: TomlDocument, model: CampaignFile | None) -> tuple[
     problems = _converter(document) + _formulas(document) + _folder(document)
     if model is not None:
         problems += _sampling(document, model) + _idle_keys(document, model) + _wheels(document, model)
+        problems += _cells(document, model)
     return tuple(problems)
 
 
@@ -103,6 +104,26 @@ def _idle_keys(document: TomlDocument, model: CampaignFile) -> list[Problem]:
         )
         for key in sorted(idle & given.keys())
     ]
+
+
+def _cells(document: TomlDocument, model: CampaignFile) -> list[Problem]:
+    """Warn of what a data sheet states and a cell does not: one warning a cell, with every key that is missing."""
+    problems = []
+    for name, table in model.cells.items():
+        cell = table.cell(name)
+        if not cell.assumed:
+            continue
+        said = [f'{key} = "{100.0 * getattr(cell, key):g} %FS"' for key in cell.assumed]
+        problems.append(
+            document.problem(
+                ("cells", name),
+                "RF142",
+                f"not stated, so assumed: {', '.join(said)}",
+                fix=f"write what the data sheet states, such as {said[0]}",
+                warning=True,
+            )
+        )
+    return problems
 
 
 def _wheels(document: TomlDocument, model: CampaignFile) -> list[Problem]:

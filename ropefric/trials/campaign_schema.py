@@ -114,7 +114,7 @@ class CellTable(StrictTable):
             points=tuple(self.calibration_points),
             serial=self.serial,
             calibrated=self.calibrated,
-            **{key: value for key, value in given.items() if value is not None},
+            **{key: value for key, value in given.items() if value is not None},  # type: ignore[arg-type]
         )
 
 

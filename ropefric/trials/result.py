@@ -1,5 +1,6 @@
 """What an extraction hands on: trials, conditions, problems."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any
@@ -9,7 +10,19 @@ from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.trace import FloatArray
 
-__all__ = ["ConditionSummary", "Extraction", "Outline", "TrialResult"]
+__all__ = [
+    "OUTCOMES",
+    "ConditionSummary",
+    "Extraction",
+    "Outline",
+    "TrialResult",
+    "count_trials",
+    "outcome_words",
+]
+
+OUTCOMES = ("kept", "rejected", "excluded", "without a force")
+"""What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
+its F_A is not above its F_B; or its recording gave no usable force."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -115,6 +128,15 @@ class TrialResult:
     def usable(self) -> bool:
         """Return whether the trial gave a force and nobody set it aside by hand."""
         return self.breakaway.status is Status.OK and not self.excluded
+
+    @property
+    def outcome(self) -> str:
+        """Return which of `OUTCOMES` the trial has."""
+        if self.excluded:
+            return "excluded"
+        if self.breakaway.status is not Status.OK:
+            return "without a force"
+        return "rejected" if self.rejected_by else "kept"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""
@@ -236,9 +258,10 @@ class Extraction:
     n_reused: int = 0
 
     def to_dict(self) -> dict[str, Any]:
-        """Return `{"trials": […], "conditions": […], "problems": […]}`, numbers that are not there as None."""
+        """Return `{"counts": {…}, "trials": […], "conditions": […], "problems": […]}`, None for no number."""
         return {
             "campaign": self.name,
+            "counts": count_trials(self),
             "trials": [
                 trial.to_dict()
                 | {"calibration": None if trial.calibration is None else trial.calibration.to_dict()}
@@ -250,6 +273,44 @@ class Extraction:
                 for p in self.problems
             ],
         }
+
+
+def count_trials(extraction: Extraction) -> dict[str, Any]:
+    """Return how many trials have each outcome and each status: the one count that everything else says.
+
+    Returns
+    -------
+    dict
+        `n_kept` + `n_rejected` + `n_excluded` + `n_without_force` = `n_trials`; `status` adds up to it too. `n_ok`
+        counts every recording that gave a force, whatever became of it.
+
+    Examples
+    --------
+    >>> counts = count_trials(Extraction(name="", trials=(), conditions=(), problems=()))
+    >>> counts["n_trials"], outcome_words(counts)
+    (0, '0 kept')
+    """
+    outcomes = [trial.outcome for trial in extraction.trials]
+    statuses = [trial.breakaway.status for trial in extraction.trials]
+    return {
+        "n_trials": len(outcomes),
+        "n_conditions": len(extraction.conditions),
+        "n_ok": statuses.count(Status.OK),
+        **{f"n_{name.replace(' a ', '_')}": outcomes.count(name) for name in OUTCOMES},
+        "status": {status.value: statuses.count(status) for status in Status if status in statuses},
+    }
+
+
+def outcome_words(counts: Mapping[str, Any]) -> str:
+    """Return in words how many trials of `count_trials` have each outcome; of those that none has, only "kept".
+
+    Examples
+    --------
+    >>> outcome_words({"n_kept": 404, "n_rejected": 13, "n_excluded": 0, "n_without_force": 15})
+    '404 kept, 13 rejected, 15 without a force'
+    """
+    numbers = {name: counts[f"n_{name.replace(' a ', '_')}"] for name in OUTCOMES}
+    return ", ".join(f"{n} {name}" for name, n in numbers.items() if n or name == "kept")
 
 
 def _finite_or_none(value: Any) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ropefric.errors import Problem
 from ropefric.friction.condition import FloatArray, condition_groups, distinct
+from ropefric.glossary import counted
 from ropefric.trials.trial_spec import TrialSpec
 
 __all__ = ["advise", "radius_doubt"]
@@ -118,8 +119,8 @@ def _few_repeats(trials: Sequence[TrialSpec]) -> list[Problem]:
     line = trials[int(np.argmax(counts[group] == least))].line
     repeats = "repeat" if least == 1 else "repeats"
     message = (
-        f"{few} of {counts.size} conditions have fewer than {FEWEST_REPEATS} repeats, the smallest {least} "
-        f"{repeats}; the ±2s rule cannot reject anything for n <= 5 (largest possible |z| = (n-1)/sqrt(n))"
+        f"{few} of {counted(counts.size, 'condition')} have fewer than {FEWEST_REPEATS} repeats, the smallest "
+        f"{least} {repeats}; the ±2s rule cannot reject anything for n <= 5 (largest possible |z| = (n-1)/sqrt(n))"
     )
     fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'
     return [_warning("RF310", message, fix=fix, line=line)]

@@ -3,6 +3,7 @@
 import json
 import math
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ import pytest
 from ropefric.api.uncertainty import measured_budgets
 from ropefric.cli.commands.catalogue import find_commands
 from ropefric.errors import InputError
+from ropefric.traces.budget import force_budget
+from ropefric.traces.calibration import Calibration, ForceCell
 
 ROOT = Path(__file__).parents[2]
 TRIALS = ROOT / "fits" / "prth-trials.csv"
@@ -195,3 +198,85 @@ def test_the_command_and_python_state_the_same(call):
     assert {key: told[key] for key in stated} == json.loads(json.dumps(stated))
     with pytest.raises(InputError, match="neither 'force' nor 'mu'"):
         measured_budgets(TRIALS, "nu")
+
+
+# --- what nobody stated is not listed as if somebody had -----------------------------------------------------------
+
+LIMITS = ("linearity", "hysteresis", "repeatability", "transmitter")
+
+
+@pytest.fixture
+def unstated(bench, tmp_path):
+    """The small campaign, whose cells state their linearity alone."""
+    folder = tmp_path / "campaign"
+    shutil.copytree(bench, folder)
+    lines = (folder / "campaign.toml").read_text(encoding="utf-8").splitlines()
+    kept = [line for line in lines if not line.startswith(LIMITS[1:])]
+    assert len(kept) < len(lines)
+    (folder / "campaign.toml").write_text("\n".join([*kept, ""]), encoding="utf-8")
+    return folder
+
+
+def test_limits_that_nobody_stated_are_assumed_wherever_they_stand(call, bench, unstated, tmp_path):
+    checked = call("check", unstated)
+    assert "RF142" in checked.err + checked.out
+    assert (
+        'not stated, so assumed: hysteresis = "0.02 %FS", repeatability = "0.02 %FS", transmitter = "0.1 %FS"'
+        in (" ".join((checked.err + checked.out).split()))
+    )
+    stated, assumed = (
+        call("budget", folder, "--condition", "1", "--json").json() for folder in (bench, unstated)
+    )
+    by_name = [
+        {line["name"]: line.get("assumed") for line in tree["budgets"][0]["lines"]}
+        for tree in (stated, assumed)
+    ]
+    assert by_name[0]["transmitter"] is None
+    cell = by_name[1]["transmitter"].split(".")[1]
+    assert by_name[1]["transmitter"] == f"cells.{cell}.transmitter"
+    assert (by_name[1]["linearity"], by_name[1]["hysteresis"]) == (None, f"cells.{cell}.hysteresis")
+    note = f"transmitter is assumed, nobody stated it: state cells.{cell}.transmitter"
+    assert note in assumed["budgets"][0]["notes"]
+    assert note not in stated["budgets"][0]["notes"]
+    text = " ".join(call("budget", unstated, "--condition", "1").out.split())
+    assert "transmitter (assumed)" in text
+    assert note in text
+    assert "transmitter (assumed)" not in call("budget", bench, "--condition", "1").out
+    # The numbers are the same: only what is said of them changes.
+    assert assumed["budgets"][0]["combined"] == stated["budgets"][0]["combined"]
+    done = call("run", unstated, "--out", tmp_path / "out", "--no-figures")
+    assert "hysteresis, repeatability, transmitter assumed, not stated" in " ".join(done.out.split())
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "transmitter (assumed)" in page
+    assert "hysteresis, repeatability, transmitter assumed, not stated" in page
+    assert "RF142" in (tmp_path / "out" / "problems.csv").read_text(encoding="utf-8")
+
+
+def test_a_cell_knows_what_was_assumed_of_it():
+    cell = ForceCell(name="K1", full_scale_N=1000.0, linearity=0.0002)
+    assert cell.assumed == LIMITS[1:]
+    calibration = Calibration.from_dict(Calibration(cell=cell).to_dict())
+    assert calibration.cell.assumed == LIMITS[1:]
+    components = {one.name: one.assumed for one in force_budget(300.0, calibration).components}
+    assert components["linearity"] == ""
+    assert components["transmitter"] == "cells.K1.transmitter"
+
+
+def test_the_assumed_acceleration_of_gravity_is_named(call):
+    tree = call("budget", TRIALS, "--condition", "1", "--quantity", "mu", "--json").json()["budgets"][0]
+    assumed = {line["name"]: line.get("assumed") for line in tree["lines"]}
+    assert "--gravity" in assumed["acceleration of gravity"]
+    told = call(
+        "budget", TRIALS, "--condition", "1", "--quantity", "mu", "--gravity", "0.0001", "--json"
+    ).json()
+    assert {line["name"]: line.get("assumed") for line in told["budgets"][0]["lines"]}[
+        "acceleration of gravity"
+    ] is None
+
+
+def test_what_saves_nothing_is_no_advice(call):
+    tree = call("budget", TRIALS, "--draws", "10000", "--json").json()
+    savings = [item["saving"] for budget in tree["budgets"] for item in budget["improvements"]]
+    assert savings
+    assert min(savings) >= 0.005
+    assert ", 0 % smaller" not in call("budget", TRIALS, "--condition", "1").out

@@ -42,7 +42,7 @@ def test_tables_figures_and_a_summary(call, bench, tmp_path):
     assert pictures == ["Rw15mm_phi540deg_FB60N.png", "Rw30mm_phi540deg_FB60N.png"]
     for words in ("R_w [mm]", "φ [deg]", "F_B [N]", "mean F_A [N]", "540"):
         assert words in done.out
-    assert "12 recordings: 12 ok, 0 flagged, 0 failed → " in done.err.splitlines()[-1]
+    assert "12 trials: 12 kept → " in done.err.splitlines()[-1]
 
 
 def test_json_is_the_only_thing_on_stdout_and_has_the_agreed_shape(call, bench, tmp_path):
@@ -85,10 +85,10 @@ def test_a_bad_recording_is_listed_with_its_remedy_and_ends_nothing(call, campai
     victim.write_bytes(b"")
     done = call("extract", campaign, "--out", tmp_path / "out", "--no-figures")
     assert done.code == 0
-    assert "1 of 12 trials gave no usable force" in done.out
+    assert "1 of 12 trials are without a force" in done.out
     assert "unreadable" in done.out
-    assert "extract 12/12  100 % · 1 failed" in done.err
-    assert "12 recordings: 11 ok, 0 flagged, 1 failed" in done.err
+    assert "extract 12/12  100 % · 1 without a force" in done.err
+    assert "12 trials: 11 kept, 1 without a force" in done.err
     with (tmp_path / "out" / "problems.csv").open(encoding="utf-8") as stream:
         assert any(victim.name in row["path"] for row in csv.DictReader(stream))
 

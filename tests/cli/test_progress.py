@@ -36,9 +36,9 @@ def test_few_items_get_a_line_each(capsys):
     ]
 
 
-def test_flagged_and_failed_are_counted_on_the_way(capsys):
+def test_recordings_without_a_force_are_counted_on_the_way(capsys):
     work(Output(), ["run_1 ok", "run_2 no-peak", "run_3 unreadable", "run_4 saturated"])
-    assert capsys.readouterr().err.splitlines()[-1] == "extract 4/4  100 % · 2 flagged · 1 failed"
+    assert capsys.readouterr().err.splitlines()[-1] == "extract 4/4  100 % · 3 without a force"
 
 
 def test_quiet_is_silent(capsys):

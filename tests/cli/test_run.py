@@ -1,5 +1,6 @@
 """`run`: a campaign's whole way on small simulated campaigns."""
 
+import csv
 import shutil
 
 import pytest
@@ -122,3 +123,39 @@ def test_nothing_to_extract_is_3_with_the_tables(call, bench, tmp_path):
 
 def test_a_campaign_that_is_not_there_is_3(call, tmp_path):
     assert call("run", tmp_path / "nowhere.toml", "--out", tmp_path / "out").code == 3
+
+
+def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path):
+    """Kept, rejected, excluded and without a force: each trial is one of these, wherever it is counted."""
+    folder = tmp_path / "campaign"
+    shutil.copytree(bench, folder)
+    listed = (folder / "trials.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(listed))
+    (folder / rows[3]["file"]).write_bytes(b"")
+    (folder / rows[4]["file"]).write_bytes(b"")
+    names = list(dict.fromkeys([*rows[0], "exclude"]))
+    with (folder / "trials.csv").open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.DictWriter(stream, names)
+        writer.writeheader()
+        # The second empty file belongs to a trial that was excluded: it is counted once.
+        writer.writerows(
+            row | {"exclude": "slipped off" if n in {4, 7} else ""} for n, row in enumerate(rows)
+        )
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    (folder / "campaign.toml").write_text(text.replace("two-sigma", "mad"), encoding="utf-8")
+    done = call("run", folder, "--out", tmp_path / "out", "--no-figures")
+    tree = call("extract", folder, "--out", tmp_path / "out", "--no-figures", "--json").json()
+    counts = tree["counts"]
+    parts = [counts[f"n_{name}"] for name in ("kept", "rejected", "excluded", "without_force")]
+    assert sum(parts) == counts["n_trials"] == sum(counts["status"].values()) == 12
+    assert (parts[2], parts[3]) == (2, 1)
+    assert counts["n_kept"] == sum(trial["kept"] for trial in tree["trials"])
+    words = f"{parts[0]} kept, {f'{parts[1]} rejected, ' if parts[1] else ''}2 excluded, 1 without a force"
+    assert f"12 trials: {words}" in done.err
+    assert f"12 trials of 2 conditions: {words}" in done.out
+    assert words in (tmp_path / "out" / "summary.txt").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert f"12 trials of 2 conditions: {words}" in page
+    assert f"Trials not kept (of 12 trials: {words})" in page
+    assert "1 trial without a force: unreadable" in page
+    assert "flagged" not in page

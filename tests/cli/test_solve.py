@@ -276,3 +276,129 @@ def test_the_level_of_the_intervals_is_asked_for(call):
         done = call("solve", SCENES / "hoist.toml", "--level", level)
         assert done.code == 3
         assert "between 0 and 1" in done.err
+
+
+# --- what the machine does not do, and what the answer does not keep, is said ---------------------------------------
+
+
+def test_a_hoist_that_does_not_lift_says_so_and_is_4(call, scene):
+    done = call("solve", scene("climbing-hoist", load=('payload = "50 kg"', 'payload = "130 kg"')))
+    tree = call(
+        "solve", scene("climbing-hoist", load=('payload = "50 kg"', 'payload = "130 kg"')), "--json"
+    ).json()
+    assert done.code == 4
+    assert tree["lift_margin"] < 1.0
+    assert not tree["lifts_payload"]
+    assert tree["failures"] == [f"the hoist does not lift its payload: lift margin {tree['lift_margin']:.3g}"]
+    assert tree["failures"][0] in tree["warnings"]
+    assert tree["failures"][0] in " ".join(done.out.split())
+
+
+def test_a_sweep_says_what_it_does_not_keep(call, scene):
+    """The effects of the paper, whatever they leave out: at little preload that is more than the accuracy."""
+    path = scene("belt-press", mu=("mu = 1.2", "mu = 0.9"))
+    sweep = ("--sweep", "press.preload=1000N:4000N:4")
+    done, tree = call("solve", path, *sweep), call("solve", path, *sweep, "--json").json()
+    assert done.code == 4
+    assert tree["error_bound"] > tree["accuracy"] == 0.02
+    said = " ".join(done.out.split())
+    assert all(text in said for text in tree["warnings"])
+    assert "more than the accuracy of 0.02" in tree["warnings"][1]
+    slipping = sum(value > 1.0 for value in tree["columns"]["largest_utilisation"])
+    assert slipping > 0
+    assert list(tree["failures"].values()) == [slipping]
+    assert f"at {slipping} of 4 points a roller slips" in tree["warnings"][0]
+
+
+def test_a_sweep_over_designs_that_do_not_lift_stands(call, scene):
+    path = scene("climbing-hoist")
+    done = call("solve", path, "--sweep", "load.payload=40kg,80kg,120kg", "--json")
+    assert done.code == 0
+    assert done.json()["warnings"] == ["at 1 of 3 points the hoist does not lift its payload"]
+
+
+def test_an_answer_beyond_its_accuracy_is_4(call, scene):
+    path = scene("belt-press", accuracy=("accuracy = 0.02", "accuracy = 0.001"))
+    done = call("solve", path)
+    assert done.code == 4
+    assert "more than the accuracy of 0.001" in " ".join(done.out.split())
+
+
+# --- where a roller slips already, what would hold it lies the other way --------------------------------------------
+
+
+def test_where_no_roller_slips_the_first_slip_is_told(call):
+    done, tree = (
+        call("solve", SCENES / "belt-press.toml"),
+        call("solve", SCENES / "belt-press.toml", "--json").json(),
+    )
+    assert done.code == 0
+    found = tree["critical"]
+    assert {name: (one["state"], one["direction"]) for name, one in found.items()} == {
+        "preload": ("holds", "falls"),
+        "speed": ("holds", "rises"),
+        "load": ("holds", "rises"),
+        "friction": ("holds", "falls"),
+    }
+    for words in (
+        "if the preload of all tensioners falls to 1277 N, roller 2",
+        "if all loads grow by the factor 1.391",
+    ):
+        assert words in done.out
+
+
+def test_where_a_roller_slips_already_what_holds_it_is_told(call, scene):
+    path = scene("belt-press", preload=('preload  = "2000 N"', 'preload  = "1100 N"'))
+    done, tree = call("solve", path), call("solve", path, "--json").json()
+    assert done.code == 4
+    assert tree["slips"] == ["2"]
+    found = tree["critical"]
+    assert {name: (one["state"], one["direction"]) for name, one in found.items()} == {
+        "preload": ("slips", "rises"),
+        "speed": ("slips", None),
+        "load": ("slips", "falls"),
+        "friction": ("slips", "rises"),
+    }
+    assert found["preload"]["value"] > 1100
+    assert found["load"]["value"] < 1.0
+    assert found["friction"]["value"] > 1.2
+    said = " ".join(done.out.split())
+    for words in (
+        "rollers that slip already: 2 (utilisation 1.26)",
+        "it stops where the preload of all tensioners rises to 1277 N",
+        "no slower run of the belts holds it",
+        "it stops where all loads fall to what they are times 0.9047",
+        "it stops where the coefficient rises to 1.426",
+    ):
+        assert words in said
+    for wrong in ("falls to", "grow by"):
+        assert wrong not in said
+
+
+def test_a_press_that_slips_for_its_speed_stops_where_it_runs_slower(call, scene):
+    path = scene("belt-press", rotation=(r'rotation = "50 rpm"', 'rotation = "300 rpm"'))
+    tree = call("solve", path, "--json").json()
+    assert tree["slips"] == ["2"]
+    speed = tree["critical"]["speed"]
+    assert (speed["state"], speed["direction"]) == ("slips", "falls")
+    assert speed["value"] == pytest.approx(5.069, abs=1e-3)
+    assert speed["value"] < tree["speed_m_s"]
+    assert "it stops where the belts run no faster than 5.069 m/s" in call("solve", path).out
+
+
+def test_what_holds_a_slipping_roller_does_hold_it(call, scene):
+    """At the value told, and a little beyond it, nothing slips; a little before it, something does."""
+    slipping = scene("belt-press", preload=('preload  = "2000 N"', 'preload  = "1100 N"'))
+    told = call("solve", slipping, "--json").json()["critical"]
+    for factor, slips in ((0.999, ["2"]), (1.001, [])):
+        preload = f'preload = "{factor * told["preload"]["value"]} N"'
+        path = scene("belt-press", preload=('preload  = "2000 N"', preload))
+        assert call("solve", path, "--json").json()["slips"] == slips
+
+
+def test_a_roller_without_torque_uses_no_friction(call):
+    done = call("solve", SCENES / "belt-press.toml")
+    (row,) = [
+        line.split() for line in done.out.splitlines() if line.split()[:1] == ["4"] and len(line.split()) == 6
+    ]
+    assert row[1:4] == ["0", "0", "0"]

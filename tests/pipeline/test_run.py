@@ -14,10 +14,11 @@ from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.status import FitStatus
 from ropefric.pipeline.answer import answer_trials
-from ropefric.pipeline.run import count_trials, run_campaign, write_answer
+from ropefric.pipeline.run import run_campaign, write_answer
 from ropefric.pipeline.usable import REASON, set_aside_impossible
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import DesignSpec
+from ropefric.trials.result import count_trials
 
 WHEEL = DesignSpec(wheel_radius_m=0.05, wrap_angle_rad=6.0, end_tension_N=40.0)
 

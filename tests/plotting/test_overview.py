@@ -69,7 +69,7 @@ def test_the_table_and_the_drawing_agree(extraction_of, trials, assert_repeats, 
     assert drawn == {
         (column, place): word for column, row in enumerate(rows) for place, word in enumerate(row[1:])
     }
-    assert "11 trials, 7 kept, 2 flagged, 2 failed" in made.figure.get_suptitle()
+    assert "11 trials: 7 kept, 1 rejected, 1 excluded, 2 without a force" in made.figure.get_suptitle()
     for words in ("1 unreadable", "1 without a slip", "1 excluded by the user", "1 rejected by the rule"):
         assert words in made.alt
 

@@ -128,7 +128,7 @@ def test_every_trial_that_does_not_count_is_named_with_its_reason(page, results)
         rows = list(csv.DictReader(stream))
     gone = [row for row in rows if row["kept"] != "true"]
     assert 0 < len(gone) < len(rows)
-    table = page[page.index("Trials flagged or set aside") : page.index("<h3>Conditions")]
+    table = page[page.index("Trials not kept") : page.index("<h3>Conditions")]
     assert table.count('<th scope="row"') == len(gone)
     for row in gone:
         verdict = row["status"] if row["status"] != "ok" else "rejected"

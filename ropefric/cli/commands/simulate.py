@@ -10,6 +10,7 @@ from ropefric.cli.assignments import parse_assignments
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
+from ropefric.glossary import counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -79,7 +80,8 @@ def simulate(
     }
 
     def show(console: "Console") -> None:
-        text = f"{plan.n_trials} recordings of {len(plan.conditions)} conditions, law {plan.law}, seed {seed}"
+        made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
+        text = f"{made}, law {plan.law}, seed {seed}"
         console.print(f"{text} → {campaign}", markup=False, soft_wrap=True)
 
     return Answer(data=data, show=show)

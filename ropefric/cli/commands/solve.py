@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import show_sections
+from ropefric.cli.fitting_options import NOT_TRUSTED, show_sections
 from ropefric.cli.out_folder import Force, figure_names, folder_option, open_folder
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
@@ -35,7 +35,6 @@ OutFolder = Annotated[
 Plot = Annotated[str, typer.Option(help="Which number of a sweep the figure shows; by default the first.")]
 Level = Annotated[float, typer.Option(help="Coverage of the intervals, between 0 and 1; a sweep has none.")]
 
-NOT_TRUSTED = 4
 _LISTED_POINTS = 1000
 _SOLVED = ("answer.json", "start_up.csv", *figure_names("start_up_figure", "campbell"))
 _SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
@@ -53,7 +52,9 @@ def solve(
 ) -> Answer:
     """Solve a scene: a hoist, a belt press or a band saw, with the effects that its accuracy calls for.
 
-    Exits with 4 when the friction behind the answer is not to be trusted.
+    Exits with 4 when the friction behind the answer is not supported, when the error may be larger than the accuracy
+    wanted, and when the machine does not do what it is for: a hoist that does not lift its payload, a press that
+    slips. A sweep says at how many points that is so, and exits with 4 for the error alone.
     """
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
 
@@ -84,11 +85,10 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
     solution = solve_scene(scene, level=level)
     tree = solution.to_dict()
     files = [] if folder is None else _write(out, solution, tree, folder)
-    trusted = scene.source is None or not scene.source.warnings
     return Answer(
         data=tree | {"files": files},
         show=lambda console: show_sections(solution_sections(solution, tree), console),
-        exit_code=0 if trusted else NOT_TRUSTED,
+        exit_code=0 if solution.stands else NOT_TRUSTED,
     )
 
 
@@ -115,6 +115,7 @@ def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None
     return Answer(
         data=_tree(found) | {"files": files},
         show=lambda console: show_sections(sweep_sections(found), console),
+        exit_code=0 if found.keeps_accuracy else NOT_TRUSTED,
     )
 
 
@@ -153,6 +154,9 @@ def _tree(found: "Sweep") -> dict[str, Any]:
         "first_failure": found.first_failure,
         "effects": {"simulated": list(found.simulated)},
         "error_bound": found.error_bound,
+        "accuracy": found.accuracy,
+        "failures": found.failures,
+        "warnings": list(found.warnings),
     }
 
 

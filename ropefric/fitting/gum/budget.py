@@ -62,6 +62,12 @@ class BudgetLine:
         return self.source.name
 
     @property
+    def label(self) -> str:
+        """Return its name, with the word where its uncertainty is assumed and nobody stated it."""
+        assumed = isinstance(self.source, Quantity) and self.source.assumed
+        return f"{self.name} (assumed)" if assumed else self.name
+
+    @property
     def type(self) -> Evaluation:
         """Return how it was evaluated, "A" or "B"."""
         return self.source.type
@@ -91,6 +97,7 @@ class BudgetLine:
                 "standard_uncertainty": item.std,
                 "distribution": item.distribution,
                 "sensitivity": self.sensitivity,
+                "assumed": item.assumed or None,
                 "correlated": [],
             }
         return row | {

@@ -1,7 +1,7 @@
 """Measurement equations of a force and of the average coefficient of friction that two forces give."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -87,19 +87,22 @@ def weights(
     if not (math.isfinite(force_N) and force_N > 0.0):
         raise InputError(f"{symbol} = {force_N:g} N is not positive", key=symbol)
     mass_kg = force_N / _STANDARD_GRAVITY_M_S2
+    gravity = limit_of_error(
+        "acceleration of gravity",
+        "g",
+        "m/s2",
+        gravity_limit * _STANDARD_GRAVITY_M_S2,
+        estimate=_STANDARD_GRAVITY_M_S2,
+    )
+    if gravity_limit == GRAVITY_LIMIT:
+        gravity = replace(gravity, assumed="how well the local g is known (--gravity, gravity_limit)")
     return ForceSide(
         symbol=symbol,
         quantities=(
             limit_of_error(
                 f"mass of the weights of {symbol}", "m", "kg", tolerance * mass_kg, estimate=mass_kg
             ),
-            limit_of_error(
-                "acceleration of gravity",
-                "g",
-                "m/s2",
-                gravity_limit * _STANDARD_GRAVITY_M_S2,
-                estimate=_STANDARD_GRAVITY_M_S2,
-            ),
+            gravity,
         ),
         is_product=True,
     )

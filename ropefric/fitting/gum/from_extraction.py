@@ -62,7 +62,7 @@ def _of_trials(
     chain, more = instrument_quantities(kept)
     tolerance, gravity_limit = known
     if not tolerance:
-        notes += ("the campaign gives no tolerance of the weights: their mass is taken as exact",)
+        notes += ("the mass of the weights is assumed to be exact: state weights.tolerance",)
     known_N = summary.lift_force_N if slack else summary.end_tension_N
     other = weights(symbols[1], known_N, tolerance=tolerance, gravity_limit=gravity_limit)
     side = ForceSide(symbol=symbols[0], quantities=(mean, *chain))

@@ -99,6 +99,7 @@ def _quantity(component: Component, chain: Calibration) -> Quantity:
         distribution=component.distribution,
         type=component.type,
         dof=component.dof,
+        assumed=component.assumed,
     )
 
 

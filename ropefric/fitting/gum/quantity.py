@@ -43,6 +43,8 @@ class Quantity:
         Degrees of freedom of the standard uncertainty; infinite where it is taken as exact.
     repeats : int
         Readings it is the mean of, where more of them would help; 0 where they would not.
+    assumed : str
+        What would state its uncertainty, where nobody has and it is assumed; "" where it is stated or measured.
 
     Raises
     ------
@@ -68,6 +70,7 @@ class Quantity:
     type: Evaluation = "B"
     dof: float = math.inf
     repeats: int = 0
+    assumed: str = ""
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.estimate):

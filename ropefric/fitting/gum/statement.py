@@ -18,6 +18,8 @@ SCHEMA = "ropefric.uncertainty/1"
 
 # Sources with a smaller part of u_c² change U by less than 4 % even if they vanish.
 _WORTH_A_WORD = 0.08
+# Less than half a per cent of U is no help to anybody.
+_NOTICED = 0.005
 
 
 class BudgetStatus(StrEnum):
@@ -182,13 +184,21 @@ def state_uncertainty(
         drawn=drawn,
         improvements=improvements(budget),
         status=status,
-        notes=(*notes, *_exact(model)),
+        notes=(*notes, *_exact(model), *_assumed(model)),
     )
 
 
 def _exact(model: MeasurementModel) -> tuple[str, ...]:
     names = [item.name for item in model.quantities if not item.std]
     return (f"taken as exact: {', '.join(names)}",) if names else ()
+
+
+def _assumed(model: MeasurementModel) -> tuple[str, ...]:
+    return tuple(
+        f"{item.name} is assumed, nobody stated it: state {item.assumed}"
+        for item in model.quantities
+        if item.assumed and item.std
+    )
 
 
 def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
@@ -210,14 +220,9 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
             continue
         for action, factor, more_dof in _actions(line):
             expanded = _expanded_with(budget, place, factor, more_dof)
-            found.append(
-                Improvement(
-                    source=line.name,
-                    action=action,
-                    expanded=expanded,
-                    saving=1.0 - expanded / budget.expanded,
-                )
-            )
+            saving = 1.0 - expanded / budget.expanded
+            if saving >= _NOTICED:
+                found.append(Improvement(source=line.name, action=action, expanded=expanded, saving=saving))
     return tuple(sorted(found, key=lambda item: -item.saving))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import model_validator
 
 from ropefric.friction.condition import FloatArray
-from ropefric.scenes.kind import Kind, Quantity, SweepField
+from ropefric.scenes.kind import Failure, Kind, Quantity, SweepField
 from ropefric.scenes.schema import FrictionTable, SceneTable, optional
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import Lift
@@ -105,6 +105,14 @@ def _quantities(lift: Lift, problem: HoistProblem) -> tuple[Quantity, ...]:
     return tuple(found)
 
 
+def _failures(lift: Lift, problem: HoistProblem) -> tuple[Failure, ...]:
+    if problem.payload_kg is None:
+        return ()
+    margin = lift.lift_force_N / (problem.payload_kg * GRAVITY_M_S2)
+    words = "the hoist does not lift its payload"
+    return (Failure(words=words, measure="lift margin", value=margin, fails=margin < 1.0),)
+
+
 def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     tree: dict[str, Any] = {
         "contact_rad": float(lift.contact_rad[0]),
@@ -164,5 +172,6 @@ KIND = Kind(
         "load.payload": SweepField(field="payload_kg"),
     },
     answerable=answerable,
+    failures=_failures,
     scene_key=_scene_key,
 )

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from ropefric.friction.condition import FloatArray
 from ropefric.scenes.kind import Kind, SweepField
 from ropefric.scenes.kinds.press_machine import press_problem
-from ropefric.scenes.kinds.press_report import press_quantities, press_tree
+from ropefric.scenes.kinds.press_report import press_failures, press_quantities, press_tree
 from ropefric.scenes.kinds.press_schema import PressScene
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM
@@ -110,5 +110,6 @@ KIND = Kind(
     },
     in_one_call=_in_one_call,
     answerable=_answerable,
+    failures=press_failures,
     scene_key=_scene_key,
 )

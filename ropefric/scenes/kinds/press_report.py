@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.scenes.jsonable import finite
-from ropefric.scenes.kind import Quantity
+from ropefric.scenes.kind import Failure, Quantity
 from ropefric.systems.press.answer import PressAnswer, PressProblem, as_operated
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
 from ropefric.systems.press.machine import Press
@@ -14,7 +14,15 @@ from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import Parts, drive_power_W
 
-__all__ = ["press_quantities", "press_tree"]
+_DIRECTIONS = {
+    "preload": ("falls", "rises"),
+    "speed": ("rises", "falls"),
+    "load": ("rises", "falls"),
+    "friction": ("falls", "rises"),
+}
+"""Which way each leads to the first slip, and out of it where a roller slips already."""
+
+__all__ = ["press_failures", "press_quantities", "press_tree"]
 
 
 def press_quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quantity, ...]:
@@ -36,6 +44,15 @@ def press_quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quanti
             for place, span in enumerate(answer.model.press.spans)
         ),
     )
+
+
+def press_failures(answer: PressAnswer, problem: PressProblem) -> tuple[Failure, ...]:
+    """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer."""
+    if problem.start_up is not None:
+        return ()
+    largest = answer.slip.utilisation.max(axis=-1)
+    words = "a roller slips, so the belts cannot be pulled like this"
+    return (Failure(words=words, measure="largest utilisation", value=largest, fails=largest > 1.0),)
 
 
 def press_tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
@@ -79,9 +96,13 @@ def _loads(answer: PressAnswer) -> dict[str, Any]:
 
 
 def _first(answer: PressAnswer) -> dict[str, Any]:
-    """Return which roller is nearest to slip, and what would make the first one slip."""
+    """Return which roller is nearest to slip, and what would make the first one slip.
+
+    Where rollers slip already, each value is the one at which the last of them stops, and lies the other way.
+    """
     model = answer.model
     use = answer.slip.utilisation[0]
+    slips = [name for name, share in zip(answer.slip.rollers, use, strict=True) if share > 1.0]
     critical: dict[str, Any] = {}
     for change in CHANGES:
         # What a higher speed does is the belts' mass, whether or not it matters at this one.
@@ -93,8 +114,16 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
             tensioner=parts.tensioner,
             told=model.told,
         )
-        first = first_to_slip(values, change)  # type: ignore[arg-type]
+        slipping = {name: values[name] for name in slips}
+        first = first_to_slip(slipping or values, change)  # type: ignore[arg-type]
+        if any(value is None for value in slipping.values()):
+            first = None  # nothing of this kind holds that roller
         critical[change] = {
+            "state": "slips" if slipping else "holds",
+            # A slipping roller that slips at rest and without load too has no way out there.
+            "direction": None
+            if first is None or (slipping and first.value == 0.0)
+            else _DIRECTIONS[change][bool(slipping)],
             "roller": None if first is None else first.roller,
             "value": None if first is None else first.value,
             "unit": CHANGES[change].rpartition("[")[2].rstrip("]"),
@@ -102,7 +131,7 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
         }
     return {
         "first_to_slip": answer.slip.rollers[int(np.argmax(use))] if use.any() else None,
-        "slips": [name for name, share in zip(answer.slip.rollers, use, strict=True) if share > 1.0],
+        "slips": slips,
         "critical": critical,
     }
 

@@ -26,7 +26,7 @@ __all__ = ["ResultCache"]
 
 SCHEMA = "ropefric.extraction-cache/2"
 """Raise the number when the form of an entry changes."""
-ALGORITHM = 3
+ALGORITHM = 4
 """Raise by one whenever reading, calibrating, tare, smoothing or picking changes any number or status: results of
 the same version before and after must not be mixed."""
 

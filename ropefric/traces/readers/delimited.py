@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,7 +32,26 @@ def open_text(source: Source, profile: ImportProfile) -> tuple[Text, Dialect]:
         RF101, RF104 or RF108.
     """
     text = load_text(source, profile.encoding)
-    return text, find_dialect(text, profile)
+    dialect = find_dialect(text, profile)
+    return _without_cut_number(text, dialect), dialect
+
+
+def _without_cut_number(text: Text, dialect: Dialect) -> Text:
+    """Return a text without its last row where the file ends within a number: 13 of 137 is no number.
+
+    Loggers that never end their last line lose a sample by it where that is shorter than the one before, which
+    costs nothing. A row cut to fewer cells is refused later.
+    """
+    begin = text.data.rfind(b"\n", 0, -1) + 1
+    above = text.data.rfind(b"\n", 0, max(begin - 1, 0)) + 1
+    if text.is_ended or above < text.start_of(dialect.data_row):
+        return text
+    before, last = (
+        split_line(line.decode(errors="replace"), dialect.style.separator)
+        for line in (text.data[above : begin - 1], text.data[begin:-1])
+    )
+    is_cut = len(last) == len(before) and 0 < len(last[-1].strip()) < len(before[-1].strip())
+    return replace(text, data=text.data[:begin]) if is_cut else text
 
 
 def column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str]:

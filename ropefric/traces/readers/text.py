@@ -29,11 +29,14 @@ class Text:
         UTF-8 without byte-order mark; every line, the last one too, ends in `\n`.
     encoding : str
         How the file itself is encoded.
+    is_ended : bool
+        Whether the file's own last line ends; where not, the file may have been cut within it.
     """
 
     source: Source
     data: bytes
     encoding: str
+    is_ended: bool = True
 
     def start_of(self, line: int) -> int:
         """Return the byte at which a 1-based line starts; the end of the data where there is no such line."""
@@ -97,9 +100,8 @@ def load_text(source: Source, encoding: str = "") -> Text:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if data.isspace() or not data:
         raise source.error("the file holds nothing but blanks", fix="record or copy it again")
-    if not data.endswith(b"\n"):
-        data += b"\n"
-    return Text(source=source, data=data, encoding=found)
+    is_ended = data.endswith(b"\n")
+    return Text(source=source, data=data if is_ended else data + b"\n", encoding=found, is_ended=is_ended)
 
 
 def _to_utf8(raw: bytes, encoding: str, source: Source) -> tuple[bytes, str]:

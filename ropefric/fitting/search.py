@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from ropefric.fitting.nonlinear import Minimum, least_squares
 from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.reduced import reduced
 from ropefric.fitting.settings import FitSettings
 from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import Scatter, pooled_scatter, shared_variance, trial_std
@@ -28,6 +29,8 @@ _OTHER_EVALUATIONS = 100
 # Minima closer than this in χ² describe the data equally well (two standard deviations).
 _AS_GOOD = 4.0
 _APART = 0.01
+# From so many trials on, the repeats of a condition are put together before the search.
+_MANY = 2000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,13 +72,13 @@ def search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fou
     """
     theta = problem.start
     weighed, scatter, shared = _weighed(problem, table, theta, settings)
-    minimum, notes = _from_all_starts(weighed, settings)
+    minimum, notes = _from_all_starts(_pooled(weighed, settings), settings)
     for _ in range(_ROUNDS):
         before = weighed.std
         weighed, scatter, shared = _weighed(problem, table, minimum.theta, settings)
         if np.allclose(weighed.std, before, rtol=_SETTLED, atol=0.0):
             break
-        minimum = _minimum(weighed, minimum.theta, settings)
+        minimum = _minimum(_pooled(weighed, settings), minimum.theta, settings)
     return Found(problem=weighed, minimum=minimum, scatter=scatter, shared=shared, notes=notes)
 
 
@@ -95,6 +98,23 @@ def _weighed(
         within = sqrt(max(float(residuals @ residuals) / dof - float(shared.mean()), 0.0))
     std = np.maximum(trial_std(within, shared, problem.group), _SMALLEST_STD)
     return replace(problem, std=std), scatter, shared
+
+
+def _pooled(problem: FitProblem, settings: FitSettings) -> FitProblem:
+    """Return a large problem with one point per distinct condition: the same χ² but for a constant, see `reduced`.
+
+    A robust loss weighs each trial by its own residual, so there nothing can be put together.
+    """
+    if problem.n_points < _MANY or settings.loss != "linear":
+        return problem
+    means = reduced(problem)
+    return replace(
+        problem,
+        conditions=means.conditions,
+        log_lift=means.mean[0],
+        std=means.weight[0] ** -0.5,
+        group=np.arange(len(means.conditions)),
+    )
 
 
 def _minimum(problem: FitProblem, start: FloatArray, settings: FitSettings, most: int = 400) -> Minimum:

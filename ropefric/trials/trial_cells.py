@@ -8,10 +8,10 @@ from ropefric.trials.toml_quantities import read_quantity
 from ropefric.trials.trial_columns import BoundColumn
 from ropefric.trials.trial_table import CellTable
 
-__all__ = ["Row", "decimal_mark", "read_row"]
+__all__ = ["NUMBER", "POSITIVE", "Row", "decimal_mark", "read_row"]
 
-_NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d{1,4})?", re.ASCII)
-_POSITIVE = {
+NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d{1,4})?", re.ASCII)
+POSITIVE = {
     "wheel_radius_m": "a wheel radius",
     "rope_radius_m": "a rope size",
     "wrap_angle_rad": "a wrap angle",
@@ -106,7 +106,7 @@ def decimal_mark(table: CellTable, columns: dict[str, BoundColumn]) -> str:
 
 
 def _number(cell: str, column: BoundColumn, decimal: str) -> float:
-    if not _NUMBER.fullmatch(cell):
+    if not NUMBER.fullmatch(cell):
         raise InputError(f"cannot read '{cell[:60]}' as a number", code="RF102", fix=_text_fix(cell, column))
     if decimal == "." and "," in cell:
         raise InputError(
@@ -122,9 +122,9 @@ def _number(cell: str, column: BoundColumn, decimal: str) -> float:
         )
     value = read_quantity(f"{cell.replace(',', '.')} {column.unit}", column.si_unit) * column.scale
     # Written so that an overflow to infinity is refused like a zero.
-    if column.field in _POSITIVE and not 0 < value < 1e30:
+    if column.field in POSITIVE and not 0 < value < 1e30:
         raise InputError(
-            f"{cell} {column.unit} is no possible value; {_POSITIVE[column.field]} must be above zero",
+            f"{cell} {column.unit} is no possible value; {POSITIVE[column.field]} must be above zero",
             code="RF110",
             fix="correct the number",
         )
@@ -136,7 +136,7 @@ def _number(cell: str, column: BoundColumn, decimal: str) -> float:
 def _text_fix(cell: str, column: BoundColumn) -> str:
     if re.fullmatch(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*)?", cell):
         return "write the number without marks between thousands"
-    united = re.fullmatch(rf"({_NUMBER.pattern})\s*[A-Za-z°%]+", cell)
+    united = re.fullmatch(rf"({NUMBER.pattern})\s*[A-Za-z°%]+", cell)
     if united:
         return f"write {united[1]}; the unit stands in the header, '{column.header}'"
     return "write a plain number, or leave the cell empty if it is optional"

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from ropefric.fitting.nonlinear import Minimum, least_squares
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.reduced import reduced
+from ropefric.fitting.reduced import MANY, pooled
 from ropefric.fitting.settings import FitSettings
 from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import Scatter, pooled_scatter, shared_variance, trial_std
@@ -29,8 +29,6 @@ _OTHER_EVALUATIONS = 100
 # Minima closer than this in χ² describe the data equally well (two standard deviations).
 _AS_GOOD = 4.0
 _APART = 0.01
-# From so many trials on, the repeats of a condition are put together before the search.
-_MANY = 2000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -101,20 +99,8 @@ def _weighed(
 
 
 def _pooled(problem: FitProblem, settings: FitSettings) -> FitProblem:
-    """Return a large problem with one point per distinct condition: the same χ² but for a constant, see `reduced`.
-
-    A robust loss weighs each trial by its own residual, so there nothing can be put together.
-    """
-    if problem.n_points < _MANY or settings.loss != "linear":
-        return problem
-    means = reduced(problem)
-    return replace(
-        problem,
-        conditions=means.conditions,
-        log_lift=means.mean[0],
-        std=means.weight[0] ** -0.5,
-        group=np.arange(len(means.conditions)),
-    )
+    """Return a large problem with its repeats put together; a robust loss weighs each by its own residual."""
+    return problem if problem.n_points < MANY or settings.loss != "linear" else pooled(problem)[0]
 
 
 def _minimum(problem: FitProblem, start: FloatArray, settings: FitSettings, most: int = 400) -> Minimum:

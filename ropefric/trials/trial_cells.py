@@ -66,7 +66,7 @@ def read_row(
     Examples
     --------
     >>> from ropefric.trials.trial_columns import bind_columns
-    >>> columns, _ = bind_columns(("file", "wrap_turns"), "trials.csv", 1)
+    >>> columns, _, _ = bind_columns(("file", "wrap_turns"), "trials.csv", 1)
     >>> row = read_row(("a.csv", "1,5 x"), 2, columns, "trials.csv", ",")
     >>> row.texts, row.numbers, row.problems[0].code
     ({'file': 'a.csv'}, {}, 'RF102')

@@ -120,8 +120,8 @@ class OutputFolder(Folder):
     Raises
     ------
     DataError
-        RF105 if it cannot be written to, or a link or file stands in the way; RF140 for a file that ropefric did not
-        write, or that was changed since; RF141 for an input; RF142 while another run works in the folder.
+        RF105 if it cannot be written to, or a link or file stands in the way; RF150 for a file that ropefric did not
+        write, or that was changed since; RF151 for an input; RF152 while another run works in the folder.
 
     Examples
     --------
@@ -309,13 +309,13 @@ class OutputFolder(Folder):
             refuse_special(path)
             code, what, fix = "", "", "choose another folder, or move the file away"
             if _file_key(path) in self._inputs:
-                code, what = "RF141", "this is an input of the same command and is never replaced"
+                code, what = "RF151", "this is an input of the same command and is never replaced"
                 fix = "choose another folder for the results"
             elif os.path.lexists(path) and not self._force and not self._is_ours(name):
                 known = "it was changed since ropefric wrote it" if name in self._entries else (
                     "ropefric did not write this file, or an earlier version of it did"
                 )  # fmt: skip
-                code, what = "RF140", f"{known}, and it is not replaced"
+                code, what = "RF150", f"{known}, and it is not replaced"
                 fix += ", or replace it with --force"
             if code:
                 problems.append(Problem(code=code, message=what, path=path.as_posix(), fix=fix))
@@ -464,7 +464,7 @@ def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
         fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
     return DataError(
         f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}",
-        code="RF142",
+        code="RF152",
         path=folder.as_posix(),
         fix=fix,
     )

@@ -85,7 +85,7 @@ def refuse_input(path: Path, *inputs: Path | None) -> None:
     Raises
     ------
     DataError
-        RF141 if `path` is one of `inputs`; None among them is none.
+        RF151 if `path` is one of `inputs`; None among them is none.
     """
     for source in inputs:
         try:
@@ -95,7 +95,7 @@ def refuse_input(path: Path, *inputs: Path | None) -> None:
         if same:
             raise DataError(
                 "this is an input of the same command and is never replaced",
-                code="RF141",
+                code="RF151",
                 path=path.as_posix(),
                 fix="choose another name for what is written",
             )
@@ -205,7 +205,7 @@ def write_files(
     Raises
     ------
     InputError
-        RF140 if a file is there already, and then nothing is written.
+        RF150 if a file is there already, and then nothing is written.
     DataError
         RF105 if the folder cannot be written to.
 
@@ -220,7 +220,7 @@ def write_files(
     for path in paths:
         if not overwrite and os.path.lexists(path):
             fix = "choose another folder, or ask for overwriting (--force)"
-            raise InputError("the file is there already", code="RF140", path=path.as_posix(), fix=fix)
+            raise InputError("the file is there already", code="RF150", path=path.as_posix(), fix=fix)
     with ExitStack() as stack:  # none gets its name before all are written
         for path, content in zip(paths, contents.values(), strict=True):
             stream = stack.enter_context(replacing(path))

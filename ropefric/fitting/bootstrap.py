@@ -9,6 +9,7 @@ import numpy.typing as npt
 from ropefric.errors import FitError, InputError, UnknownNameError
 from ropefric.fitting.levenberg import BatchFit, batched_fit
 from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.reduced import MANY, pooled
 from ropefric.fitting.scatter import TwoLevelScatter, two_level_scatter
 from ropefric.friction.condition import FloatArray
 from ropefric.registry import did_you_mean
@@ -145,8 +146,11 @@ def bootstrap(
     rng = np.random.default_rng(seed)
     levels = two_level_scatter(problem, best) if scatter is None else _checked(scatter)
     enough = np.ones(n, dtype=np.bool_)
+    share: float | FloatArray = 1.0
+    if problem.n_points >= MANY:
+        problem, share = pooled(problem)
     if kind == "parametric":
-        fits = _refit_drawn_scatter(problem, best, levels, n, rng)
+        fits = _refit_drawn_scatter(problem, best, levels, share, (n, rng))
     elif kind == "clustered":
         fits, enough = _refit_drawn_conditions(problem, best, n, rng)
     else:
@@ -177,14 +181,19 @@ def bootstrap(
 
 
 def _refit_drawn_scatter(
-    problem: FitProblem, best: FloatArray, levels: TwoLevelScatter, n: int, rng: np.random.Generator
+    problem: FitProblem,
+    best: FloatArray,
+    levels: TwoLevelScatter,
+    share: float | FloatArray,
+    draw: tuple[int, np.random.Generator],
 ) -> BatchFit:
+    n, rng = draw
     _, group = np.unique(problem.group, return_inverse=True)
     lift = problem.law.log_lift(best, problem.conditions)
     shared = rng.standard_normal((n, int(group.max()) + 1))[:, group]
     own = rng.standard_normal((n, lift.size))
     return batched_fit(
-        problem, lift + levels.between * shared + levels.within * own, best, tolerance=_TOLERANCE
+        problem, lift + levels.between * shared + levels.within * share * own, best, tolerance=_TOLERANCE
     )
 
 

@@ -5,7 +5,7 @@ is therefore evaluated once per condition and not once per trial, however many r
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,10 @@ from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.law import FrictionLaw
 
-__all__ = ["Reduced", "reduced"]
+__all__ = ["MANY", "Reduced", "pooled", "reduced"]
+
+MANY = 2000
+"""From so many trials on, the repeats of a condition are put together before a law is fitted or resampled."""
 
 # Sets times conditions evaluated in one go: the temporaries of a law then stay in the processor's cache.
 _BLOCK = 16384
@@ -211,6 +214,40 @@ def reduced(
         mean=mean,
         rest=rest,
     )
+
+
+def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:
+    """Return a problem with one point per distinct condition, and how much less each scatters than a trial.
+
+    Its χ² is that of the whole problem but for a constant.
+
+    Examples
+    --------
+    >>> from ropefric.friction.laws import LAWS
+    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 3, 6], end_tension_N=20)
+    >>> one = np.ones(3)
+    >>> problem = FitProblem(
+    ...     law=LAWS["constant"], conditions=pulls, log_lift=np.array([3.5, 3.7, 4.2]), std=0.1 * one,
+    ...     group=np.array([0, 0, 1]), start=np.array([0.2]), lower=np.zeros(1), upper=one[:1],
+    ...     vary=np.array([True]),
+    ... )
+    >>> means, share = pooled(problem)
+    >>> means.n_points, share.round(3).tolist()
+    (2, [0.707, 1.0])
+    """
+    order, starts = _distinct(problem.conditions)
+    if starts.size == order.size:
+        return problem, np.ones(order.size)
+    means, weight = reduced(problem), problem.std[order] ** -2.0
+    share = np.sqrt(np.add.reduceat(weight**2, starts)) / np.add.reduceat(weight, starts)
+    whole = replace(
+        problem,
+        conditions=means.conditions,
+        log_lift=means.mean[0],
+        std=means.weight[0] ** -0.5,
+        group=problem.group[order[starts]],
+    )
+    return whole, share
 
 
 def _distinct(conditions: Conditions) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:

@@ -12,6 +12,7 @@ from ropefric.fitting.identifiability import RANK_RATIO
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.nonlinear import Minimum, least_squares
 from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.reduced import MANY, pooled
 from ropefric.fitting.settings import FitSettings
 from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import Scatter, pooled_scatter, shared_variance, trial_std
@@ -79,13 +80,13 @@ def search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fou
     """
     theta = problem.start
     weighed, scatter, shared = _weighed(problem, table, theta, settings)
-    minimum, notes = _from_all_starts(weighed, settings)
+    minimum, notes = _from_all_starts(_pooled(weighed, settings), settings)
     for _ in range(_ROUNDS):
         before = weighed.std
         weighed, scatter, shared = _weighed(problem, table, minimum.theta, settings)
         if np.allclose(weighed.std, before, rtol=_SETTLED, atol=0.0):
             break
-        minimum = _minimum(weighed, minimum.theta, settings)
+        minimum = _minimum(_pooled(weighed, settings), minimum.theta, settings)
     if settings.loss == "linear":
         minimum = _rounded(weighed, minimum)
     # The weights of the very parameters that are handed on.
@@ -158,6 +159,11 @@ def _weighed(
         within = sqrt(max(float(residuals @ residuals) / dof - float(shared.mean()), 0.0))
     std = np.maximum(trial_std(within, shared, problem.group), _SMALLEST_STD)
     return replace(problem, std=std), scatter, shared
+
+
+def _pooled(problem: FitProblem, settings: FitSettings) -> FitProblem:
+    """Return a large problem with its repeats put together; a robust loss weighs each by its own residual."""
+    return problem if problem.n_points < MANY or settings.loss != "linear" else pooled(problem)[0]
 
 
 def _minimum(problem: FitProblem, start: FloatArray, settings: FitSettings, most: int = 400) -> Minimum:

@@ -74,7 +74,7 @@ def save_fit(fit: FitResult, path: str | os.PathLike[str], *, overwrite: bool = 
     Raises
     ------
     DataError
-        RF105 if the file cannot be written, RF140 if another than a fit stands there, RF141 if it is the fit's table.
+        RF105 if the file cannot be written, RF150 if another than a fit stands there, RF151 if it is the fit's table.
     """
     target = Path(path)
     table = fit.provenance.get("input", {}).get("path")
@@ -97,14 +97,14 @@ def check_target(path: Path, table: Path | None, *, overwrite: bool = False) -> 
     Raises
     ------
     DataError
-        RF105, RF140 or RF141.
+        RF105, RF150 or RF151.
     """
     refuse_special(path)
     refuse_input(path, table)
     if not overwrite and path.is_file() and not _is_fit(path):
         raise DataError(
             "the file is there already, and it is no stored fit",
-            code="RF140",
+            code="RF150",
             path=path.as_posix(),
             fix="choose another name, or replace it with --force (in Python, overwrite=True)",
         )

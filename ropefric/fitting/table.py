@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.fitting.table_columns import OPTIONAL_NUMBERS, REQUIRED_NUMBERS, bind_table_columns
-from ropefric.fitting.table_rows import ParsedRow, parse_rows
+from ropefric.fitting.table_rows import ParsedRows, parse_rows
 from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.trials.trial_table import CellTable, read_cells
 
@@ -220,19 +220,21 @@ def _table(cells: CellTable, problems: tuple[Problem, ...], source: str) -> Tria
     every = [*problems, *found, *wrong, *_too_few(rows, cells.path)]
     raise_problems(every)
     return TrialTable(
-        trial=tuple(row.trial for row in rows),
-        status=tuple(row.status for row in rows),
-        kept=np.array([row.kept for row in rows]),
+        trial=tuple(rows.trial),
+        status=tuple(rows.status),
+        kept=rows.kept,
         source=source,
         warnings=tuple(every),
-        **{name: np.array([row.numbers[name] for row in rows]) for name in _NUMBERS},
+        **rows.numbers,
     )
 
 
-def _too_few(rows: tuple[ParsedRow, ...], path: str) -> tuple[Problem, ...]:
-    used = sum(row.kept and row.status == "ok" for row in rows)
+def _too_few(rows: ParsedRows, path: str) -> tuple[Problem, ...]:
+    used = sum(kept and status == "ok" for kept, status in zip(rows.kept, rows.status, strict=True))
     if used >= 2:
         return ()
-    message = f"{used} of {len(rows)} trials can be used; a fit needs at least two, with different conditions"
+    message = (
+        f"{used} of {len(rows.trial)} trials can be used; a fit needs at least two, with different conditions"
+    )
     fix = "measure more conditions, or correct the columns kept and status"
     return (Problem(code="RF410", message=message, path=path, fix=fix),)

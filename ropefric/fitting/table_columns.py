@@ -1,11 +1,11 @@
 """The columns a trial table may have: their meanings, their units, and what a header calls them."""
 
+from dataclasses import replace
 from difflib import get_close_matches
 
 from ropefric.errors import InputError, Problem
 from ropefric.quantities import split_unit_suffix, unit_factor
-from ropefric.registry import did_you_mean
-from ropefric.trials.trial_columns import STANDARD_GRAVITY_M_S2, BoundColumn, bind_header
+from ropefric.trials.trial_columns import STANDARD_GRAVITY_M_S2, BoundColumn, bind_header, near_miss
 
 __all__ = ["OPTIONAL_NUMBERS", "REQUIRED_NUMBERS", "TEXTS", "bind_table_columns"]
 
@@ -83,6 +83,15 @@ def bind_table_columns(
     bound, others, problems = bind_header(header, path, line, bind=_bind)
     # A column with a wrong unit is there; that it is missing as well would only confuse.
     there = set(bound) | {_field_of(problem.key) for problem in problems}
+    strange = [name for name in others if (word := _word(name)) and not word.startswith("_")
+               and _word(split_unit_suffix(name)[0]) not in _PASSED_OVER]  # fmt: skip
+    for name in strange:
+        near = near_miss(name, _KNOWN, _STEMS, path, line)
+        field = _field_of(name)
+        if near and field in REQUIRED_NUMBERS and field not in there:
+            there.add(field)
+            near = (replace(near[0], message="this column is not known", severity="error"),)
+        problems += near
     problems += [_missing(field, example, path, line) for field, example in REQUIRED_NUMBERS.items()
                  if field not in there]  # fmt: skip
     return bound, tuple(others), tuple(problems)
@@ -122,9 +131,6 @@ def _column(index: int, name: str) -> BoundColumn | None:
     stem, unit = split_unit_suffix(name)
     known = _STEMS.get(_word(stem))
     if known is None:
-        if _word(stem) not in _PASSED_OVER and get_close_matches(_word(stem), _STEMS, n=1, cutoff=_SLIP):
-            fix = f"{did_you_mean(name, _KNOWN)} A column whose name starts with '_' is ignored."
-            raise InputError("this column is not known", code="RF120", fix=fix)
         return None
     field, si_unit, scale = known
     if not unit:

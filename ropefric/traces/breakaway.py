@@ -26,7 +26,8 @@ ADVICE: dict[Status, str] = {
     ),
     Status.NO_PEAK: (
         "The rope slides, but no static peak stands out of the sliding force. There may be none for this "
-        "pair; or it lies in a gap or between two samples: sample faster, or let the rope dwell before the pull."
+        "pair; or it lies in a gap, in a stretch in which the converter stuck, or between two samples: sample "
+        "faster, or let the rope dwell before the pull."
     ),
     Status.SATURATED: (
         "The converter sat at its limit where the peak should be, so the peak is at least that high and "

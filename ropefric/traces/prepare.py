@@ -7,7 +7,8 @@ import numpy as np
 from ropefric.traces.arrays import FloatArray, IntArray
 from ropefric.traces.blocks import Glance, glance
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.traces.noise import noise_std, remove_spikes
+from ropefric.traces.noise import noise_std, remove_spikes, resolution
+from ropefric.traces.saturation import find_stuck
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 
@@ -31,6 +32,8 @@ class Prepared:
         Their block means.
     bad : ndarray of int
         Which samples were replaced.
+    stuck : ndarray of int, shape (k, 2)
+        Stretches in which the converter or the sensor stuck: first sample, and one past the last.
     notes : tuple of str
         What was met on the way.
     """
@@ -41,6 +44,7 @@ class Prepared:
     view: Glance
     bad: IntArray
     notes: tuple[str, ...]
+    stuck: IntArray
 
 
 def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
@@ -66,8 +70,11 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     if force_N.size < MIN_SAMPLES:
         return None
     noise_N = noise_std(force_N)
+    stuck = _between_limits(find_stuck(force_N, resolution(force_N), noise_N), force_N, trace)
+    if len(stuck):
+        noise_N = noise_std(np.delete(force_N, np.concatenate([np.arange(*run) for run in stuck])))
     cleaned = remove_spikes(force_N, noise_N)
-    notes = [*trace.notes]
+    notes = [*trace.notes, *(_stuck_note(time_s, force_N, *run) for run in stuck.tolist())]
     if n_missing:
         notes.append(f"{n_missing} of {present.size} samples are missing")
     if cleaned.bad.size:
@@ -81,6 +88,23 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
         view=glance(time_s, cleaned.values),
         bad=cleaned.bad,
         notes=tuple(notes),
+        stuck=stuck,
+    )
+
+
+def _between_limits(stuck: IntArray, force_N: FloatArray, trace: ForceTrace) -> IntArray:
+    """Return the stuck stretches that are not at a limit of the converter, which is another matter."""
+    if trace.saturation is None or not len(stuck):
+        return stuck
+    limits_N = np.array([np.nanmax(trace.force_N) if trace.saturation.high else np.inf,
+                         np.nanmin(trace.force_N) if trace.saturation.low else -np.inf])  # fmt: skip
+    return stuck[~np.isin(force_N[stuck[:, 0]], limits_N)]
+
+
+def _stuck_note(time_s: FloatArray, force_N: FloatArray, start: int, stop: int) -> str:
+    return (
+        f"the force reads exactly {force_N[start]:.4g} N for {time_s[stop - 1] - time_s[start]:.2g} s "
+        f"({stop - start} samples) from {time_s[start]:.4g} s on: the converter or the sensor stuck"
     )
 
 

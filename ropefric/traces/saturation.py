@@ -1,11 +1,29 @@
-"""Where the converter sat at its limits."""
+"""Where the converter sat at its limits, or stuck at a value in between."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Saturation", "find_saturation"]
+__all__ = ["Saturation", "find_saturation", "find_stuck"]
+
+# As many as a dropout that is mended, `noise.MAX_DROPOUT_SAMPLES`.
+_FEWEST = 40
+# Shorter runs say nothing of what is usual.
+_SHORT = 16
+# Of very many, as of a coarse converter, the longest are looked at.
+_MOST = 100
+_AROUND = 400
+_LEAST_AROUND = 100
+# White noise turns back at two of three samples, also when it is rounded; a smooth curve hardly ever does.
+_TURNS = 0.4
+# From this share of changing samples on, the noise is too large to hide within one step of the converter.
+_LIVELY = 0.3
+_LEAST_CHANGES = 0.01
+_CHANCE = 1e-6
+_LONGER = 3.0
+_JUMP_SIGMAS = 4.0
+_JUMP_STEPS = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -108,6 +126,78 @@ def find_saturation(counts: NDArray[np.int64], max_count: int) -> Saturation:
     [[1, 3]]
     """
     return Saturation(high_runs=_runs(counts == max_count), low_runs=_runs(counts == 0))
+
+
+def find_stuck(values: NDArray[np.float64], step: float, noise: float) -> NDArray[np.int64]:
+    """Return the stretches in which a live signal reads exactly the same: start and stop of each, shape (k, 2).
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Finite samples.
+    step : float
+        Smallest step between samples, as of the converter.
+    noise : float
+        Standard deviation of the noise of a sample.
+
+    Notes
+    -----
+    The recording itself says what is live. Where around the stretch a share p of the samples differs from the one
+    before and the changes go to and fro, the noise spans the converter's steps, and n equal samples have a
+    probability below (1 − p²)ⁿ: p² and not p, for between two steps the noise changes less than on an edge.
+    A converter coarser than its noise may well repeat itself, q/r seconds long on a ramp of rate r. There a
+    stretch is stuck if it is three times as long as any other around it and the signal then jumps: it went on
+    unseen. A signal without noise is never called stuck: it may have been computed, or held.
+
+    Examples
+    --------
+    >>> force = np.arange(400) * 0.1 + np.tile([0.0, 0.3, -0.2, 0.1], 100)
+    >>> force[200:260] = force[200]
+    >>> find_stuck(force, 0.1, 0.2).tolist()
+    [[200, 260]]
+    """
+    same = _runs(values[1:] == values[:-1])
+    runs = np.asarray(same + np.array([0, 1]), dtype=np.int64)
+    runs = runs[runs[:, 1] - runs[:, 0] >= _SHORT]
+    if not len(runs):
+        return runs
+    changed = np.diff(values, prepend=values[0])
+    longest = np.sort(np.argsort(runs[:, 0] - runs[:, 1], kind="stable")[:_MOST])
+    candidates = [run for run in runs[longest] if run[1] - run[0] >= _FEWEST]
+    stuck = [run for run in candidates if _is_stuck(values, changed, runs, run, (step, noise))]
+    return np.asarray(np.array(stuck, dtype=np.int64).reshape(-1, 2))
+
+
+def _is_stuck(
+    values: NDArray[np.float64],
+    changed: NDArray[np.float64],
+    runs: NDArray[np.int64],
+    run: NDArray[np.int64],
+    grain: tuple[float, float],
+) -> bool:
+    start, stop = int(run[0]), int(run[1])
+    length, reach = stop - start, max(_AROUND, stop - start)
+    shares, is_noisy = [], False
+    # On one side the force may run up and down so fast that no noise is seen on it.
+    for found in (changed[max(0, start - reach) : start], changed[stop + 1 : stop + reach]):
+        steps = found[found != 0.0]
+        if found.size < _LEAST_AROUND:
+            continue
+        is_quiet = steps.size < max(3.0, _LEAST_CHANGES * found.size)
+        turns = not is_quiet and float(np.mean(np.sign(steps[1:]) != np.sign(steps[:-1]))) >= _TURNS
+        is_noisy |= turns
+        if is_quiet or turns:
+            shares.append(steps.size / found.size)
+    if not is_noisy:
+        return False
+    share = min([*shares, 0.95])
+    if share >= _LIVELY and values.size * (1.0 - share**2) ** length < _CHANCE:
+        return True
+    step, noise = grain
+    jump = np.abs(np.append(changed, 0.0)[runs[:, 1]]) > _JUMP_SIGMAS * noise + _JUMP_STEPS * step
+    near = (runs[:, 1] > start - reach) & (runs[:, 0] < stop + reach) & ~jump
+    longest = int((runs[near, 1] - runs[near, 0]).max(initial=_SHORT))
+    return length > _LONGER * longest and bool(jump[runs[:, 0] == start][0])
 
 
 def _runs(mask: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -114,6 +114,7 @@ def slow_break(view: Glance, block: int) -> SlowBreak | None:
         or fall > longest
         or sliding.stop - first < max(STAY_BLOCKS, STAY_FALLS * fall)
         or _drift_N(force_N[first:], level_N - 0.5 * kept_N) > max(STEADY * drop_N, LEVEL_DRIFT * kept_N)
+        or _late_rise_N(force_N[first : sliding.stop]) > max(STEADY * drop_N, LEVEL_DRIFT * kept_N)
         or _held_blocks(force_N, climb, onset) > HELD_BLOCKS
     ):
         return None
@@ -135,6 +136,12 @@ def _drift_N(after: FloatArray, gone_N: float) -> float:
     gone = np.flatnonzero(after < gone_N)
     third = (int(gone[0]) if gone.size else after.size) // 3
     return abs(median(after[:third]) - median(after[third : 2 * third])) if third else inf
+
+
+def _late_rise_N(stretch: FloatArray) -> float:
+    """Return how far the force has risen at its end above its middle third [N]: it was held, not slid."""
+    third = stretch.size // 3
+    return median(stretch[-TOP_BLOCKS:]) - median(stretch[third : 2 * third])
 
 
 def _held_blocks(force_N: FloatArray, climb: Climb, onset: int) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 
 from ropefric.traces.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.loading import climb_to
 from ropefric.traces.noise import noise_std
 from ropefric.traces.prepare import Prepared, failed
 from ropefric.traces.settings import PickSettings
@@ -11,7 +12,14 @@ from ropefric.traces.sliding import PIECE_BLOCKS, Sliding, roughness_N
 from ropefric.traces.slips import SLIP_SIGMAS, fast_drop_N, is_slip, slips
 from ropefric.traces.trace import ForceTrace
 
-__all__ = ["is_quiet", "saturation_detail", "unresolved_detail", "was_let_down", "without_break"]
+__all__ = [
+    "is_quiet",
+    "saturation_detail",
+    "stuck_detail",
+    "unresolved_detail",
+    "was_let_down",
+    "without_break",
+]
 
 SATURATED_SAMPLES = 3
 """A run at the converter's limit longer than any spike."""
@@ -43,6 +51,25 @@ def saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None) 
         f"the converter is at its ceiling ({ceiling_N:.4g} N) for {samples} samples, "
         f"{1000 * longest_s:.3g} ms at a time; the peak is at least {ceiling_N:.4g} N"
     )
+
+
+def stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
+    """Return where the converter stuck between half the climb to a break and the fall after it; empty if nowhere.
+
+    What the force did meanwhile nobody knows: the peak may lie in the stretch, and what is found be a later tooth.
+    """
+    view, n = prepared.view, prepared.force_N.size
+    begin = view.first_sample(climb_to(view.force_N, block).start)
+    end = view.last_sample(fallen + 1, n)
+    for start, stop in prepared.stuck.tolist():
+        if stop > begin and start <= end:
+            lasted_s = float(prepared.time_s[stop - 1] - prepared.time_s[start])
+            return (
+                f"the force reads exactly {prepared.force_N[start]:.4g} N for {lasted_s:.2g} s ({stop - start} "
+                f"samples) from {prepared.time_s[start]:.4g} s on, between loading and sliding: the converter "
+                "or the sensor stuck, and what the force did meanwhile is unknown"
+            )
+    return ""
 
 
 def without_break(prepared: Prepared, last_block: int | None = None) -> Breakaway:

@@ -158,6 +158,7 @@ def _from_plain(entry: dict[str, Any]) -> TrialResult:
         calibration=None if calibration is None else Calibration.from_dict(calibration),
         outline=None if outline is None else _outline(outline),
         problems=tuple(Problem(**problem) for problem in entry["problems"]),
+        own=tuple((name, cell) for name, cell in entry["own"]),
     )
 
 

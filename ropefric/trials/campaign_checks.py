@@ -1,6 +1,7 @@
 """Whether the tables of a campaign file fit together and point at what exists."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,13 @@ from ropefric.trials.toml_document import TomlDocument
 from ropefric.trials.trial_advice import radius_doubt
 
 __all__ = ["check_settings"]
+
+_SET_BY_TRIAL = {
+    "end_tension": "end_tension_N",
+    "lift_force": "lift_force_N",
+    "wrap_angle": "wrap_angle_deg",
+    "wrap": "wrap_angle_deg",
+}
 
 
 def check_settings(document: TomlDocument, model: CampaignFile | None) -> tuple[Problem, ...]:
@@ -34,6 +42,7 @@ def check_settings(document: TomlDocument, model: CampaignFile | None) -> tuple[
     if model is not None:
         problems += _sampling(document, model) + _idle_keys(document, model) + _wheels(document, model)
         problems += _cells(document, model)
+        problems += _idle_channels(document, model)
     return tuple(problems)
 
 
@@ -123,6 +132,24 @@ def _cells(document: TomlDocument, model: CampaignFile) -> list[Problem]:
                 warning=True,
             )
         )
+    return problems
+
+
+def _idle_channels(document: TomlDocument, model: CampaignFile) -> list[Problem]:
+    """Warn of measured channels that the trial list sets once for each trial instead."""
+    formulas = " ".join(str(formula) for formula in model.import_.derived.values())
+    problems = []
+    for place in ("channels", "derived"):
+        for name in getattr(model.import_, place):
+            if name not in _SET_BY_TRIAL or re.search(rf"\b{name}\b", formulas):
+                continue
+            message = (
+                f"the measured {name.replace('_', ' ')} is read, but not used: that of the trial list is"
+            )
+            fix = f"write its value at break-away into the column {_SET_BY_TRIAL[name]} of the trial list"
+            problems.append(
+                document.problem(("import", place, name), "RF141", message, fix=fix, warning=True)
+            )
     return problems
 
 

@@ -213,6 +213,8 @@ def _result(
         cell=spec.cell,
         rope_id=spec.rope_id,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
+        note=spec.note,
+        own=spec.own,
         problems=problems,
     )
 

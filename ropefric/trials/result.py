@@ -6,6 +6,7 @@ from math import isfinite, nan
 from typing import Any
 
 from ropefric.errors import Problem
+from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.trace import FloatArray
@@ -23,6 +24,14 @@ __all__ = [
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
 its F_A is not above its F_B; or its recording gave no usable force."""
+
+# What else a trial table may call its columns.
+_MEANT = frozenset(
+    {
+        "wheel_diameter", "rope_diameter", "wrap", "end_mass", "lift_force", "lift_mass", "breakaway_force",
+        "lift_force_std", "wrap_std", "wrap_angle_std", "wheel_radius_std", "wheel_diameter_std",
+    }
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -85,6 +94,10 @@ class TrialResult:
         Samples at the converter's ceiling.
     sha256 : str
         Of the recording's bytes; "" where the file could not be read.
+    note : str
+        The user's.
+    own : tuple of (str, str)
+        Headers and cells of the columns that the user added to the trial list.
     calibration : Calibration, optional
         How newtons came from the recording's counts, tare included; with the recording, which `sha256` identifies, a
         better calibration can be applied later (`ropefric.traces.recalibration`).
@@ -115,6 +128,8 @@ class TrialResult:
     tare_N: float = nan
     saturated_samples: int = 0
     sha256: str = ""
+    note: str = ""
+    own: tuple[tuple[str, str], ...] = ()
     calibration: Calibration | None = None
     outline: Outline | None = None
     problems: tuple[Problem, ...] = field(default=())
@@ -173,7 +188,13 @@ class TrialResult:
             "tare_N": self.tare_N,
             "saturated_samples": self.saturated_samples,
             "sha256": self.sha256,
+            "note": self.note,
         }
+        taken = {split_unit_suffix(name)[0].lower() for name in row} | _MEANT
+        for name, cell in self.own:
+            # What a fit would take for a number of the tool's own gets another name.
+            free = split_unit_suffix(name)[0].strip().lower().replace(" ", "_") not in taken
+            row[name if free else f"given_{name}"] = cell
         return {key: _finite_or_none(value) for key, value in row.items()}
 
 

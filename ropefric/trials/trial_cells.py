@@ -9,12 +9,12 @@ from ropefric.quantities import parse_quantity
 from ropefric.trials.trial_columns import BoundColumn
 from ropefric.trials.trial_table import CellTable
 
-__all__ = ["Row", "decimal_mark", "read_row"]
+__all__ = ["NUMBER", "POSITIVE", "Row", "decimal_mark", "read_row"]
 
-_NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
+NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*+)?")
-_WITH_UNIT = re.compile(rf"({_NUMBER.pattern})\s*+[A-Za-z°%]++")
-_POSITIVE = {
+_WITH_UNIT = re.compile(rf"({NUMBER.pattern})\s*+[A-Za-z°%]++")
+POSITIVE = {
     "wheel_radius_m": "a wheel radius",
     "rope_radius_m": "a rope size",
     "wrap_angle_rad": "a wrap angle",
@@ -69,7 +69,7 @@ def read_row(
     Examples
     --------
     >>> from ropefric.trials.trial_columns import bind_columns
-    >>> columns, _ = bind_columns(("file", "wrap_turns"), "trials.csv", 1)
+    >>> columns, _, _ = bind_columns(("file", "wrap_turns"), "trials.csv", 1)
     >>> row = read_row(("a.csv", "1,5 x"), 2, columns, "trials.csv", ",")
     >>> row.texts, row.numbers, row.problems[0].code
     ({'file': 'a.csv'}, {}, 'RF102')
@@ -109,7 +109,7 @@ def decimal_mark(table: CellTable, columns: dict[str, BoundColumn]) -> str:
 
 
 def _number(cell: str, column: BoundColumn, decimal: str) -> float:
-    if not _NUMBER.fullmatch(cell):
+    if not NUMBER.fullmatch(cell):
         raise InputError(f"cannot read '{cell[:60]}' as a number", code="RF102", fix=_text_fix(cell, column))
     if decimal == "." and "," in cell:
         raise InputError(
@@ -125,9 +125,9 @@ def _number(cell: str, column: BoundColumn, decimal: str) -> float:
         )
     value = parse_quantity(f"{cell.replace(',', '.')} {column.unit}", column.si_unit) * column.scale
     # Written so that an overflow to infinity is refused like a zero.
-    if column.field in _POSITIVE and not 0 < value < 1e30:
+    if column.field in POSITIVE and not 0 < value < 1e30:
         raise InputError(
-            f"{cell} {column.unit} is no possible value; {_POSITIVE[column.field]} must be above zero",
+            f"{cell} {column.unit} is no possible value; {POSITIVE[column.field]} must be above zero",
             code="RF110",
             fix="correct the number",
         )

@@ -1,18 +1,24 @@
-"""The columns a trial list may have, and which of them a header names."""
+"""The columns a trial list may have, which of them a header names, and those it has of its own."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 from ropefric.errors import InputError, Problem
 from ropefric.quantities import split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 
-__all__ = ["STANDARD_GRAVITY_M_S2", "TEXT_COLUMNS", "BoundColumn", "bind_columns", "bind_header"]
+__all__ = [
+    "STANDARD_GRAVITY_M_S2", "TEXT_COLUMNS", "BoundColumn", "bind_columns", "bind_header", "near_miss",
+]  # fmt: skip
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Weight per mass [m/s²], CGPM 1901; what turns `end_mass_kg` into a tension."""
 
 TEXT_COLUMNS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note")
+
+# Closer than this a strange name is more likely a slip than a column of the user's own.
+_SLIP = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +44,9 @@ _QUANTITIES = {
     "from": _Quantity("start_s", "s", "from_s"),
     "until": _Quantity("stop_s", "s", "until_s"),
 }
+
+
+_KNOWN = (*TEXT_COLUMNS, *(item.example for item in _QUANTITIES.values()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,10 +77,11 @@ class BoundColumn:
 
 def bind_columns(
     header: tuple[str, ...], path: str, line: int
-) -> tuple[dict[str, BoundColumn], tuple[Problem, ...]]:
-    """Return the columns by the field they give, and what is wrong with the header.
+) -> tuple[dict[str, BoundColumn], dict[str, int], tuple[Problem, ...]]:
+    """Return the columns by the field they give, the places of columns of the user's own, and problems of the header.
 
-    Columns whose name is empty, starts with "_" or with "note" (other than `note`) are left out.
+    Columns whose name is empty or starts with "_" are left out. A column that is not known is the user's own and is
+    kept; one whose name is nearly that of a known column is doubtful.
 
     Parameters
     ----------
@@ -84,12 +94,43 @@ def bind_columns(
 
     Examples
     --------
-    >>> columns, problems = bind_columns(("file", "wrap_turns"), "trials.csv", 1)
-    >>> columns["wrap_angle_rad"].unit, problems
-    ('turn', ())
+    >>> columns, own, problems = bind_columns(("file", "wrap_turns", "weather"), "trials.csv", 1)
+    >>> columns["wrap_angle_rad"].unit, own, problems
+    ('turn', {'weather': 2}, ())
     """
-    bound, _, problems = bind_header(header, path, line, bind=_bind)
-    return bound, tuple(problems)
+    bound, others, problems = bind_header(header, path, line, bind=_bind)
+    own: dict[str, int] = {}
+    for index, name in enumerate(header):
+        if name in others and name and not name.startswith("_"):
+            own.setdefault(name, index)
+            problems += near_miss(name, _KNOWN, _QUANTITIES, path, line)
+    return bound, own, tuple(problems)
+
+
+def near_miss(
+    name: str, known: Iterable[str], stems: Iterable[str], path: str, line: int | None
+) -> tuple[Problem, ...]:
+    """Return a warning if a column that is not known has nearly the name of one that is.
+
+    Parameters
+    ----------
+    name : str
+        The header.
+    known : iterable of str
+        Headers that are known, for the message.
+    stems : iterable of str
+        The same without their units.
+    path, line
+        Where it stands.
+    """
+    stem = _word(split_unit_suffix(name)[0])
+    if not get_close_matches(stem[:80], [*stems], n=1, cutoff=_SLIP):
+        return ()
+    fix = f"{did_you_mean(name[:80], known)} Otherwise nothing is to be done."
+    message = "this column is not known; it is kept, but not used"
+    return (
+        Problem(code="RF120", message=message, path=path, line=line, key=name, fix=fix, severity="warning"),
+    )
 
 
 def bind_header(
@@ -131,24 +172,25 @@ def bind_header(
 
 def _bind(index: int, name: str, bound: dict[str, BoundColumn]) -> BoundColumn | None:
     word = _word(name)
-    if not word or word.startswith("_") or (word.startswith("note") and word != "note"):
+    if not word or word.startswith("_"):
         return None
     column = BoundColumn(index=index, header=name, field=word)
     if word not in TEXT_COLUMNS:
-        column = _bind_quantity(index, name)
+        found = _bind_quantity(index, name)
+        if found is None:
+            return None
+        column = found
     if column.field in bound:
         message = f"this column says the same as '{bound[column.field].header}'"
         raise InputError(message, code="RF122", fix="remove one of the two")
     return column
 
 
-def _bind_quantity(index: int, name: str) -> BoundColumn:
+def _bind_quantity(index: int, name: str) -> BoundColumn | None:
     stem, unit = split_unit_suffix(name)
     quantity = _QUANTITIES.get(_word(stem))
     if quantity is None:
-        known = [*TEXT_COLUMNS, *(item.example for item in _QUANTITIES.values())]
-        fix = f"{did_you_mean(name[:80], known)} A column whose name starts with '_' is ignored."
-        raise InputError("this column is not known", code="RF120", fix=fix)
+        return None
     if not unit:
         raise InputError(
             "the column has no unit",

@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 
 from ropefric.errors import DataError, Problem
@@ -15,6 +16,8 @@ from ropefric.trials.trial_spec import TrialSpec
 from ropefric.trials.trial_table import CellTable, read_cells
 
 __all__ = ["TrialContext", "read_trials"]
+
+_SLIP = 0.75
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,18 +88,21 @@ def read_trials(
         return (), tuple(
             replace(one, fix=in_campaign) if "no such file" in one.message else one for one in error.problems
         )
-    columns, problems_of_header = bind_columns(table.header, table.path, table.header_line)
+    columns, own, problems_of_header = bind_columns(table.header, table.path, table.header_line)
     problems = [*problems_of_rows, *problems_of_header]
     reader = _Reader(
         path=table.path,
         columns=columns,
         context=context,
         header_line=table.header_line,
-        header_is_good=not problems_of_header,
+        header_is_good=all(problem.severity == "warning" for problem in problems_of_header),
+        own=own,
     )
     # A mistyped header says more than the consequence that its column is missing.
-    if not problems_of_header:
-        problems += reader.missing_columns()
+    if reader.header_is_good:
+        missing = reader.missing_columns()
+        mistyped = {problem.key for problem in missing}
+        problems = [problem for problem in problems if problem.key not in mistyped] + missing
     decimal = decimal_mark(table, columns)
     rows = [read_row(cells, line, columns, table.path, decimal) for line, cells in table.rows]
     problems += _unnamed_columns(table)
@@ -113,8 +119,8 @@ def read_trials(
     problems += [problem for row in rows for problem in row.problems]
     trials = [
         trial
-        for row, name in zip(rows, names, strict=True)
-        if not row.problems and (trial := reader.trial(row, name)) is not None
+        for row, name, (_, cells) in zip(rows, names, table.rows, strict=True)
+        if not row.problems and (trial := reader.trial(row, name, cells)) is not None
     ]
     return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
@@ -138,6 +144,7 @@ class _Reader:
     context: TrialContext
     header_line: int
     header_is_good: bool
+    own: Mapping[str, int]
 
     @property
     def tension(self) -> tuple[str, ...]:
@@ -153,18 +160,25 @@ class _Reader:
             needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
         if self.context.needs_cell:
             needed["cell"] = "cell"
-        return [
-            Problem(
-                code="RF121",
-                message=f"there is no column {header}; every trial needs {_MEANINGS[field]}",
-                path=self.path,
-                line=self.header_line,
-                key=header.split()[0],
-                fix=f"add the column {header}",
-            )
-            for field, header in needed.items()
-            if field not in self.columns
-        ]
+        return [self._missing(field, header) for field, header in needed.items() if field not in self.columns]
+
+    def _missing(self, field: str, header: str) -> Problem:
+        """Return that a column is missing, or that its name is mistyped."""
+        known = header.split(maxsplit=1)[0]
+        near = get_close_matches(known, self.own, n=1, cutoff=_SLIP)
+        if near:
+            message, fix = "this column is not known", did_you_mean(near[0], [known])
+        else:
+            message = f"there is no column {header}; every trial needs {_MEANINGS[field]}"
+            fix = f"add the column {header}"
+        return Problem(
+            code="RF120" if near else "RF121",
+            message=message,
+            path=self.path,
+            line=self.header_line,
+            key=near[0] if near else known,
+            fix=fix,
+        )
 
     def check(self, row: Row) -> list[Problem]:
         """Return what is missing or contradictory in a row."""
@@ -185,7 +199,7 @@ class _Reader:
             )
         return [problem for problem in problems if problem is not None]
 
-    def trial(self, row: Row, name: str) -> TrialSpec | None:
+    def trial(self, row: Row, name: str, cells: tuple[str, ...]) -> TrialSpec | None:
         """Return a checked row in SI; None where the campaign file leaves something open."""
         texts, numbers, context = row.texts, row.numbers, self.context
         wheel_m = numbers.get("wheel_radius_m", context.wheels.get(texts.get("wheel", "")))
@@ -212,6 +226,7 @@ class _Reader:
             dwell_s=numbers.get("dwell_s"),
             start_s=start_s,
             stop_s=stop_s,
+            own=tuple((header, cells[index]) for header, index in self.own.items()),
             **given,
         )
 

@@ -44,6 +44,8 @@ class TrialSpec:
         Why the trial is set aside; "" if it is not.
     note : str
         Anything.
+    own : tuple of (str, str)
+        Headers and cells of columns that the user added.
 
     Examples
     --------
@@ -73,3 +75,4 @@ class TrialSpec:
     stop_s: float | None = None
     exclude: str = ""
     note: str = ""
+    own: tuple[tuple[str, str], ...] = ()

@@ -75,7 +75,10 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
     header_line, head = lines[0]
     separator = next((mark for mark in (";", "\t") if mark in head), ",")
     problems: list[Problem] = []
-    split = [(number, _split(line, number, separator, shown, problems)) for number, line in lines]
+    if '"' in text:
+        split = [(number, _split(line, number, separator, shown, problems)) for number, line in lines]
+    else:
+        split = [(number, tuple(cell.strip() for cell in line.split(separator))) for number, line in lines]
     if split[0][1] is None:
         raise DataError(
             "a quoted cell of the header is not closed", path=shown, line=header_line, fix="close the quotes"

@@ -65,7 +65,7 @@ def test_the_campaign_is_never_written_over(call, campaign, monkeypatch, words):
     done = call(*words)
     assert done.code == 3
     assert "extract 1" not in done.err
-    assert ("trials.csv" in done.err and "RF141" in done.err) or "the folder has no name" in done.err
+    assert ("trials.csv" in done.err and "RF151" in done.err) or "the folder has no name" in done.err
     assert tree(campaign, own=True) == before
 
 
@@ -145,7 +145,7 @@ def test_a_folder_with_a_file_of_others_is_refused(call, tmp_path, words, name):
     (tmp_path / "other.txt").write_text("mine", encoding="utf-8")
     done = call(*words, tmp_path)
     assert done.code == 3
-    assert f"error RF140 {(tmp_path / name).as_posix()}  ropefric did not write this file" in done.err
+    assert f"error RF150 {(tmp_path / name).as_posix()}  ropefric did not write this file" in done.err
     assert "--force" in done.err
     assert tree(tmp_path, own=True) == {name: b"mine", "other.txt": b"mine"}
     if words[0] != "cost":
@@ -235,7 +235,7 @@ def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, benc
     assert done.code == 3
     assert "an earlier version of it did" in done.err
     assert "the same holds for 5 more files" in done.err
-    assert done.err.count("error RF140") == 4
+    assert done.err.count("error RF150") == 4
     assert tree(out, own=True).keys() - before.keys() == {
         n for n in tree(out, own=True) if n.startswith(".cache")
     }
@@ -285,7 +285,7 @@ def test_a_second_run_into_the_same_folder_is_refused_and_told_of_the_first(call
         for words in (("run", bench, "--out", tmp_path), ("extract", bench, "--out", tmp_path, "--force")):
             done = call(*words)
             assert (done.code, done.out) == (3, "")
-            assert f"error RF142 {tmp_path.as_posix()}  another run works in this folder: `" in done.err
+            assert f"error RF152 {tmp_path.as_posix()}  another run works in this folder: `" in done.err
             assert f"process {os.getpid()}, since 20" in done.err
             assert "extract 1" not in done.err
 

@@ -62,7 +62,7 @@ def test_a_file_of_others_is_refused_before_the_work(out, name):
     (out / "other.txt").write_text("mine too", encoding="utf-8")
     with pytest.raises(DataError, match="did not write this file") as caught:
         OutputFolder(out, family="campaign", names=["a.txt", "sub/*.txt"]).__enter__()
-    assert (caught.value.code, caught.value.where) == ("RF140", (out / name).as_posix())
+    assert (caught.value.code, caught.value.where) == ("RF150", (out / name).as_posix())
     assert "--force" in caught.value.fix
     assert not (out / OWN).exists()
     put(out, {name: "new"}, names=[name], force=True)
@@ -106,7 +106,7 @@ def test_an_input_is_never_replaced_by_whatever_name_it_goes(out, tmp_path):
         for force in (False, True):
             with pytest.raises(DataError, match="input of the same command") as caught:
                 put(out, {"a.txt": "new"}, names=["a.txt"], inputs=[source], force=force)
-            assert caught.value.code == "RF141"
+            assert caught.value.code == "RF151"
     put(out, {"b.txt": "new"}, names=["b.txt"], inputs=[out / "a.txt", tmp_path / "nowhere"])
     assert tree(out)["a.txt"] == "old"
 
@@ -362,7 +362,7 @@ def holder(out):
 def test_a_second_run_is_told_of_the_first(out, holder):
     with pytest.raises(DataError, match=f"ropefric run that`, process {holder.pid}, since 20") as caught:
         put(out, {"a.txt": "new"}, force=True)
-    assert caught.value.code == "RF142"
+    assert caught.value.code == "RF152"
     holder.communicate("")
     assert not out.exists()
     put(out, {"a.txt": "new"})

@@ -1,11 +1,16 @@
 """Trial tables: what reads, and what every kind of bad table says."""
 
+import io
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from ropefric.errors import DataError, InputError
+from ropefric.fitting import table_rows
 from ropefric.fitting.table import TrialTable, read_trial_table, table_from_frame
+from ropefric.quantities import parse_quantity
+from ropefric.trials.trial_cells import read_row
 
 HEADER = "trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N"
 ROWS = ["a,40,9.8,540,80,300", "b,40,9.8,540,80,310", "c,20,9.8,720,80,400"]
@@ -241,3 +246,51 @@ def test_what_an_extraction_writes_reads_as_it_stands(tmp_path):
     assert table.peak_std_N.tolist() == [0.3] * 3
     assert table.end_tension_std_N.tolist() == [0.01] * 3
     assert table_from_frame(frame).peak_N.tolist() == table.peak_N.tolist()
+
+
+def many_rows(n):
+    text = io.StringIO()
+    text.write("trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_kN\n")
+    for i in range(n):
+        text.write(f"t{i},{30 + 10 * (i % 2)},9.8,{180 * (1 + i % 3)},20,{0.06 + 1e-6 * i:.7g}\n")
+    return text.getvalue()
+
+
+def test_only_rows_with_something_wrong_are_read_cell_by_cell(tmp_path, monkeypatch):
+    lines = many_rows(3000).splitlines()
+    lines[1500] = lines[1500].replace(",20,", ",2O,")
+    lines[2000] = lines[2000].replace("t1999,", "t3,")
+    lines[2500] = ",".join([*lines[2500].split(",")[:-1], "0.001"])
+    path = tmp_path / "many.csv"
+    path.write_text("\n".join(lines))
+    read = []
+    monkeypatch.setattr(table_rows, "read_row", lambda *args: read.append(args[1]) or read_row(*args))
+    with pytest.raises(DataError) as caught:
+        read_trial_table(path)
+    assert [(p.code, p.line) for p in caught.value.problems] == [
+        ("RF102", 1501),
+        ("RF411", 2501),
+        ("RF122", 2001),
+    ]
+    assert read == [1501, 2501]
+
+
+def test_numbers_of_whole_columns_are_those_of_single_cells(tmp_path):
+    path = tmp_path / "many.csv"
+    path.write_text(many_rows(300))
+    table = read_trial_table(path)
+    for i, line in enumerate(path.read_text().splitlines()[1:]):
+        cells = line.split(",")
+        assert table.peak_N[i] == parse_quantity(f"{cells[5]} kN", "N")
+        assert table.rope_radius_m[i] == 0.5 * parse_quantity("9.8 mm", "m")
+        assert table.wrap_angle_rad[i] == parse_quantity(f"{cells[3]} deg", "rad")
+
+
+def test_of_very_many_equal_rows_a_few_are_named_and_the_others_counted(tmp_path):
+    row = "30,10,180,20,60\n"
+    path = tmp_path / "same.csv"
+    path.write_text("wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N\n" + 50 * row)
+    told = read_trial_table(path).warnings
+    assert len(told) == 21
+    assert told[0].message == "all numbers are those of line 2"
+    assert told[-1].message == "29 more rows have all the numbers of an earlier one"

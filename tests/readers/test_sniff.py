@@ -110,3 +110,9 @@ def test_a_profile_survives_toml(profile):
         entry = table["channels"][name]
         entry = entry if isinstance(entry, dict) else {"column": entry}
         assert Channel(**entry) == channel
+
+
+def test_a_measured_end_tension_is_said_not_to_be_used(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time_s,force_N,End tension (N)\n" + "".join(f"{i},{i % 7},20\n" for i in range(60)))
+    assert any("column 3 looks like a measured end tension" in doubt for doubt in inspect_file(path).doubts)

@@ -1,5 +1,7 @@
 """`ropefric fit`: one friction law on a trial table."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -9,9 +11,13 @@ from ropefric.cli.assignments import parse_assignments
 from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
 from ropefric.cli.output import Output
+from ropefric.cli.progress import Progress
 from ropefric.cli.spans import parse_spans
 
 __all__ = ["COMMAND"]
+
+_LARGE = 5_000_000
+"""Bytes of a table that takes seconds."""
 
 Law = Annotated[str, typer.Option(help="The friction law: constant, wrap-power, coupled, …")]
 Fixed = Annotated[
@@ -67,8 +73,14 @@ def fit(
     }
     if file is not None:  # before the work
         check_target(file, trials, overwrite=force)
-    fitted = fit_law(read_table(trials, out), law, loss=loss, seed=seed, **options)  # type: ignore[arg-type]
-    result = with_intervals(fitted, intervals, seed=seed)
+    with _steps(trials, out) as step:
+        step(0, "reading")
+        table = read_table(trials, out)
+        step(1, "fitting")
+        fitted = fit_law(table, law, loss=loss, seed=seed, **options)  # type: ignore[arg-type]
+        step(2, "intervals")
+        result = with_intervals(fitted, intervals, seed=seed)
+        step(3, "done")
     if file is not None:
         out.note(f"wrote {save_fit(result, file, overwrite=force)}")
     verdict = verdict_section(result.verdict, "The verdict, by this fit alone")
@@ -78,6 +90,16 @@ def fit(
         show=lambda console: show_sections(sections, console),
         exit_code=exit_code_of(result.verdict),
     )
+
+
+@contextmanager
+def _steps(trials: Path, out: Output) -> Iterator[Callable[[int, str], None]]:
+    """Give what shows the steps of a fit as progress, if the table is so large that they take time."""
+    if not trials.is_file() or trials.stat().st_size < _LARGE:
+        yield lambda _done, _what: None
+        return
+    with Progress(out, "fit") as progress:
+        yield lambda done, what: progress.update(done, 3, what)
 
 
 COMMAND = Command(

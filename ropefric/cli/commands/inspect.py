@@ -121,7 +121,7 @@ def _check_target(path: Path, recording: Path, *, force: bool) -> None:
     refuse_input(path, recording)
     if path.exists() and not force:
         raise InputError(
-            "the file is there already", code="RF140", path=path, fix="choose another name, or add --force"
+            "the file is there already", code="RF150", path=path, fix="choose another name, or add --force"
         )
 
 

@@ -176,7 +176,7 @@ def _taken(path: Path) -> InputError:
     # A lab writes into its plans, and nothing tells such a one from one as it was written.
     return InputError(
         "the file is there already, with other content than this plan",
-        code="RF140",
+        code="RF150",
         path=path.as_posix(),
         fix="choose another name, or replace it with --force",
     )

@@ -18,6 +18,7 @@ from ropefric.traces.trace import ForceTrace
 from ropefric.traces.verdict import (
     is_quiet,
     saturation_detail,
+    stuck_detail,
     unresolved_detail,
     was_let_down,
     without_break,
@@ -81,11 +82,11 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     """Find the static peak of a recording that goes on to slide."""
     view = prepared.view
     block = first_static_break(view, smallest_drop_N(prepared, settings))
-    if saturated := saturation_detail(trace, prepared, block):
-        return failed(Status.SATURATED, saturated, prepared)
+    sliding = None if block is None else sliding_after(view, block)
+    if hidden := _hidden(trace, prepared, block, sliding):
+        return hidden
     if block is None:
         return without_break(prepared)
-    sliding = sliding_after(view, block)
     if sliding is None:
         return _fell_away(prepared, block)
     if not is_slip(view, block) and flattened(view.force_N, climb_to(view.force_N, block)):
@@ -94,7 +95,21 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     slow = slow_break(view, block)
     if slow is not None and slow.drop_N >= (settings.min_step_N or 0.0) and (no_slip or slow.outlasts_slip):
         return _broke_slowly(prepared, block, slow, settings)
+    if no_slip is None and slow is None and not is_slip(view, block):
+        no_slip = _no_evidence(prepared, block, sliding)
     return no_slip or _measured(prepared, block, sliding, settings)
+
+
+def _hidden(
+    trace: ForceTrace, prepared: Prepared, block: int | None, sliding: Sliding | None
+) -> Breakaway | None:
+    """Say why the converter did not show the peak; None if it did, or nothing broke away."""
+    if saturated := saturation_detail(trace, prepared, block):
+        return failed(Status.SATURATED, saturated, prepared)
+    if block is None:
+        return None
+    stuck = stuck_detail(prepared, block, sliding.first if sliding else block + 1)
+    return failed(Status.NO_PEAK, stuck, prepared) if stuck else None
 
 
 def _broke_slowly(prepared: Prepared, block: int, slow: SlowBreak, settings: PickSettings) -> Breakaway:
@@ -105,6 +120,16 @@ def _broke_slowly(prepared: Prepared, block: int, slow: SlowBreak, settings: Pic
     )
     noted = replace(prepared, notes=(*prepared.notes, note))
     return _measured(noted, block, slow.sliding, settings)
+
+
+def _no_evidence(prepared: Prepared, block: int, sliding: Sliding) -> Breakaway:
+    """Say why a fall that is neither sudden nor followed by steady sliding is no break-away."""
+    view = prepared.view
+    detail = (
+        f"the force falls from {view.force_N[block]:.4g} N to {sliding.onset_N:.4g} N slower than a rope slips, and "
+        f"the recording ends {prepared.time_s[-1] - view.time_s[block]:.2g} s later"
+    )
+    return failed(Status.NO_BREAKAWAY, detail, prepared)
 
 
 def _no_slip(prepared: Prepared, block: int, sliding: Sliding, settings: PickSettings) -> Breakaway | None:
@@ -130,8 +155,8 @@ def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSett
     """Find the highest force of a recording that ends with the rope or specimen coming off."""
     force_N = prepared.view.force_N
     block = int(np.argmax(force_N))
-    if saturated := saturation_detail(trace, prepared, block):
-        return failed(Status.SATURATED, saturated, prepared)
+    if hidden := _hidden(trace, prepared, block, None):
+        return hidden
     after_N = float(force_N[block:].min())
     if float(force_N[block]) - after_N <= smallest_drop_N(prepared, settings):
         return without_break(prepared)

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.rows import check_rows
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
-from ropefric.traces.readers.text import Block, Text, load_text
+from ropefric.traces.readers.text import Block, Text, is_cut, load_text, start_of
 
 __all__ = ["READER", "TEXT_SUFFIXES", "column_names", "ends_empty", "open_text", "parse_columns"]
 
@@ -32,7 +33,20 @@ def open_text(source: Source, profile: ImportProfile) -> tuple[Text, Dialect]:
         RF101, RF104 or RF108.
     """
     text = load_text(source, profile.encoding)
-    return text, find_dialect(text, profile)
+    dialect = find_dialect(text, profile)
+    return _without_cut_number(text, dialect), dialect
+
+
+def _without_cut_number(text: Text, dialect: Dialect) -> Text:
+    """Return a text without its last row where the file ends within a number."""
+    if not text.is_whole:
+        return replace(text, separator=dialect.style.separator)
+    begin = text.data.rfind(b"\n", 0, -1) + 1
+    above = text.data.rfind(b"\n", 0, max(begin - 1, 0)) + 1
+    if text.is_ended or above < start_of(text.data, dialect.data_row):
+        return text
+    before, last = text.data[above : begin - 1], text.data[begin:-1]
+    return replace(text, data=text.data[:begin]) if is_cut(before, last, dialect.style.separator) else text
 
 
 def column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str]:

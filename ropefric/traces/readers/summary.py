@@ -131,6 +131,11 @@ def _channels(
             doubts.append(f"column {only + 1} is taken as the force because it alone is in {unit}; check")
         else:
             doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
+    doubts += [
+        f"column {number} looks like a measured end tension: none is used, that of the trial list is"
+        for number, name in enumerate(table.names, start=1)
+        if "_".join(split_unit_suffix(name.strip())[0].lower().split()) == "end_tension"
+    ]
     for name, channel in channels.items():
         if name in {"time", "force"} and not channel.unit and not _named_unit(table, channel):
             doubts.append(

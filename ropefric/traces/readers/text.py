@@ -8,9 +8,10 @@ from itertools import chain
 from typing import NamedTuple
 
 from ropefric.errors import DataError
+from ropefric.traces.readers.cells import split_line
 from ropefric.traces.readers.source import Source
 
-__all__ = ["HEAD_BYTES", "HEAD_LINES", "WHOLE_BYTES", "Block", "Text", "load_text"]
+__all__ = ["HEAD_BYTES", "HEAD_LINES", "WHOLE_BYTES", "Block", "Text", "is_cut", "load_text", "start_of"]
 
 HEAD_BYTES = 65536
 """Marks are looked for in this much of a file; the whole file is then held to what was found."""
@@ -43,24 +44,38 @@ class Text:
         How the file itself is encoded.
     is_whole : bool
         Whether `data` is everything; where it is not, the rest is read whenever it is asked for.
+    is_ended : bool
+        Whether the last line of the data ended in the file, too; where not, the file may have been cut within it.
+    separator : str
+        Of a text that is not whole: what stands between cells, so that a last row that was cut can be left out.
     """
 
     source: Source
     data: bytes
     encoding: str
     is_whole: bool = True
+    is_ended: bool = True
+    separator: str = ""
 
     def blocks(self, line: int = 1) -> Iterator["Block"]:
         """Return an iterator over pieces of whole lines, from a 1-based line on."""
         first = 1
         for data in (self.data,) if self.is_whole else self._read():
-            start = _start_of(data, line - first + 1)
+            start = start_of(data, line - first + 1)
             if start < len(data):
                 yield Block(max(line, first), data, start)
             first += 0 if self.is_whole else data.count(b"\n")
 
     def _read(self) -> Iterator[bytes]:
-        return _clean_blocks(self.source.unpacked(), self.encoding, self.source)
+        above = b""
+        for data in _clean_blocks(self.source.unpacked(), self.encoding, self.source):
+            if not data.endswith(b"\n"):
+                if self.separator and is_cut(above[above.rfind(b"\n", 0, -1) + 1 : -1], data, self.separator):
+                    return
+                yield data + b"\n"
+            else:
+                yield data
+            above = data
 
     def line(self, number: int) -> str:
         """Return the text of a 1-based line, "" where there is none."""
@@ -87,7 +102,17 @@ class Block(NamedTuple):
         return enumerate(self.data[self.start : -1].decode(errors="replace").split("\n"), start=self.line)
 
 
-def _start_of(block: bytes, line: int) -> int:
+def is_cut(before: bytes, last: bytes, separator: str) -> bool:
+    """Return whether a row that nothing ends breaks off within its last number, by the row before it.
+
+    13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
+    one before, which costs nothing. A row cut to fewer cells is refused later.
+    """
+    rows = [split_line(line.decode(errors="replace"), separator) for line in (before, last)]
+    return len(rows[0]) == len(rows[1]) and 0 < len(rows[1][-1].strip()) < len(rows[0][-1].strip())
+
+
+def start_of(block: bytes, line: int) -> int:
     """Return the byte at which a 1-based line of a block starts; its end where there is no such line."""
     start = 0
     for _ in range(line - 1):
@@ -146,7 +171,9 @@ def load_text(source: Source, encoding: str = "") -> Text:
             break
     if data.isspace() or not data:
         raise source.error("the file holds nothing but blanks", fix="record or copy it again")
-    return Text(source=source, data=data, encoding=found, is_whole=is_whole)
+    is_ended = data.endswith(b"\n")
+    data = data if is_ended else data + b"\n"
+    return Text(source=source, data=data, encoding=found, is_whole=is_whole, is_ended=is_ended)
 
 
 def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
@@ -163,7 +190,7 @@ def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
 
 
 def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
-    r"""Give pieces of whole lines in UTF-8 that end in `\n`."""
+    r"""Give pieces of whole lines in UTF-8 that end in `\n`; a last line that nothing ends comes as it is."""
     line, rest, before = 1, b"", b""
     for decoded in _to_utf8(blocks, encoding, source):
         if not decoded:
@@ -187,7 +214,9 @@ def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Ite
             before = whole
     line += before.count(b"\n") if rest else 0
     if rest and source.most_bytes <= 0:  # where a part ends, a line is cut
-        yield _without_zeros(rest.removesuffix(b"\r") + b"\n", line, source)
+        yield _without_zeros(
+            rest.removesuffix(b"\r") + (b"\n" if rest.endswith(b"\r") else b""), line, source
+        )
 
 
 def _without_zeros(data: bytes, line: int, source: Source) -> bytes:

@@ -1,0 +1,103 @@
+"""Columns of the user's own travel with the trials; near misses of known names and idle channels are said."""
+
+import csv
+
+import pytest
+
+from ropefric.errors import DataError
+from ropefric.fitting.table import read_trial_table
+from ropefric.trials.campaign import check_campaign
+from ropefric.trials.tables import write_tables
+
+OWN = {"note": "rope jumped; later", "weather": "wet, 8 °C", "operator": "A"}
+
+
+def written(extraction, folder):
+    write_tables(extraction, folder)
+    with (folder / "trials.csv").open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def with_columns(lab, pull_csv, **cells):
+    for i in range(4):
+        (lab.folder / f"p{i}.csv").write_text(pull_csv(100.0 + i, seed=i), encoding="utf-8")
+    return lab.write([lab.row(f"p{i}.csv", **cells) for i in range(4)])
+
+
+def test_the_note_and_own_columns_reach_the_trial_table(lab, pull_csv, tmp_path):
+    quoted = {name: f'"{cell}"' for name, cell in OWN.items()}
+    with_columns(lab, pull_csv, **quoted)
+    assert check_campaign(lab.path) == lab.load().warnings
+    assert not [p for p in check_campaign(lab.path) if p.code == "RF120"]
+    for _ in range(2):  # the second time from the cache
+        extraction = lab.extract(cache_dir=tmp_path / "cache")
+        rows = written(extraction, tmp_path / "out")
+        assert all({name: row[name] for name in OWN} == OWN for row in rows)
+        assert extraction.to_dict()["trials"][0]["weather"] == OWN["weather"]
+        assert extraction.to_dict()["trials"][0]["note"] == OWN["note"]
+    assert read_trial_table(tmp_path / "out" / "trials.csv").used.all()
+
+
+def test_a_near_miss_beside_the_known_column_is_a_warning(lab, pull_csv, tmp_path):
+    with_columns(lab, pull_csv, wrap_angel_deg=170, wheel_radus_mm=41)
+    told = {p.key: p for p in check_campaign(lab.path) if p.code == "RF120"}
+    assert {p.severity for p in told.values()} == {"warning"}
+    assert "did you mean 'wrap_angle_deg'" in told["wrap_angel_deg"].fix
+    assert "did you mean 'wheel_radius_mm'" in told["wheel_radus_mm"].fix
+    rows = written(lab.extract(), tmp_path / "out")
+    assert {row["wheel_radius_m"] for row in rows} == {"0.04"}
+    assert {row["wrap_angel_deg"] for row in rows} == {"170"}
+
+
+@pytest.mark.parametrize(
+    ("known", "mistyped"), [("wrap_angle_deg", "wrap_angel_deg"), ("wheel_radius_mm", "wheel_radus_mm")]
+)
+def test_a_near_miss_in_place_of_a_needed_column_is_an_error(lab, pull_csv, known, mistyped):
+    with_columns(lab, pull_csv)
+    path = lab.folder / "trials.csv"
+    path.write_text(path.read_text(encoding="utf-8").replace(known, mistyped), encoding="utf-8")
+    (problem,) = (p for p in check_campaign(lab.path) if p.severity == "error")
+    assert (problem.code, problem.key) == ("RF120", mistyped)
+    assert f"did you mean '{known}'" in problem.fix
+
+
+def test_an_own_column_that_a_fit_would_read_gets_another_name(lab, pull_csv, tmp_path):
+    with_columns(lab, pull_csv, breakaway_force_N=1, status="fine", peak_N=2)
+    rows = written(lab.extract(), tmp_path / "out")
+    assert {row["given_breakaway_force_N"] for row in rows} == {"1"}
+    assert {(row["status"], row["given_status"]) for row in rows} == {("ok", "fine")}
+    table = read_trial_table(tmp_path / "out" / "trials.csv")
+    assert table.peak_N.min() > 90
+
+
+def test_a_measured_channel_that_nothing_uses_is_said_once(lab, pull_csv):
+    with_columns(lab, pull_csv)
+    channels = (
+        '[import.channels]\ntime = "time_s"\nforce = "force_N"\nend_tension = { column = 2, unit = "N" }\n'
+    )
+    lab.path.write_text(lab.path.read_text(encoding="utf-8") + channels, encoding="utf-8")
+    told = [p for p in lab.load().warnings if "not used" in p.message]
+    assert [(p.code, p.severity, p.key) for p in told] == [
+        ("RF141", "warning", "import.channels.end_tension")
+    ]
+    assert "end_tension_N" in told[0].fix
+    used = '[import.derived]\npull = "force + end_tension"\n'
+    lab.path.write_text(lab.path.read_text(encoding="utf-8") + used, encoding="utf-8")
+    assert not [p for p in check_campaign(lab.path) if "not used" in p.message]
+
+
+def test_a_trial_table_keeps_what_it_does_not_know_and_doubts_near_misses(tmp_path):
+    path = tmp_path / "pulls.csv"
+    head = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N,weather"
+    rows = "40,10,180,20,60,wet\n40,10,360,20,90,dry\n"
+    path.write_text(f"{head}\n{rows}")
+    assert read_trial_table(path).warnings == ()
+    path.write_text(f"{head},peak_sdt_N\n" + rows.replace("t\n", "t,1\n").replace("y\n", "y,1\n"))
+    (warning,) = read_trial_table(path).warnings
+    assert (warning.severity, warning.key) == ("warning", "peak_sdt_N")
+    assert "did you mean 'peak_std_N'" in warning.fix
+    path.write_text(f"{head}\n{rows}".replace("wheel_radius", "wheel_radus"))
+    with pytest.raises(DataError) as caught:
+        read_trial_table(path)
+    assert [p.code for p in caught.value.problems] == ["RF120"]
+    assert "did you mean 'wheel_radius_mm'" in caught.value.problems[0].fix

@@ -1,5 +1,7 @@
 """Trial tables: what reads, and what every kind of bad table says."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -241,3 +243,18 @@ def test_what_an_extraction_writes_reads_as_it_stands(tmp_path):
     assert table.peak_std_N.tolist() == [0.3] * 3
     assert table.end_tension_std_N.tolist() == [0.01] * 3
     assert table_from_frame(frame).peak_N.tolist() == table.peak_N.tolist()
+
+
+def test_a_table_that_is_cut_off_within_its_last_cell_is_refused(tmp_path):
+    """What `extract` writes ends each row with the recording's hash; half a copy of it is no table."""
+    text = (Path(__file__).parents[2] / "fits" / "prth-trials.csv").read_text(encoding="utf-8")
+    assert text.splitlines()[0].endswith(",sha256")
+    path = tmp_path / "trials.csv"
+    path.write_text(text, encoding="utf-8")
+    assert len(read_trial_table(path)) > 400
+    for start in (len(text) // 3, len(text) // 2, len(text) - 100):
+        cut = text[: text.index("\n", start) - 20]  # into the hash
+        path.write_text(cut, encoding="utf-8")
+        with pytest.raises(DataError, match="44 of 64 digits: the table is cut off") as caught:
+            read_trial_table(path)
+        assert caught.value.problem.line == cut.count("\n") + 1

@@ -74,7 +74,8 @@ def _in_known_words(error: BaseException) -> tuple[RopefricError, int]:
     if isinstance(error, RopefricError):
         return error, error.exit_code
     if isinstance(error, KeyboardInterrupt):
-        return RopefricError("interrupted", code="RF001"), 128 + error.args[0] if error.args else INTERRUPTED
+        by = error.args[0] if error.args and isinstance(error.args[0], int) else INTERRUPTED - 128
+        return RopefricError("interrupted", code="RF001"), 128 + by
     if isinstance(error, UsageFailure):
         return _usage_error(error), USAGE
     if isinstance(error, OSError) and (error.filename is not None or error.errno in _OUT_OF):

@@ -23,6 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 _NUMBERS = (*REQUIRED_NUMBERS, *OPTIONAL_NUMBERS)
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
+_HASH_DIGITS = 64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -217,7 +218,7 @@ def _table(cells: CellTable, problems: tuple[Problem, ...], source: str) -> Tria
     line = cells.header_line or None
     columns, _others, found = bind_table_columns(cells.header, cells.path, line)
     rows, wrong = parse_rows(cells, columns)
-    every = [*problems, *found, *wrong, *_too_few(rows, cells.path)]
+    every = [*problems, *found, *wrong, *_cut_off(cells), *_too_few(rows, cells.path)]
     raise_problems(every)
     return TrialTable(
         trial=tuple(rows.trial),
@@ -227,6 +228,18 @@ def _table(cells: CellTable, problems: tuple[Problem, ...], source: str) -> Tria
         warnings=tuple(every),
         **rows.numbers,
     )
+
+
+def _cut_off(cells: CellTable) -> tuple[Problem, ...]:
+    """Return where a table that `extract` wrote ends within a row; its last column is a hash of known length."""
+    if not cells.rows or cells.header[-1] != "sha256":
+        return ()
+    line, row = cells.rows[-1]
+    if len(row) != len(cells.header) or len(row[-1]) in {0, _HASH_DIGITS}:
+        return ()
+    message = f"the last row ends within its last cell, {len(row[-1])} of {_HASH_DIGITS} digits: the table is cut off"
+    fix = "copy the whole file again, or extract again"
+    return (Problem(code="RF103", message=message, path=cells.path, line=line, key="sha256", fix=fix),)
 
 
 def _too_few(rows: ParsedRows, path: str) -> tuple[Problem, ...]:

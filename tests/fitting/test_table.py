@@ -1,6 +1,7 @@
 """Trial tables: what reads, and what every kind of bad table says."""
 
 import io
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -294,3 +295,18 @@ def test_of_very_many_equal_rows_a_few_are_named_and_the_others_counted(tmp_path
     assert len(told) == 21
     assert told[0].message == "all numbers are those of line 2"
     assert told[-1].message == "29 more rows have all the numbers of an earlier one"
+
+
+def test_a_table_that_is_cut_off_within_its_last_cell_is_refused(tmp_path):
+    """What `extract` writes ends each row with the recording's hash; half a copy of it is no table."""
+    text = (Path(__file__).parents[2] / "fits" / "prth-trials.csv").read_text(encoding="utf-8")
+    assert text.splitlines()[0].endswith(",sha256")
+    path = tmp_path / "trials.csv"
+    path.write_text(text, encoding="utf-8")
+    assert len(read_trial_table(path)) > 400
+    for start in (len(text) // 3, len(text) // 2, len(text) - 100):
+        cut = text[: text.index("\n", start) - 20]  # into the hash
+        path.write_text(cut, encoding="utf-8")
+        with pytest.raises(DataError, match="44 of 64 digits: the table is cut off") as caught:
+            read_trial_table(path)
+        assert caught.value.problem.line == cut.count("\n") + 1

@@ -30,17 +30,15 @@ def draw_figures(extraction: "Extraction", folder: Path, n_jobs: int, out: Outpu
     out : Output
         Where progress is told.
     """
-    import signal  # noqa: PLC0415  (these: quick start-up)
-    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415
+    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
 
     from ropefric.plotting.campaign import write_condition_figures  # noqa: PLC0415
+    from ropefric.trials.workers import become_expendable  # noqa: PLC0415
 
     with Progress(out, "figures") as progress, ExitStack() as stack:
         executor = None
         if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
-            # Ctrl-C reaches the workers too, but only this process is to answer it.
-            executor = ProcessPoolExecutor(
-                n_jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)
-            )
+            # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
+            executor = ProcessPoolExecutor(n_jobs, initializer=become_expendable)
             stack.callback(executor.shutdown, cancel_futures=True)
         write_condition_figures(extraction, folder, executor=executor, progress=progress.update)

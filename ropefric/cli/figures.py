@@ -37,7 +37,7 @@ def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: O
     with Progress(out, "figures") as progress, ExitStack() as stack:
         executor = None
         if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
-            # Ctrl-C reaches the workers too, but only this process is to answer it.
+            # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
             executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
             stack.callback(executor.shutdown, cancel_futures=True)
         write_condition_figures(
@@ -48,8 +48,9 @@ def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: O
 
 def _work_quietly() -> None:
     import logging  # noqa: PLC0415  (these: quick start-up)
-    import signal  # noqa: PLC0415
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from ropefric.trials.workers import become_expendable  # noqa: PLC0415
+
+    become_expendable()
     # What matplotlib tells of its fonts and folders is for no reader of ours.
     logging.getLogger().addHandler(logging.NullHandler())

@@ -187,14 +187,14 @@ class TrialResult:
             "dwell_s": self.dwell_s,
             "tare_N": self.tare_N,
             "saturated_samples": self.saturated_samples,
-            "sha256": self.sha256,
             "note": self.note,
         }
-        taken = {split_unit_suffix(name)[0].lower() for name in row} | _MEANT
+        taken = {split_unit_suffix(name)[0].lower() for name in row} | _MEANT | {"sha256"}
         for name, cell in self.own:
             # What a fit would take for a number of the tool's own gets another name.
             free = split_unit_suffix(name)[0].strip().lower().replace(" ", "_") not in taken
             row[name if free else f"given_{name}"] = cell
+        row["sha256"] = self.sha256  # last, and of known length: a table that was cut off shows it
         return {key: _finite_or_none(value) for key, value in row.items()}
 
 

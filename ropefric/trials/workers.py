@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from multiprocessing.context import BaseContext
     from multiprocessing.process import BaseProcess
 
-__all__ = ["Limits", "Lost", "guarded", "usable_cores"]
+__all__ = ["Limits", "Lost", "become_expendable", "guarded", "usable_cores"]
 
 T = TypeVar("T")
 
@@ -39,6 +40,8 @@ GRACE_S = 1.0
 
 _RAISE = "check the file; if it is good, raise the limit: [limits] {0} of the campaign, --{0} of inspect"
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
+_NAMES = {int(one): one.name for one in signal.Signals}
+_HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 _READY, _DONE, _RAISED, _NO_MEMORY = range(4)
 
@@ -194,7 +197,7 @@ class _Worker(Generic[T]):
         arguments = (work, theirs, limits, [*others, self.ours] if forks else [])
         self.process: BaseProcess = context.Process(target=_serve, args=arguments, daemon=True)  # type: ignore[attr-defined]
         try:
-            with warnings.catch_warnings(), nullcontext() if forks else _nobody_is_main():
+            with warnings.catch_warnings(), _signals_held(), nullcontext() if forks else _nobody_is_main():
                 warnings.simplefilter("ignore", DeprecationWarning)  # of threads that numpy has already ended
                 self.process.start()
         except OSError as error:
@@ -267,7 +270,7 @@ class _Worker(Generic[T]):
         code = self.process.exitcode or 0
         how = f"exit code {code}"
         if code < 0:
-            how = f"signal {-code}, {signal.Signals(-code).name}"
+            how = f"signal {-code}, {_NAMES.get(-code, '?')}"
         why = ""
         if code in (-getattr(signal, "SIGKILL", 9), -signal.SIGABRT):
             why = f"; perhaps it needed more than {self._limits.memory} of memory"
@@ -275,6 +278,19 @@ class _Worker(Generic[T]):
             reason=f"the reader crashed ({how}){why}",
             fix="the file is damaged, or of a kind its reader cannot take; save it again, for example as CSV",
         )
+
+
+@contextmanager
+def _signals_held() -> Iterator[None]:
+    """Keep signals waiting while a process starts, which would answer them with its parent's words."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _HELD)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -294,7 +310,7 @@ def _serve(
     """Do what is handed over until nobody is there any more to hand anything over."""
     for other in others:  # else this process would keep the pipes of its sisters open
         other.close()
-    _become_expendable()
+    become_expendable()
     _limit_memory(limits.memory_bytes)
     try:
         connection.send((_READY, None))
@@ -314,7 +330,7 @@ def _serve(
         return
 
 
-def _become_expendable() -> None:
+def become_expendable() -> None:
     """Leave Ctrl-C to the parent, die with it, and say nothing on the way."""
     import faulthandler  # noqa: PLC0415
 
@@ -322,6 +338,8 @@ def _become_expendable() -> None:
     for name in ("SIGTERM", "SIGHUP", "SIGALRM"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _HELD)
     if sys.platform == "linux":
         import ctypes  # noqa: PLC0415
 
@@ -346,8 +364,12 @@ def _limit_memory(most_bytes: float) -> None:
     import resource  # noqa: PLC0415
 
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with open("/proc/self/statm", encoding="ascii") as stream:  # noqa: PTH123
-        has_bytes = int(stream.read().split()[5]) * resource.getpagesize()
+    try:
+        has_bytes = (
+            int(Path("/proc/self/statm").read_text(encoding="ascii").split()[5]) * resource.getpagesize()
+        )
+    except (OSError, ValueError, IndexError):  # no such file system here: then there is no limit either
+        return
     # Data, not address space: what threads and libraries merely reserve takes no memory.
     wanted, (_, hard) = int(has_bytes + most_bytes), resource.getrlimit(resource.RLIMIT_DATA)
     if hard == resource.RLIM_INFINITY or wanted < hard:

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 __all__ = ["COMMAND"]
 
 OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where tables and figures go.")]
-Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
+Jobs = Annotated[
+    str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
+]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw one figure per condition.")]
 Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
 

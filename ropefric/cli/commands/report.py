@@ -25,7 +25,9 @@ OutFolder = Annotated[
     folder_option("--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."),
 ]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins; by default as in the run before.")]
-Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
+Jobs = Annotated[
+    str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
+]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures of the report.")]
 
 

@@ -26,7 +26,9 @@ __all__ = ["COMMAND", "work_through"]
 
 OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where everything is written.")]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins.")]
-Jobs = Annotated[str, typer.Option(metavar="auto|N", help="Processes; auto: one for a small campaign.")]
+Jobs = Annotated[
+    str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
+]
 Figures = Annotated[
     bool,
     typer.Option("--figures/--no-figures", help="Draw figures: one per condition, and those of the report."),

@@ -18,7 +18,7 @@ COMMANDS = {
     "no number": (("predict", "--fit", FIT, *PULL, "--wrap", "5e-324 deg"), 2, "1e-30 rad is the limit"),
     "unit": (("predict", "--fit", FIT, *PULL, "--wrap", "1 " + "a" * 30 + "!"), 2, "is not a unit"),
     "power": (("predict", "--fit", FIT, *PULL, "--wrap", "10**10**10 deg"), 2, "is not a unit"),
-    "draws": (("budget", "--fit", FIT, *PULL, "--draws", BILLION), 3, "10000 to 10000000"),
+    "draws": (("budget", "--fit", FIT, *PULL, "--draws", BILLION), 3, "at most 10000000"),
     "repeats": (("simulate", "SIM", "--repeats", BILLION), 3, "the limit is 100000"),
     "levels": (("plan-tests", "--fit", FIT, *PULL, *RIG, "--levels", BILLION), 3, "two to 1000 settings"),
     "all settings": (("plan-tests", "--fit", FIT, *PULL, *RIG, "--wheels", "1 mm .. 1e9 mm",

@@ -175,3 +175,15 @@ def test_any_formula_gives_a_force_or_a_refusal(formula):
         return
     assert found["force"].shape == (3,)
     assert np.isfinite(found["force"][:2]).all()
+
+
+@pytest.mark.parametrize(
+    "unit", ["10**10**10 N", "9**9**9**9", "a" * 30 + "!", "_" * 20_000, "N" + "²" * 40, "(" * 20_000]
+)
+@pytest.mark.parametrize("channel", ["force", "time", "pressure"])
+def test_no_unit_of_a_channel_keeps_us_busy(channel, unit):
+    # A TDMS property or a header may hold any text; pint would evaluate it.
+    with pytest.raises(DataError) as caught:
+        si_factor(channel, unit)
+    assert caught.value.code == "RF106"
+    assert len(caught.value.problem.message) < 200

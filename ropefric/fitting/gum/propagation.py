@@ -135,7 +135,9 @@ def propagate(
     """
     if not _FEWEST <= draws <= _MOST or seed < 0:
         raise InputError(
-            f"{draws} draws with seed {seed}", key="draws", fix=f"draw {_FEWEST} to {_MOST}, seed 0 or more"
+            f"{draws} draws with seed {seed}",
+            key="draws",
+            fix=f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more",
         )
     values = model.draw(np.random.default_rng(seed), draws)
     values = np.sort(values[np.isfinite(values)])

@@ -8,7 +8,6 @@ from ropefric.cli.tables import make_table, number
 from ropefric.errors import Problem
 from ropefric.glossary import counted
 from ropefric.traces.breakaway import ADVICE, Status
-from ropefric.trials.result import count_trials, outcome_words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -95,6 +94,8 @@ def end_line(extraction: "Extraction", problems_file: Path) -> str:
     >>> end_line(Extraction(name="", trials=(), conditions=(), problems=()), Path("out/problems.csv"))
     '0 trials: 0 kept → out/problems.csv'
     """
+    from ropefric.trials.result import count_trials, outcome_words  # noqa: PLC0415  (quick start-up)
+
     trials = extraction.trials
     n_recordings = len({(trial.file, trial.sample) for trial in trials})
     what = counted(len(trials), "trial")

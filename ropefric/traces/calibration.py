@@ -155,7 +155,8 @@ class Calibration:
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as JSON-able values, under schema `ropefric.calibration/1`."""
-        cell = asdict(self.cell) | {"points": [list(point) for point in self.cell.points]}
+        cell = asdict(self.cell)
+        cell |= {"points": [list(point) for point in self.cell.points], "assumed": list(self.cell.assumed)}
         return {
             "schema": SCHEMA,
             "adc": asdict(self.adc),

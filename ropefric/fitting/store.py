@@ -144,8 +144,9 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     True
     """
     shown = Path(path).as_posix()
+    content = read_file(path, shown=shown, limit=MOST_BYTES)
     try:
-        tree = json.loads(read_file(path, shown=shown, limit=MOST_BYTES), parse_constant=_no_number)
+        tree = json.loads(content, parse_constant=_no_number)
     except UnicodeDecodeError:
         raise DataError("the file is no UTF-8 text", path=shown, fix=_AGAIN) from None
     except json.JSONDecodeError as error:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.errors import Problem
+from ropefric.files.plain_text import from_spreadsheet
 from ropefric.fitting.table_columns import OPTIONAL_NUMBERS, REQUIRED_NUMBERS
 from ropefric.friction.condition import FloatArray
 from ropefric.quantities import unit_factor
@@ -75,6 +76,7 @@ def parse_rows(table: CellTable, columns: dict[str, BoundColumn]) -> tuple[Parse
     lines = [line for line, _ in table.rows]
     n, by_index = len(lines), list(zip(*(cells for _, cells in table.rows), strict=True))
     texts = {field: _cleaned(by_index[column.index]) for field, column in columns.items()} if n else {}
+    names = [from_spreadsheet(name) for name in texts.get("trial", [""] * n)]
     decimal = decimal_mark(table, columns)
     numbers = {field: np.full(n, np.nan) for field in (*REQUIRED_NUMBERS, *OPTIONAL_NUMBERS)}
     doubtful = np.zeros(n, dtype=np.bool_)
@@ -101,7 +103,7 @@ def parse_rows(table: CellTable, columns: dict[str, BoundColumn]) -> tuple[Parse
             cells[column.index] = texts[field][i]
         row = read_row(tuple(cells), lines[i], columns, table.path, decimal)
         problems += _wrong(row, columns, table.path)
-    trial = [name or f"row-{line}" for name, line in zip(texts.get("trial", [""] * n), lines, strict=True)]
+    trial = [name or f"row-{line}" for name, line in zip(names, lines, strict=True)]
     problems += _names_twice(trial, lines, table.path)
     problems += _rows_twice(numbers, kept, lines, table.path)
     return ParsedRows(trial=trial, status=status, kept=kept, numbers=numbers), tuple(problems)

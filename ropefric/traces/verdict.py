@@ -28,6 +28,8 @@ QUIET_SIGMAS = 1.5
 FLAT_BLOCKS = 8
 LET_DOWN = 0.05
 FAR_DOWN = 0.1
+_LEAST_CLIMB = 30
+_LANDING = 5
 
 
 def saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
@@ -62,7 +64,7 @@ def stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
     begin = view.first_sample(climb_to(view.force_N, block).start)
     end = view.last_sample(fallen + 1, n)
     for start, stop in prepared.stuck.tolist():
-        if stop > begin and start <= end:
+        if stop > begin and start <= end and not _climbed_on(prepared, start, stop):
             lasted_s = float(prepared.time_s[stop - 1] - prepared.time_s[start])
             return (
                 f"the force reads exactly {prepared.force_N[start]:.4g} N for {lasted_s:.2g} s ({stop - start} "
@@ -70,6 +72,19 @@ def stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
                 "or the sensor stuck, and what the force did meanwhile is unknown"
             )
     return ""
+
+
+def _climbed_on(prepared: Prepared, start: int, stop: int) -> bool:
+    """Return whether the force stands after a stretch where the climb before it leads to: no peak lies within."""
+    force_N, lasted = prepared.force_N, stop - start
+    before, after = (
+        force_N[max(0, start - max(lasted, _LEAST_CLIMB)) : start],
+        force_N[stop : stop + _LANDING],
+    )
+    if before.size < _LEAST_CLIMB or not after.size:
+        return False
+    rise_N = lasted * float(np.polyfit(np.arange(before.size), before, 1)[0])
+    return float(after.mean() - force_N[start]) >= 0.5 * rise_N - 2.0 * prepared.noise_N
 
 
 def without_break(prepared: Prepared, last_block: int | None = None) -> Breakaway:

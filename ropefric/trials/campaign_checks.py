@@ -14,6 +14,7 @@ from ropefric.trials.trial_advice import radius_doubt
 
 __all__ = ["check_settings"]
 
+_NAME = re.compile(r"\w+")
 _SET_BY_TRIAL = {
     "end_tension": "end_tension_N",
     "lift_force": "lift_force_N",
@@ -137,11 +138,11 @@ def _cells(document: TomlDocument, model: CampaignFile) -> list[Problem]:
 
 def _idle_channels(document: TomlDocument, model: CampaignFile) -> list[Problem]:
     """Warn of measured channels that the trial list sets once for each trial instead."""
-    formulas = " ".join(str(formula) for formula in model.import_.derived.values())
+    used = {name for formula in model.import_.derived.values() for name in _NAME.findall(str(formula))}
     problems = []
     for place in ("channels", "derived"):
         for name in getattr(model.import_, place):
-            if name not in _SET_BY_TRIAL or re.search(rf"\b{name}\b", formulas):
+            if name not in _SET_BY_TRIAL or name in used:
                 continue
             message = (
                 f"the measured {name.replace('_', ' ')} is read, but not used: that of the trial list is"

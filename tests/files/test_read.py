@@ -124,7 +124,7 @@ def test_a_pipe_in_the_place_of_a_recording(tmp_path, capfd):
     os.mkfifo(tmp_path / files[0])
     words = [str(tmp_path), "--out", str(tmp_path / "out"), "--no-figures"]
     assert main(["extract", *words]) == 0
-    assert "1 failed" in capfd.readouterr().err
+    assert "1 without a force" in capfd.readouterr().err
     assert PIPE in (tmp_path / "out" / "problems.csv").read_text(encoding="utf-8")
     assert main(["check", str(tmp_path)]) == 3
     assert "is a device or pipe, not a file" in capfd.readouterr().err

@@ -129,7 +129,7 @@ def test_one_wrap_does_not_show_an_offset():
 def test_one_condition_for_two_parameters_is_too_few_however_often_repeated():
     fit = fit_law(pulled("constant", [0.2], repeats=20), "constant-offset")
     assert {"too-few-points", "unidentifiable"} >= {fit.status}
-    assert "1 conditions cannot determine the 2 parameters of constant-offset" in " ".join(fit.advice)
+    assert "1 condition cannot determine the 2 parameters of constant-offset" in " ".join(fit.advice)
     assert not fit.trustworthy
 
 

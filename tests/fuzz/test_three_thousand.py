@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -226,7 +227,7 @@ def judge_recording(data, suffix, *, lost=False):
     campaign = load_campaign(folder / f"{suffix}.toml")
     results = extract_recording(campaign, list(campaign.trials))
     assert results
-    for result in results:
+    for result in chain.from_iterable(results):
         json.dumps(result.to_dict(), allow_nan=False)
         if str(result.breakaway.status) == "ok":
             assert not lost, f"{result.peak_N} N from a recording without a force"

@@ -85,7 +85,7 @@ def test_coarse_quiet_and_noise_free_signals_are_not_stuck(noise_N, count_N):
 def test_no_recording_of_the_bench_sticks_but_at_the_ceiling():
     campaign = load_campaign(BENCH)
     for spec in campaign.trials[::12]:
-        (result,) = extract_recording(campaign, [spec])
+        ((result,),) = extract_recording(campaign, [spec])
         assert not any("stuck" in note for note in result.breakaway.notes), spec.trial
 
 
@@ -105,7 +105,7 @@ def cut_bench(campaign, tmp_path, n, seed):
     specs = [
         spec for spec in campaign.trials if spec.trial.startswith(("c01-r0", "c16-r", "c03-r0", "c31-r0"))
     ]
-    whole = {spec.trial: extract_recording(campaign, [spec])[0] for spec in specs}
+    whole = {spec.trial: extract_recording(campaign, [spec])[0][0] for spec in specs}
     specs = [spec for spec in specs if whole[spec.trial].breakaway.status is Status.OK]
     path = tmp_path / "cut.csv"
     for i in range(n):
@@ -114,7 +114,7 @@ def cut_bench(campaign, tmp_path, n, seed):
         data = data[: draw.randrange(int(0.1 * len(data)), len(data))]
         # Half of the cuts fall between two lines, as when a logger is stopped.
         path.write_bytes(data if i % 2 else data[: data.rfind(b"\n") + 1])
-        (found,) = extract_recording(campaign, [replace(spec, path=path)])
+        ((found,),) = extract_recording(campaign, [replace(spec, path=path)])
         yield spec.trial, len(data), found, whole[spec.trial].peak_N
 
 

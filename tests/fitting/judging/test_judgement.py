@@ -132,7 +132,7 @@ def test_laws_that_answer_differently_show_their_spread(one_wheel, tmp_path, cap
     tree = answer.to_dict()
     assert tree["verdict"] == tree["prediction"]["verdict"]
     assert [item["law"] for item in tree["prediction"]["candidates"]] == list(lifts)
-    assert tree["prediction"]["spread_N"] == [low, high]
+    assert tree["prediction"]["spread_N"] == pytest.approx([low, high], rel=1e-8)  # written with nine digits
 
 
 def test_laws_that_answer_alike_are_no_contradiction(one_wheel):

@@ -368,7 +368,9 @@ tables.write_tables = stop
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
-@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
+@pytest.mark.parametrize(
+    ("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), pytest.param("SIGHUP", 129, marks=pytest.mark.slow)]
+)
 def test_a_signal_ends_the_work_in_order(call, bench, tmp_path, name, code):
     words = ("extract", bench, "--out", tmp_path / "out", "--no-figures", "--jobs", "1")
     before = "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
@@ -414,7 +416,10 @@ def test_an_interrupt_that_a_library_put_into_its_own_words_is_one(call, monkeyp
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="file descriptors")
-@pytest.mark.parametrize("closed", [(1,), (2,), (0, 1, 2)])
+@pytest.mark.parametrize(
+    "closed",
+    [pytest.param((1,), marks=pytest.mark.slow), pytest.param((2,), marks=pytest.mark.slow), (0, 1, 2)],
+)
 def test_closed_streams_end_no_work(bench, tmp_path, closed):
     code = "".join(f"exec {number}<&-; " if number == 0 else f"exec {number}>&-; " for number in closed)
     words = [sys.executable, "-m", "ropefric", "extract", str(bench), "--out", str(tmp_path), "--no-figures"]

@@ -110,7 +110,7 @@ SETTINGS = '[limits]\nmemory = "500 MB"\ntime = "60 s"\n'
 
 
 @LINUX
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_every_hostile_file_is_lost_alone(lab, hostile_files, jobs):
     pytest.importorskip("python_calamine")
     (alone_a, alone_b) = lab.pulls(a=100.0, b=103.0).extract().trials
@@ -147,7 +147,7 @@ def test_a_hostile_file_alone_ends_the_command_with_a_message(lab, capfd):
 
 
 @LINUX
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_reader_that_hangs_dies_or_fails_costs_one_recording(lab, monkeypatch, jobs):
     real = recording.read_recordings
 

@@ -72,7 +72,7 @@ def everywhere(table, folder, capfd):
     return word, printed
 
 
-@pytest.mark.parametrize("n", [1, 2, 3])
+@pytest.mark.parametrize("n", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
 def test_few_conditions_judge_nothing(n, tmp_path, capfd):
     table = pulls("constant", [0.2], wraps=np.pi * np.arange(1, n + 1))
     verdict, printed = everywhere(table, tmp_path, capfd)

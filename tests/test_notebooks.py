@@ -35,7 +35,14 @@ def test_a_notebook_is_stored_without_outputs_and_ends_in_assertions(path):
     assert "assert " in "".join(code[-1]["source"])
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        # The first is everybody's way; the others belong to the long studies.
+        pytest.param(path, marks=() if path is NOTEBOOKS[0] else pytest.mark.slow, id=path.stem)
+        for path in NOTEBOOKS
+    ],
+)
 def test_a_notebook_runs(path):
     """In a process of its own: the kernel's threads and sockets are no business of the other tests."""
     pytest.importorskip("nbclient")

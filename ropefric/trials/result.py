@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import isfinite, nan
 from typing import Any
 
@@ -189,13 +190,19 @@ class TrialResult:
             "saturated_samples": self.saturated_samples,
             "note": self.note,
         }
-        taken = {split_unit_suffix(name)[0].lower() for name in row} | _MEANT | {"sha256"}
+        taken = _names_of((*row, "sha256")) if self.own else frozenset[str]()
         for name, cell in self.own:
             # What a fit would take for a number of the tool's own gets another name.
             free = split_unit_suffix(name)[0].strip().lower().replace(" ", "_") not in taken
             row[name if free else f"given_{name}"] = cell
         row["sha256"] = self.sha256  # last, and of known length: a table that was cut off shows it
         return {key: _finite_or_none(value) for key, value in row.items()}
+
+
+@lru_cache(maxsize=4)
+def _names_of(columns: tuple[str, ...]) -> frozenset[str]:
+    """Return what a reader of the table takes for its own: names without their units."""
+    return frozenset(split_unit_suffix(name)[0].lower() for name in columns) | _MEANT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

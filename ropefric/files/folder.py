@@ -168,6 +168,7 @@ class OutputFolder(Folder):
             self._entries = self._read_entries()
             self._inputs = {key for key in map(_file_key, self._sources) if key is not None}
             self._refuse_others(self._existing())
+            self._refuse_folder_of_others()
         except BaseException:
             self._release()
             raise
@@ -324,6 +325,20 @@ class OutputFolder(Folder):
             problems = [*problems[:_TOLD], replace(problems[_TOLD], message=more)]
         if problems:
             raise data_error(problems)
+
+    def _refuse_folder_of_others(self) -> None:
+        """Refuse a folder that is neither ropefric's own nor empty: nobody finds his files among the results."""
+        if self._force or self._entries:
+            return
+        names = sorted(path.name for path in self.path.iterdir() if not path.name.startswith("."))
+        if names:
+            more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+            raise DataError(
+                f"the folder is neither new nor one of ropefric's: it holds {', '.join(names[:3])}{more}",
+                code="RF150",
+                path=self.path.as_posix(),
+                fix="choose a new or empty folder, or have the results written among these files with --force",
+            )
 
     def _behind_a_link(self, name: str) -> bool:
         return any(

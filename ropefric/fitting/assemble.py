@@ -164,7 +164,11 @@ def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParame
     for i, item in enumerate(problem.law.parameters):
         value, low, high = float(minimum.theta[i]), float(problem.lower[i]), float(problem.upper[i])
         half = quantile * float(std[i]) if std[i] > 0 else 0.0
-        ends = [to_share(end, float(std[i])) for end in (value - half, value + half)]
+        # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
+        ends = (
+            min(to_share(value - half, float(std[i])), value),
+            max(to_share(value + half, float(std[i])), value),
+        )
         interval = (max(ends[0], low), min(ends[1], high)) if problem.vary[i] else (value, value)
         parameters.append(
             FittedParameter(

@@ -258,6 +258,24 @@ def test_no_effect_is_worth_more_than_its_bound(problem, keep, solved):
     check_bounds(problem, solved, keep)
 
 
+def test_what_an_effect_is_worth_may_be_largest_at_a_contact_in_between(solved):
+    """A stiff rope touches a small part of a short wrap; at both ends of what it may touch μ(φ) is told alike."""
+    friction = WrapFriction(
+        law=ALL_LAWS["wrap-exponential"],
+        theta=np.array([0.5, -1.0, 0.25]),
+        reference=one_condition(0.125, 0.0078125, 0.5, 2.0),
+    )
+    problem = HoistProblem(
+        friction=friction,
+        wheel_radius_m=0.03125,
+        rope_radius_m=0.009765625,
+        wrap_angle_rad=0.5,
+        end_tension_N=19.0,
+        bending_stiffness_N_m2=0.001953125,
+    )
+    check_bounds(problem, solved, [False, False, False, True])
+
+
 @pytest.mark.slow
 @settings(deadline=None, max_examples=2000)
 @given(problem=hoists(), keep=st.lists(st.booleans(), min_size=6, max_size=6))

@@ -146,13 +146,31 @@ def told_bound(what: str) -> Bound:
     """Return the bound of one thing a law may be told: the largest change of M, whatever else it is told."""
 
     def bound(problem: HoistProblem) -> FloatArray:
-        changes = [
-            np.abs(_at_corners(problem, told | {what}) - _at_corners(problem, told))
-            for told in _subsets(EVERYTHING - {what})
-        ]
-        return np.asarray(np.max(changes, axis=(0, 1, 2)) * _feedback(problem))
+        worst = np.zeros(problem.n)
+        for told in _subsets(EVERYTHING - {what}):
+            with_it, without = _at_corners(problem, told | {what}), _at_corners(problem, told)
+            at_ends = np.max(np.abs(with_it - without), axis=1)
+            between = np.maximum(_bulge(problem, with_it), _bulge(problem, without))
+            worst = np.maximum(worst, np.max(at_ends + between, axis=0))
+        return np.asarray(worst * _feedback(problem))
 
     return bound
+
+
+def _bulge(problem: HoistProblem, exponents: FloatArray) -> FloatArray:
+    """Return by how much M may lie above the straight line from its shortest to its longest contact, shape (k, n).
+
+    Along the wrap M grows, and ever slower: it lies below its longest contact's, and below the straight line from the
+    origin through its shortest contact's. For a change of M in between to be larger than at both ends, one of the two
+    that are compared must bulge.
+    """
+    wraps = _wraps(problem)
+    if len(wraps) == 1:
+        return np.zeros((len(exponents), problem.n))
+    rise, lost = exponents[:, 0] - exponents[:, 1], wraps[0] - wraps[1]
+    steepest = exponents[:, 1] / wraps[1] * lost
+    share = np.divide(rise, steepest, out=np.ones_like(rise), where=steepest > 0.0)
+    return np.asarray(np.maximum(rise * (1.0 - share), 0.0))
 
 
 def _feedback(problem: HoistProblem) -> FloatArray:

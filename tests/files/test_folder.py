@@ -447,3 +447,24 @@ def test_a_lock_that_was_never_finished_is_nobodys(out):
     leave_lock(out)
     (out / OWN / "lock").write_text('{"host": "el', encoding="utf-8")
     put(out, {"a.txt": "new"})
+
+
+def test_a_folder_of_others_is_refused_whatever_the_names_are(out):
+    out.mkdir(parents=True)
+    (out / "photo.jpg").write_bytes(b"1")
+    with pytest.raises(DataError, match=r"neither new nor one of ropefric's: it holds photo\.jpg") as caught:
+        put(out, {"a.txt": "new"})
+    assert caught.value.code == "RF150"
+    assert [path.name for path in out.iterdir() if path.name != OWN] == ["photo.jpg"]
+    put(out, {"a.txt": "new"}, force=True)
+    put(out, {"a.txt": "newer"})  # now it is one of ropefric's, too
+    assert tree(out) == {"a.txt": "newer", "photo.jpg": "1"}
+
+
+def test_hidden_files_and_what_others_add_later_are_no_obstacle(out):
+    out.mkdir(parents=True)
+    (out / ".gitignore").write_text("*")
+    put(out, {"a.txt": "new"})
+    (out / "notes.md").write_text("mine")
+    put(out, {"a.txt": "newer"})
+    assert {"a.txt": "newer", "notes.md": "mine"}.items() <= tree(out).items()

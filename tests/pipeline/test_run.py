@@ -112,8 +112,6 @@ def test_a_design_without_an_answer_is_a_doubt_and_no_number(pulls):
 
 def test_what_an_earlier_run_left_is_removed_and_what_others_left_is_not(pulls, tmp_path):
     answer = answer_trials(pulls("constant", 0.2), design=WHEEL)
-    (tmp_path / "fits").mkdir()
-    (tmp_path / "fits" / "mine.json").write_text("{}")
 
     def written(answer):
         with OutputFolder(tmp_path, family="campaign") as folder:
@@ -122,6 +120,7 @@ def test_what_an_earlier_run_left_is_removed_and_what_others_left_is_not(pulls, 
         return tree(tmp_path)
 
     before = written(answer)
+    (tmp_path / "fits" / "mine.json").write_text("{}")
     gone = answer.comparison.ranking[-1].law
     ranking = tuple(entry for entry in answer.comparison.ranking if entry.law != gone)
     fewer = replace(answer, prediction=None, comparison=replace(answer.comparison, ranking=ranking))

@@ -1,5 +1,6 @@
 """Files as such, whatever they hold: read without being held up or misled, written whole or not at all.
 
-`write.py` writes one file, or several new ones; `folder.py` keeps the folder a command writes into: its list of
-files, its lock, and what of an earlier run still fits. Whoever writes results gives names and contents to a `Folder`.
+`read` opens what somebody named, regular files only, and gives hash and content of one and the same version. `write`
+puts one file in place of another, `folder` a command's results into a folder that is its own. `digits` says how many
+digits of a number are worth writing, `plain_text` makes text of others harmless for terminals, pages and spreadsheets.
 """

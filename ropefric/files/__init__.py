@@ -2,5 +2,5 @@
 
 `read` opens what somebody named, regular files only, and gives hash and content of one and the same version. `write`
 puts one file in place of another, `folder` a command's results into a folder that is its own. `digits` says how many
-digits of a number are worth writing, `plain_text` makes text of others harmless for terminals, pages and spreadsheets.
+digits of a number are worth writing, `plain_text` makes the text of others harmless for what shows it.
 """

@@ -7,7 +7,6 @@ old result or the new one, and the list is written before the files it names.
 """
 
 import errno
-import hashlib
 import json
 import os
 import platform
@@ -24,6 +23,8 @@ from types import TracebackType
 from typing import Any, BinaryIO, Self
 
 from ropefric.errors import DataError, Problem, data_error
+from ropefric.files.plain_text import json_document
+from ropefric.files.read import hash_file
 from ropefric.files.write import (
     PART,
     cannot_write,
@@ -217,7 +218,7 @@ class OutputFolder(Folder):
         label = f"{self._family}/{part}"
         self._refuse_others(self._staged)
         try:
-            new = {name: _sha256(path) for name, path in self._staged.items()}
+            new = {name: hash_file(path) for name, path in self._staged.items()}
             basis = new.get(self._basis, "")
             if not basis and self._basis in self._entries:
                 basis = self._entries[self._basis].sha256[-1]
@@ -351,9 +352,9 @@ class OutputFolder(Folder):
             return (
                 name in self._entries
                 and stat.S_ISREG(path.lstat().st_mode)
-                and _sha256(path) in self._entries[name].sha256
+                and hash_file(path) in self._entries[name].sha256
             )
-        except OSError:
+        except (OSError, DataError):
             return False
 
     def _read_entries(self) -> dict[str, _Entry]:
@@ -376,8 +377,7 @@ class OutputFolder(Folder):
             name: {"sha256": list(entry.sha256), "parts": sorted(entry.parts), "basis": entry.basis}
             for name, entry in self._entries.items()
         }
-        text = json.dumps({"schema": SCHEMA, "files": files}, indent=1, sort_keys=True) + "\n"
-        write_file(self._own / "files.json", text)
+        write_file(self._own / "files.json", json_document({"schema": SCHEMA, "files": files}))
 
     # --- one run at a time ---
 
@@ -560,8 +560,3 @@ def _file_key(path: Path) -> tuple[int, int] | None:
 def _stays_inside(name: str) -> bool:
     path = PurePosixPath(name)
     return bool(path.parts) and not path.is_absolute() and ".." not in path.parts and "\\" not in name
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()

@@ -117,10 +117,10 @@ def _few_repeats(trials: Sequence[TrialSpec]) -> list[Problem]:
     if not few:
         return []
     line = trials[int(np.argmax(counts[group] == least))].line
-    repeats = "repeat" if least == 1 else "repeats"
     message = (
         f"{few} of {counted(counts.size, 'condition')} have fewer than {FEWEST_REPEATS} repeats, the smallest "
-        f"{least} {repeats}; the ±2s rule cannot reject anything for n <= 5 (largest possible |z| = (n-1)/sqrt(n))"
+        f"{counted(least, 'repeat')}; the ±2s rule cannot reject anything for n <= 5 "
+        "(largest possible |z| = (n-1)/sqrt(n))"
     )
     fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'
     return [_warning("RF310", message, fix=fix, line=line)]

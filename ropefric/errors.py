@@ -9,48 +9,12 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Literal
 
-__all__ = [
-    "DataError",
-    "FitError",
-    "InputError",
-    "Problem",
-    "RopefricError",
-    "SolverError",
-    "UnknownNameError",
-    "data_error",
-    "raise_problems",
-]
-
-
 _LONGEST = {"message": 2000, "key": 200, "fix": 1000}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """One thing that is wrong or doubtful, with its place and its remedy.
-
-    Attributes
-    ----------
-    code : str
-        Stable identifier: RF1xx configuration and files, RF2xx recordings, RF3xx trials and rejection,
-        RF4xx fits and predictions, RF5xx scenes and solvers.
-    message : str
-        What is wrong and why that matters, with numbers and units.
-    path, line, key
-        Where: the file, its 1-based line, the TOML key or CSV column. Empty or None where it does not apply.
-    fix : str
-        What to do about it; may be empty.
-    severity : {"error", "warning"}
-        A warning does not stop the work.
-
-    Examples
-    --------
-    >>> problem = Problem(code="RF121", message="the wrap angle is empty", path="trials.csv", line=14)
-    >>> problem.where
-    'trials.csv:14'
-    >>> print(problem)
-    error RF121 trials.csv:14  the wrap angle is empty
-    """
+    """One thing that is wrong or doubtful, with its place and its remedy."""
 
     code: str
     message: str
@@ -206,30 +170,14 @@ class SolverError(RopefricError, RuntimeError):
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:
-    """Raise one `DataError` that carries every error among `problems`; return quietly if there is none.
-
-    Raises
-    ------
-    DataError
-        With the first error's message, and all errors in `.problems`.
-
-    Examples
-    --------
-    >>> raise_problems([Problem(code="RF310", message="n = 5", severity="warning")])
-    """
+    """Raise one `DataError` that carries every error among `problems`; return quietly if there is none."""
     errors = [problem for problem in problems if problem.severity == "error"]
     if errors:
         raise data_error(errors)
 
 
 def data_error(problems: Sequence[Problem]) -> DataError:
-    """Return one `DataError` with the first problem's message and all of them in `.problems`.
-
-    Examples
-    --------
-    >>> data_error([Problem(code="RF121", message="the wrap angle is empty", line=14)]).code
-    'RF121'
-    """
+    """Return one `DataError` with the first problem's message and all of them in `.problems`."""
     first = problems[0]
     return DataError(
         first.message,

@@ -5,24 +5,10 @@ from dataclasses import dataclass
 from ropefric.errors import UnknownNameError
 from ropefric.registry import Registry
 
-__all__ = ["GLOSSARY", "Term", "axis_label", "counted", "describe"]
-
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """One quantity of the field.
-
-    Attributes
-    ----------
-    name : str
-        The name used in code, CSV headers and JSON; ends in its unit where it has one.
-    symbol : str
-        The printed symbol.
-    unit : str
-        SI unit, "-" for a ratio, "" for what is no quantity.
-    meaning : str
-        One line for people; starts with what an axis would say.
-    """
+    """One quantity of the field."""
 
     name: str
     symbol: str
@@ -93,13 +79,7 @@ GLOSSARY: Registry[Term] = Registry(
 
 
 def axis_label(name: str) -> str:
-    """Return an axis label with symbol and unit.
-
-    Examples
-    --------
-    >>> axis_label("wrap_angle_rad")
-    'Wrap angle φ [rad]'
-    """
+    """Return an axis label with symbol and unit."""
     term = GLOSSARY[name]
     text = term.meaning.split(";")[0]
     if term.symbol:
@@ -108,13 +88,7 @@ def axis_label(name: str) -> str:
 
 
 def describe(name: str) -> str:
-    """Return what a name means, or the name itself where the glossary does not know it.
-
-    Examples
-    --------
-    >>> describe("end_tension_N")
-    'End tension; slack side'
-    """
+    """Return what a name means, or the name itself where the glossary does not know it."""
     try:
         return GLOSSARY[name].meaning
     except UnknownNameError:
@@ -122,11 +96,5 @@ def describe(name: str) -> str:
 
 
 def counted(n: int, noun: str) -> str:
-    """Return a number of things in words.
-
-    Examples
-    --------
-    >>> counted(1, "trial"), counted(12, "trial")
-    ('1 trial', '12 trials')
-    """
+    """Return a number of things in words."""
     return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

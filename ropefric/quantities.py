@@ -15,18 +15,6 @@ from ropefric.errors import InputError
 if TYPE_CHECKING:
     import pint
 
-__all__ = [
-    "LARGEST",
-    "SMALLEST",
-    "SUFFIX_UNITS",
-    "in_range",
-    "parse_any_quantity",
-    "parse_fraction",
-    "parse_quantity",
-    "si_unit_of",
-    "split_unit_suffix",
-    "unit_factor",
-]
 
 SMALLEST, LARGEST = 1e-30, 1e30
 """Between these a number that somebody wrote must lie, in SI, where it is not zero: no rope, machine or clock has
@@ -124,25 +112,6 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
     """Return a name without its unit suffix, and the unit, empty where there is none.
 
     Recognises `wrap_angle_deg`, `Force (kN)`, `Force [kN]`, `Time.(s)`.
-
-    Parameters
-    ----------
-    name : str
-        A column header or key.
-
-    Returns
-    -------
-    tuple of str
-        The bare name and a unit that `unit_factor` understands, or "".
-
-    Examples
-    --------
-    >>> split_unit_suffix("wrap_angle_deg")
-    ('wrap_angle', 'deg')
-    >>> split_unit_suffix("Force (kN)")
-    ('Force', 'kN')
-    >>> split_unit_suffix("file")
-    ('file', '')
     """
     text = name.strip()
     if text.endswith((")", "]")):
@@ -160,31 +129,7 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
 
 
 def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
-    """Return the factor that turns a number in `unit` into SI.
-
-    Parameters
-    ----------
-    unit : str
-        The unit as people write it: "mm", "kN", "deg", "1/min".
-    si_unit : str
-        The SI unit wanted: "m", "N", "rad", "s"; "" for a dimensionless number.
-    name : str
-        What is being converted, for the message.
-
-    Raises
-    ------
-    InputError
-        If the unit is unknown or of another dimension; the message shows a unit that works.
-
-    Examples
-    --------
-    >>> unit_factor("kN", "N")
-    1000.0
-    >>> unit_factor("kn", "N", name="full scale")
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.InputError: full scale: 'kn' is a knot, not a force. Fix: write 'kN'
-    """
+    """Return the factor that turns a number in `unit` into SI."""
     meant = _GUARDED.get(unit)
     if meant is not None and meant != unit:
         note = "'kn' is a knot, not a force." if unit == "kn" else f"'{unit}' is not a unit of [{si_unit}]."
@@ -224,29 +169,12 @@ def _factor_by_pint(unit: str, si_unit: str) -> float | Literal["dimension", "te
 
 
 def in_range(value: float) -> bool:
-    """Return whether a number is zero or of a size that can be computed with, see `LARGEST`.
-
-    Examples
-    --------
-    >>> in_range(-0.0), in_range(0.04), in_range(1e300), in_range(float("nan"))
-    (True, True, False, False)
-    """
+    """Return whether a number is zero or of a size that can be computed with, see `LARGEST`."""
     return value == 0.0 or SMALLEST <= abs(value) <= LARGEST
 
 
 def si_unit_of(unit: str) -> str:
-    """Return the SI unit that a unit converts to.
-
-    Raises
-    ------
-    InputError
-        If nothing is known about it.
-
-    Examples
-    --------
-    >>> si_unit_of("bar"), si_unit_of("ms"), si_unit_of("%")
-    ('Pa', 's', '')
-    """
+    """Return the SI unit that a unit converts to."""
     if unit == "%":
         return ""
     for si_unit in _SI_UNITS:
@@ -266,37 +194,7 @@ def si_unit_of(unit: str) -> str:
 
 
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:
-    """Return a quantity written with its unit as an SI float.
-
-    Parameters
-    ----------
-    text : str or number
-        "40 mm", "540 deg", "0.3 %". A bare number is accepted only for a dimensionless quantity.
-    si_unit : str
-        The SI unit wanted; "" for a dimensionless number.
-    name : str
-        What is being read, for the message.
-
-    Returns
-    -------
-    float
-        The value in `si_unit`, finite.
-
-    Raises
-    ------
-    InputError
-        For a bare number where a unit is needed, an unknown unit, a unit of another dimension, or text
-        that is no quantity; the message shows how to write it.
-
-    Examples
-    --------
-    >>> parse_quantity("40 mm", "m")
-    0.04
-    >>> parse_quantity(40, "m", name="radius")
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.InputError: radius: 40 has no unit Fix: write it with one, for example "40 mm"
-    """
+    """Return a quantity written with its unit as an SI float."""
     if isinstance(text, bool) or not isinstance(text, str | int | float):
         raise InputError(
             f"{name}: {_shown(text)} is not a quantity",
@@ -345,47 +243,13 @@ def _split(text: str | float, si_unit: str, name: str) -> tuple[str, str]:
 
 
 def parse_any_quantity(text: str) -> float:
-    """Return a quantity of any mechanical or electrical dimension in SI.
-
-    Parameters
-    ----------
-    text : str
-        "490.9 mm^2", "3 bar", "0.5".
-
-    Raises
-    ------
-    InputError
-        If it is no number with a known unit. Offset units such as degC are not converted.
-
-    Examples
-    --------
-    >>> parse_any_quantity("490.9 mm^2")
-    0.0004909
-    >>> parse_any_quantity("3 bar")
-    300000.0
-    """
+    """Return a quantity of any mechanical or electrical dimension in SI."""
     unit = _split(text, "", "quantity")[1]
     return parse_quantity(text, si_unit_of(unit) if unit and not unit.startswith(",") else "")
 
 
 def parse_fraction(text: str) -> float:
-    """Return a share written in per cent, with or without "FS" for full scale, as a fraction.
-
-    Parameters
-    ----------
-    text : str
-        "0.02 %FS", "0.05 %".
-
-    Raises
-    ------
-    InputError
-        If the per-cent sign is missing: 0.02 could mean either.
-
-    Examples
-    --------
-    >>> parse_fraction("0.02 %FS")
-    0.0002
-    """
+    """Return a share written in per cent, with or without "FS" for full scale, as a fraction."""
     unit = _split(text, "", "quantity")[1] or text.strip()
     if unit != "%" and not _FULL_SCALE.fullmatch(unit):
         raise InputError(

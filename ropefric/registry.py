@@ -6,8 +6,6 @@ from typing import Any, Protocol, TypeVar
 
 from ropefric.errors import UnknownNameError
 
-__all__ = ["Named", "Registry", "did_you_mean"]
-
 
 class Named(Protocol):
     """Anything with a name of its own."""
@@ -22,15 +20,7 @@ T = TypeVar("T", bound=Named)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return `did you mean 'x'?` for the known word closest to `word`, or the list of what is known.
-
-    Examples
-    --------
-    >>> did_you_mean("warp_deg", ["wrap_deg", "radius_mm"])
-    "did you mean 'wrap_deg'?"
-    >>> did_you_mean("zzz", ["b", "a"])
-    'known: a, b'
-    """
+    """Return `did you mean 'x'?` for the known word closest to `word`, or the list of what is known."""
     names = sorted(known)
     folded = {name.lower(): name for name in names}
     close = get_close_matches(word.lower(), folded, n=1, cutoff=0.6)

@@ -8,29 +8,12 @@ import numpy.typing as npt
 
 from ropefric.accuracy.study import Outcome, Setting
 
-__all__ = ["Counted", "against", "largest_error", "over_seeds", "relative_errors"]
-
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 class Counted(Generic[P, R]):
-    """A function that counts its calls, and the points it was called with.
-
-    Attributes
-    ----------
-    calls : int
-        How often it was called.
-    points : int
-        Sizes of the first arguments, summed.
-
-    Examples
-    --------
-    >>> counted = Counted(np.sin)
-    >>> _ = counted(np.zeros(5)), counted(1.0)
-    >>> counted.calls, counted.points
-    (2, 6)
-    """
+    """A function that counts its calls, and the points it was called with."""
 
     def __init__(self, function: Callable[P, R]) -> None:
         self._function = function
@@ -45,26 +28,14 @@ class Counted(Generic[P, R]):
 
 
 def relative_errors(answer: npt.ArrayLike, reference: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Return answer/reference − 1; not a number where there is no answer.
-
-    Examples
-    --------
-    >>> relative_errors([1.1, 4.0], [1.0, 4.0]).round(6).tolist()
-    [0.1, 0.0]
-    """
+    """Return answer/reference − 1; not a number where there is no answer."""
     exact = np.asarray(reference, dtype=np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
         return np.asarray((np.asarray(answer, dtype=np.float64) - exact) / exact)
 
 
 def largest_error(answer: npt.ArrayLike, reference: npt.ArrayLike) -> float:
-    """Return the largest relative error; infinite where one answer is no number.
-
-    Examples
-    --------
-    >>> largest_error([1.0, np.nan], [1.0, 4.0])
-    inf
-    """
+    """Return the largest relative error; infinite where one answer is no number."""
     errors = np.abs(relative_errors(answer, reference))
     return float(errors.max()) if np.isfinite(errors).all() else float("inf")
 
@@ -80,29 +51,7 @@ def against(
     counts: Callable[[Counted[P, R]], float] = lambda counted: counted.points,
     error: Callable[[npt.ArrayLike, npt.ArrayLike], float] = largest_error,
 ) -> Setting:
-    """Return a setting that solves a problem given by a function, which is counted only while it is assessed.
-
-    Parameters
-    ----------
-    reference : array_like
-        The true answer.
-    function : callable
-        What the method evaluates.
-    solve : callable
-        Takes the function and returns the answer.
-    method, setting, quick
-        See `Setting`.
-    counts : callable
-        What is counted: the points by default.
-    error : callable
-        Returns the error from answer and reference: the largest relative one by default.
-
-    Examples
-    --------
-    >>> made = against(2.0, lambda x: x, lambda f: f(1.0) + 0.98, method="guess", setting="one")
-    >>> round(made.assess().error, 6), made.assess().evaluations
-    (0.01, 1)
-    """
+    """Return a setting that solves a problem given by a function, which is counted only while it is assessed."""
 
     def assess() -> Outcome:
         counted = Counted(function)
@@ -113,14 +62,7 @@ def against(
 
 
 def over_seeds(errors: Sequence[float] | npt.NDArray[np.float64], evaluations: float) -> Outcome:
-    """Return the outcome of repetitions: root mean square, mean and standard deviation of their relative errors.
-
-    Examples
-    --------
-    >>> found = over_seeds([0.1, 0.3], 100)
-    >>> round(found.error, 4), round(found.bias, 4), round(found.noise, 4)
-    (0.2236, 0.2, 0.1414)
-    """
+    """Return the outcome of repetitions: root mean square, mean and standard deviation of their relative errors."""
     found = np.asarray(errors, dtype=np.float64)
     if not np.isfinite(found).all():
         return Outcome(error=float("inf"), evaluations=evaluations)

@@ -12,30 +12,12 @@ from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case, 
 from ropefric.accuracy.study import Setting, Study
 from ropefric.errors import InputError
 
-__all__ = ["FULL", "QUICK", "Effort", "StudyResult", "measure_studies", "measure_study", "time_call"]
-
 _MOST_LOOPS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effort:
-    """How much time is spent on timing one call.
-
-    Attributes
-    ----------
-    batch_s : float
-        A time is taken of as many calls as last this long together, so that the clock's own resolution does not
-        count [s].
-    budget_s : float
-        About the whole time for one setting [s]; a call that takes longer by itself is repeated `fewest` times.
-    fewest, most : int
-        Bounds of the number of times taken.
-
-    Raises
-    ------
-    InputError
-        If a time is not positive or the bounds are not 1 <= fewest <= most.
-    """
+    """How much time is spent on timing one call."""
 
     batch_s: float
     budget_s: float
@@ -59,17 +41,7 @@ QUICK = Effort(batch_s=5e-4, budget_s=0.01, fewest=3, most=9)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timing:
-    """How long one call takes.
-
-    Attributes
-    ----------
-    seconds : float
-        Median [s].
-    lower_s, upper_s : float
-        First and third quartile [s].
-    repeats, loops : int
-        Number of times taken, and of calls behind each.
-    """
+    """How long one call takes."""
 
     seconds: float
     lower_s: float
@@ -85,23 +57,6 @@ def time_call(
 
     The first call warms up caches and lazy imports and is thrown away. Then the number of calls in a batch is doubled
     until a batch lasts long enough. The garbage collector rests meanwhile.
-
-    Parameters
-    ----------
-    call : callable
-        What is timed.
-    effort : Effort
-        How much time to spend.
-    clock : callable
-        Returns the time [s].
-
-    Examples
-    --------
-    >>> ticks = iter(range(100))
-    >>> effort = Effort(batch_s=1.0, budget_s=4.0, fewest=3, most=5)
-    >>> timing = time_call(lambda: None, effort, clock=lambda: next(ticks))
-    >>> timing.seconds, timing.repeats, timing.loops
-    (1.0, 4, 1)
     """
     resting = gc.isenabled()
     gc.disable()
@@ -142,17 +97,7 @@ _UNSTEADY = 0.5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StudyResult:
-    """What was measured of one study.
-
-    Attributes
-    ----------
-    study : Study
-        The study.
-    points : tuple of Measured
-        In the order of its cases and settings.
-    quick : bool
-        Whether only the quick settings were measured.
-    """
+    """What was measured of one study."""
 
     study: Study
     points: tuple[Measured, ...]
@@ -207,28 +152,7 @@ class StudyResult:
 def measure_study(
     study: Study, *, quick: bool = False, effort: Effort | None = None, progress: Progress | None = None
 ) -> StudyResult:
-    """Return the error and time of every setting of a study.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    quick : bool
-        Measure the quick settings only, with little time for each.
-    effort : Effort, optional
-        Time spent on each; by default that of a quick or a full measurement.
-    progress : callable, optional
-        Called with (done, total, what) after every setting.
-
-    Examples
-    --------
-    >>> from ropefric.accuracy.study import Case, Outcome
-    >>> one = Setting(method="m", setting="", call=lambda: 1.0, assess=lambda: Outcome(error=0.0, evaluations=1))
-    >>> case = Case(name="c", title="", settings=lambda: (one,))
-    >>> study = Study(name="s", title="", question="", reference="", counted="", cases=(case,))
-    >>> [point.method for point in measure_study(study, quick=True).points]
-    ['m']
-    """
+    """Return the error and time of every setting of a study."""
     return measure_studies([study], quick=quick, effort=effort, progress=progress)[0]
 
 
@@ -239,13 +163,7 @@ def measure_studies(
     effort: Effort | None = None,
     progress: Progress | None = None,
 ) -> tuple[StudyResult, ...]:
-    """Return the result of each study; parameters as in `measure_study`.
-
-    Examples
-    --------
-    >>> measure_studies([])
-    ()
-    """
+    """Return the result of each study; parameters as in `measure_study`."""
     spent = effort or (QUICK if quick else FULL)
     planned = [(study, case.name, setting) for study in studies for case in study.cases
                for setting in case.settings() if setting.quick or not quick]  # fmt: skip

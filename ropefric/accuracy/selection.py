@@ -8,22 +8,10 @@ from ropefric.accuracy.study import Setting
 from ropefric.errors import InputError, SolverError, UnknownNameError
 from ropefric.registry import did_you_mean
 
-__all__ = ["Choice", "enough", "error_table"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Choice:
-    """One setting with its error and work.
-
-    Attributes
-    ----------
-    study, case, method, setting : str
-        What it is.
-    error : float
-        Relative error in the study [-].
-    evaluations : float
-        Work in the unit of the study.
-    """
+    """One setting with its error and work."""
 
     study: str
     case: str
@@ -37,25 +25,6 @@ def error_table(study: str, case: str = "", *, method: str = "") -> tuple[Choice
     """Return the error and the work of every setting of a case; no clock is looked at.
 
     What was computed once is remembered.
-
-    Parameters
-    ----------
-    study : str
-        Name of a study.
-    case : str
-        Name of one of its cases, the first by default.
-    method : str
-        Name of one method, all by default.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such study, case or method.
-
-    Examples
-    --------
-    >>> error_table("integral")[-1].method
-    'closed form'
     """
     name = STUDIES[study].case(case).name
     settings = _settings(study, name)
@@ -95,31 +64,6 @@ def enough(study: str, accuracy: float, case: str = "", *, method: str = "") -> 
 
     Work is counted in the study's unit and not timed, so that the choice is the same on every machine; of two
     settings with the same work, the more accurate one is taken.
-
-    Parameters
-    ----------
-    study : str
-        Name of a study.
-    accuracy : float
-        Relative accuracy wanted [-], positive.
-    case : str
-        Name of one of its cases, the first by default.
-    method : str
-        Consider this method only.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such study, case or method.
-    InputError
-        If the accuracy is not positive.
-    SolverError
-        If no setting is that accurate; the message names the best.
-
-    Examples
-    --------
-    >>> enough("integral", 1e-6, method="gauss-legendre").setting
-    '8 points'
     """
     if not accuracy > 0.0:
         raise InputError(f"an accuracy of {accuracy:g} cannot be reached", key="accuracy", fix="give 1e-6")

@@ -7,28 +7,10 @@ from math import nan
 from ropefric.accuracy.measured import Measured
 from ropefric.registry import Registry
 
-__all__ = ["Case", "Outcome", "Setting", "Study"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """How well one setting did; always the same, whatever the machine is busy with.
-
-    Attributes
-    ----------
-    error : float
-        Relative error against the reference of the case [-]; infinite where the method has no answer.
-    evaluations : float
-        How much work it was, in the unit of the study; a mean where it differs from one repetition to another.
-    bias, noise : float
-        Mean and standard deviation of the relative error over the repetitions of a statistical study [-]; NaN in
-        the others.
-
-    Examples
-    --------
-    >>> Outcome(error=1e-6, evaluations=12.0).bias
-    nan
-    """
+    """How well one setting did; always the same, whatever the machine is busy with."""
 
     error: float
     evaluations: float
@@ -38,21 +20,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Setting:
-    """One method at one setting.
-
-    Attributes
-    ----------
-    method : str
-        The method: "gauss-legendre".
-    setting : str
-        How it is set: "8 points"; "" for a method with nothing to set.
-    call : callable
-        Computes the answer once; this is what is timed.
-    assess : callable
-        Returns the `Outcome`, counting the evaluations on the way; this is never timed.
-    quick : bool
-        Whether it is also measured when time is short.
-    """
+    """One method at one setting."""
 
     method: str
     setting: str
@@ -63,17 +31,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Case:
-    """One problem with a known answer.
-
-    Attributes
-    ----------
-    name : str
-        What it is found by: "regular".
-    title : str
-        What it is, with its numbers and units.
-    settings : callable
-        Returns the settings compared on it; the work of preparing them is done only then.
-    """
+    """One problem with a known answer."""
 
     name: str
     title: str

@@ -2,19 +2,11 @@
 
 from math import isfinite
 
-__all__ = ["time_text"]
-
 _UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 
 
 def time_text(seconds: float) -> str:
-    """Return a time with the unit that suits it; a dash where there is none.
-
-    Examples
-    --------
-    >>> time_text(2.5e-6), time_text(0.0123), time_text(4e-10)
-    ('2.5 µs', '12 ms', '0.4 ns')
-    """
+    """Return a time with the unit that suits it; a dash where there is none."""
     if not isfinite(seconds):
         return "–"
     for size, unit in _UNITS:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.table import TrialTable
     from ropefric.trials.result import Extraction
 
-__all__ = ["compare", "diagnose", "fit"]
-
 
 def fit(
     trials: "TrialTable | Extraction | pd.DataFrame | PathLike",

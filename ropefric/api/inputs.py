@@ -13,8 +13,6 @@ from ropefric.trials.result import Extraction
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["as_fit", "trial_table"]
-
 
 def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> TrialTable:
     """Return trials as a trial table; its `to_frame()` gives a pandas DataFrame.

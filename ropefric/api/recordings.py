@@ -26,8 +26,6 @@ from ropefric.trials.repeatability import Repeatability, summarise
 from ropefric.trials.result import Extraction
 from ropefric.trials.tared import tared_trace
 
-__all__ = ["extract", "find_breakaway", "read_trace", "read_trial", "reject", "smooth"]
-
 
 def read_trace(
     path: PathLike,

@@ -9,8 +9,6 @@ from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
 from ropefric.scenes.sweep import Sweep, sweep_scene
 
-__all__ = ["explain", "solve", "sweep"]
-
 
 def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
     """Return the answer to a scene, simulated with the effects that its accuracy calls for.

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     from ropefric.fitting.table import TrialTable
 
-__all__ = ["budget", "measured_budgets", "plan_tests"]
-
 
 def budget(
     fit: FitResult | PathLike,

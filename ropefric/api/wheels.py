@@ -17,8 +17,6 @@ from ropefric.pipeline.folder import campaign_folder
 from ropefric.pipeline.run import CampaignRun, run_campaign
 from ropefric.trials.campaign_model import Campaign
 
-__all__ = ["design", "predict", "run"]
-
 
 def predict(
     fit: FitResult | PathLike,

@@ -14,8 +14,6 @@ from ropefric.cli.commands.catalogue import find_commands
 from ropefric.cli.jsontext import json_text
 from ropefric.cli.output import Output, rendered
 
-__all__ = ["build_app", "main"]
-
 _JSON = typer.Option("--json", help="Print the result as JSON, alone on stdout.", rich_help_panel="Output")
 _QUIET = typer.Option("--quiet", "-q", help="No progress, notes or warnings.", rich_help_panel="Output")
 _NO_COLOR = typer.Option("--no-color", help="Plain text; so does NO_COLOR=1.", rich_help_panel="Output")
@@ -28,27 +26,7 @@ EXIT_CODES = (
 
 
 def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | None = None) -> int:
-    """Run one command line and return its exit code; no exception leaves.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The words after `ropefric`; those of the process by default.
-    on_start : callable, optional
-        Called when the command line is understood and the command begins.
-
-    Returns
-    -------
-    int
-        0 done, 1 internal, 2 usage, 3 bad data or configuration, 4 a result that does not stand, 130 interrupted.
-
-    Examples
-    --------
-    >>> import contextlib, io
-    >>> with contextlib.redirect_stderr(io.StringIO()):
-    ...     main(["chekc", "campaign.toml"])
-    2
-    """
+    """Run one command line and return its exit code; no exception leaves."""
     argv = sys.argv[1:] if argv is None else argv
     try:
         code = build_app(on_start)(args=list(argv), prog_name="ropefric", standalone_mode=False)
@@ -60,13 +38,7 @@ def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | No
 
 
 def build_app(on_start: Callable[[], None] | None = None) -> typer.Typer:
-    """Return the typer application with every command of the registry.
-
-    Examples
-    --------
-    >>> type(build_app()).__name__
-    'Typer'
-    """
+    """Return the typer application with every command of the registry."""
     app = typer.Typer(
         name="ropefric",
         help="From force traces of a rope on a wheel to a friction law, and on to design.",

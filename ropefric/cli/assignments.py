@@ -5,29 +5,9 @@ from collections.abc import Iterable
 
 import typer
 
-__all__ = ["parse_assignments"]
-
 
 def parse_assignments(texts: Iterable[str], *, option: str) -> dict[str, float]:
-    """Return `name=value` texts as a mapping.
-
-    Parameters
-    ----------
-    texts : iterable of str
-        "mu=0.2" each.
-    option : str
-        The option they came with, for the message.
-
-    Raises
-    ------
-    typer.BadParameter
-        If one is not a name, an equals sign and a finite number, or a name comes twice.
-
-    Examples
-    --------
-    >>> parse_assignments(["mu_inf=0.46", "a=-0.22"], option="--parameter")
-    {'mu_inf': 0.46, 'a': -0.22}
-    """
+    """Return `name=value` texts as a mapping."""
     values: dict[str, float] = {}
     for text in texts:
         name, equals, number = (part.strip() for part in text.partition("="))

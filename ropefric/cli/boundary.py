@@ -11,8 +11,6 @@ from ropefric.cli.output import Output
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.registry import did_you_mean
 
-__all__ = ["INTERNAL", "INTERRUPTED", "USAGE", "report_failure"]
-
 INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
 _OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
 
@@ -29,30 +27,7 @@ class UsageFailure(Protocol):
 
 
 def report_failure(error: BaseException, out: Output) -> int:
-    r"""Say what went wrong, as text on stderr or as the JSON error object on stdout, and return the exit code.
-
-    Parameters
-    ----------
-    error : exception
-        What ended the command.
-    out : Output
-        How the user wants to hear it.
-
-    Returns
-    -------
-    int
-        1 internal, 2 usage, 3 bad data or configuration, 4 a result that does not stand, 130 interrupted; 129 and 143
-        if it was by SIGHUP and SIGTERM, whose number a KeyboardInterrupt then carries.
-
-    Examples
-    --------
-    >>> import contextlib, io
-    >>> with contextlib.redirect_stderr(io.StringIO()) as heard:
-    ...     report_failure(DataError("the file is empty", path="run07.csv"), Output())
-    3
-    >>> heard.getvalue()
-    'error RF101 run07.csv  the file is empty\n'
-    """
+    r"""Say what went wrong, as text on stderr or as the JSON error object on stdout, and return the exit code."""
     known, exit_code = _in_known_words(_interrupt_behind(error) or error)
     if out.json:
         out.result(json_text(known.to_dict()) + "\n")

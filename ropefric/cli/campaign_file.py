@@ -5,8 +5,6 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["CampaignArgument", "campaign_file", "what_was_kept"]
-
 CampaignArgument = Annotated[
     Path,
     typer.Argument(
@@ -16,24 +14,12 @@ CampaignArgument = Annotated[
 
 
 def campaign_file(path: Path) -> Path:
-    """Return the campaign file that `path` names, which need not exist.
-
-    Examples
-    --------
-    >>> campaign_file(Path("bench/spring.toml")).as_posix()
-    'bench/spring.toml'
-    """
+    """Return the campaign file that `path` names, which need not exist."""
     return path / "campaign.toml" if path.is_dir() else path
 
 
 def what_was_kept(cache_folder: Path | None) -> str:
-    """Return what an interrupted run leaves for the next one.
-
-    Examples
-    --------
-    >>> what_was_kept(None)
-    'nothing is kept (--no-cache)'
-    """
+    """Return what an interrupted run leaves for the next one."""
     if cache_folder is None:
         return "nothing is kept (--no-cache)"
     return f"finished recordings are kept in {cache_folder}; the same command goes on from there"

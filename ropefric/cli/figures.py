@@ -10,26 +10,13 @@ if TYPE_CHECKING:
     from ropefric.files.folder import Folder
     from ropefric.trials.result import Extraction
 
-__all__ = ["SERIAL_FIGURES", "draw_figures"]
 
 SERIAL_FIGURES = 8
 """Figures below which starting worker processes costs more than it saves."""
 
 
 def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output) -> None:
-    """Draw one figure per condition into figures/ of a folder and publish them, telling how far it is.
-
-    Parameters
-    ----------
-    extraction : Extraction
-        What to draw.
-    folder : Folder
-        Where the results are.
-    n_jobs : int
-        Number of processes.
-    out : Output
-        Where progress is told.
-    """
+    """Draw one figure per condition into figures/ of a folder and publish them, telling how far it is."""
     from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
 
     from ropefric.plotting.campaign import write_condition_figures  # noqa: PLC0415

@@ -18,16 +18,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.table import TrialTable
     from ropefric.report.section import Section
 
-__all__ = [
-    "NOT_TRUSTED",
-    "FitOption",
-    "TableArgument",
-    "exit_code_of",
-    "read_fit",
-    "read_table",
-    "rope_radius",
-    "show_sections",
-]
 
 NOT_TRUSTED = 4
 """Exit code of a result that is not supported: undecided, or not judged."""
@@ -40,13 +30,7 @@ FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A st
 
 
 def read_table(path: Path, out: Output) -> "TrialTable":
-    """Return a trial table, and say on stderr what is doubtful about it.
-
-    Raises
-    ------
-    DataError
-        With everything that is wrong.
-    """
+    """Return a trial table, and say on stderr what is doubtful about it."""
     from ropefric.fitting.table import read_trial_table  # noqa: PLC0415  (quick start-up)
 
     table = read_trial_table(path)
@@ -55,13 +39,7 @@ def read_table(path: Path, out: Output) -> "TrialTable":
 
 
 def read_fit(path: Path, out: Output) -> "FitResult":
-    """Return a stored fit, and say on stderr if its law is not supported.
-
-    Raises
-    ------
-    DataError
-        If the file holds no fit.
-    """
+    """Return a stored fit, and say on stderr if its law is not supported."""
     from ropefric.fitting.store import load_fit  # noqa: PLC0415  (quick start-up)
 
     fit = load_fit(path)
@@ -76,13 +54,7 @@ def exit_code_of(verdict: "Verdict") -> int:
 
 
 def rope_radius(fit: "FitResult", given_m: float | None) -> float:
-    """Return the rope radius [m] that is meant: the one given, or that of the trials if they had one only.
-
-    Raises
-    ------
-    typer.BadParameter
-        If the fit rests on several ropes.
-    """
+    """Return the rope radius [m] that is meant: the one given, or that of the trials if they had one only."""
     if given_m is not None:
         return given_m
     try:

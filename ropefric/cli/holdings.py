@@ -12,21 +12,9 @@ if TYPE_CHECKING:
 
     from ropefric.trials.campaign_model import Campaign
 
-__all__ = ["count_holdings", "show_holdings"]
-
 
 def count_holdings(campaign: "Campaign") -> dict[str, Any]:
-    """Return what a campaign holds, in SI, as `check --json` prints it.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> trial = SimpleNamespace(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=3.0, end_tension_N=80.0,
-    ...     lift_force_N=None, exclude="", path="run01.csv")
-    >>> held = count_holdings(SimpleNamespace(name="bench", rejection="two-sigma", trials=(trial, trial)))
-    >>> held["n_trials"], held["n_conditions"], held["repeats"]
-    (2, 1, {'fewest': 2, 'most': 2})
-    """
+    """Return what a campaign holds, in SI, as `check --json` prints it."""
     trials = campaign.trials
     from ropefric.friction.condition import condition_groups  # noqa: PLC0415  (quick start-up)
 
@@ -52,20 +40,7 @@ def count_holdings(campaign: "Campaign") -> dict[str, Any]:
 
 
 def show_holdings(holdings: dict[str, Any], console: "Console") -> None:
-    """Print what a campaign holds in the units people use at the rig.
-
-    Examples
-    --------
-    >>> from ropefric.cli.output import console_on
-    >>> import io
-    >>> stream = io.StringIO()
-    >>> nothing = {"name": "bench", "n_trials": 0, "n_files": 0, "n_excluded": 0, "n_conditions": 0,
-    ...     "repeats": {"fewest": 0, "most": 0}, "wheel_radius_m": [0.04], "rope_radius_m": [], "wrap_angle_rad": [],
-    ...     "end_tension_N": [], "lift_force_N": [], "rejection": "none"}
-    >>> show_holdings(nothing, console_on(stream))
-    >>> "40 mm" in stream.getvalue()
-    True
-    """
+    """Print what a campaign holds in the units people use at the rig."""
     fewest, most = holdings["repeats"]["fewest"], holdings["repeats"]["most"]
     excluded = f", {holdings['n_excluded']} of them excluded" if holdings["n_excluded"] else ""
     rows = [

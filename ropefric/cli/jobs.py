@@ -2,8 +2,6 @@
 
 import typer
 
-__all__ = ["SERIAL_BELOW", "parse_jobs"]
-
 SERIAL_BELOW = 20
 """Recordings below which starting worker processes costs more than it saves."""
 
@@ -12,23 +10,6 @@ def parse_jobs(text: str, n_items: int) -> int:
     """Return the number of processes for `n_items` recordings: what the user says, or what pays.
 
     No more than there are recordings and cores.
-
-    Parameters
-    ----------
-    text : str
-        "auto" or a positive integer.
-    n_items : int
-        How many recordings there are.
-
-    Raises
-    ------
-    typer.BadParameter
-        For anything else.
-
-    Examples
-    --------
-    >>> parse_jobs("auto", 12), parse_jobs("100000", 1)
-    (1, 1)
     """
     if text != "auto" and (not text.isdecimal() or len(text) > 9 or int(text) < 1):
         raise typer.BadParameter(f"{text!r} is neither 'auto' nor a number of processes", param_hint="--jobs")

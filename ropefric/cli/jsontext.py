@@ -6,33 +6,9 @@ from collections.abc import Mapping
 from os import PathLike, fspath
 from typing import Any
 
-__all__ = ["json_text"]
-
 
 def json_text(data: Any) -> str:
-    """Return `data` as one strict JSON document, keys sorted, NaN and infinities as null.
-
-    Parameters
-    ----------
-    data : tree
-        Mappings, lists, tuples, strings, numbers, None, paths; NumPy scalars and arrays.
-
-    Raises
-    ------
-    TypeError
-        For anything else: an object that slips in is a fault of the command, not of the user.
-
-    Examples
-    --------
-    >>> print(json_text({"b": float("nan"), "a": (1, 2.5)}))
-    {
-      "a": [
-        1,
-        2.5
-      ],
-      "b": null
-    }
-    """
+    """Return `data` as one strict JSON document, keys sorted, NaN and infinities as null."""
     return json.dumps(_plain(data), indent=2, sort_keys=True, allow_nan=False)
 
 

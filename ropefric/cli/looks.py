@@ -11,25 +11,12 @@ if TYPE_CHECKING:
 
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
 
-__all__ = ["show_inspection"]
 
 _MARKS = {"\t": "tab", " ": "space", ",": "comma", ";": "semicolon", ".": "point", "|": "bar"}
 
 
 def show_inspection(found: "Inspection", console: "Console") -> None:
-    """Print what was found out about a file: how it is written, its columns, its first rows, what to check.
-
-    Examples
-    --------
-    >>> import io
-    >>> from ropefric.cli.output import console_on
-    >>> from ropefric.traces.readers.inspection import Inspection
-    >>> stream = io.StringIO()
-    >>> found = Inspection(file="run07.csv", format="delimited", n_rows=12, separator=";")
-    >>> show_inspection(found, console_on(stream))
-    >>> print(stream.getvalue().splitlines()[0])
-    run07.csv: delimited, 12 rows, separator semicolon
-    """
+    """Print what was found out about a file: how it is written, its columns, its first rows, what to check."""
     console.print(_headline(found), markup=False, soft_wrap=True)
     console.print()
     headings = ("no.", "column ", "unit ", "from", "to", "missing", "holds ")

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from ropefric.files.folder import OutputFolder
     from ropefric.trials.campaign_model import Campaign
 
-__all__ = ["Force", "figure_names", "folder_option", "open_campaign_folder", "open_folder"]
 
 Force = Annotated[bool, typer.Option("--force", help="Replace files there that ropefric did not write.")]
 
@@ -52,13 +51,7 @@ def open_campaign_folder(
 
 
 def figure_names(*stems: str) -> tuple[str, ...]:
-    """Return the files that figures may be written to: pictures, and tables with endings of their own.
-
-    Examples
-    --------
-    >>> figure_names("sweep")
-    ('sweep.png', 'sweep.csv', 'sweep_*.csv')
-    """
+    """Return the files that figures may be written to: pictures, and tables with endings of their own."""
     return tuple(f"{stem}{end}" for stem in stems for end in (".png", ".csv", "_*.csv"))
 
 

@@ -15,7 +15,6 @@ from ropefric.files.write import cannot_write
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["Output", "console_on", "rendered"]
 
 PIPE_WIDTH = 200
 """Columns for tables that go into a file or pipe, where nothing needs to be folded."""
@@ -23,21 +22,7 @@ PIPE_WIDTH = 200
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Output:
-    """What the user wants to see.
-
-    Attributes
-    ----------
-    json : bool
-        The result as JSON, alone on stdout.
-    quiet : bool
-        No progress, notes or warnings; errors are still said.
-    color : bool
-        False switches all styling off; `NO_COLOR` does so for colours too.
-
-    Examples
-    --------
-    >>> Output(quiet=True).note("never seen")
-    """
+    """What the user wants to see."""
 
     json: bool = False
     quiet: bool = False
@@ -83,16 +68,7 @@ class Output:
 
 
 def console_on(stream: TextIO, *, color: bool = True) -> "Console":
-    r"""Return a console that writes to `stream`: as wide as the terminal, unstyled in a pipe.
-
-    Examples
-    --------
-    >>> import io
-    >>> stream = io.StringIO()
-    >>> console_on(stream).print("F_A = 12 N", style="bold")
-    >>> stream.getvalue()
-    'F_A = 12 N\n'
-    """
+    r"""Return a console that writes to `stream`: as wide as the terminal, unstyled in a pipe."""
     width = None if stream.isatty() or "COLUMNS" in os.environ else PIPE_WIDTH
     styled = {} if color else {"color_system": None}
     return _console_class()(file=stream, highlight=False, emoji=False, width=width, **styled)  # type: ignore[arg-type]
@@ -115,14 +91,7 @@ def _console_class() -> "type[Console]":
 
 
 def rendered(console: "Console", show: "Callable[[Console], None]") -> str:
-    r"""Return what `show` prints on a console, styled as the console's stream can take it.
-
-    Examples
-    --------
-    >>> import io
-    >>> rendered(console_on(io.StringIO()), lambda console: console.print("F_A = 12 N"))
-    'F_A = 12 N\n'
-    """
+    r"""Return what `show` prints on a console, styled as the console's stream can take it."""
     # Not printed directly: rich ends the program when the reader of a pipe goes away.
     with console.capture() as capture:
         show(console)

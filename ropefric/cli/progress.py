@@ -11,27 +11,13 @@ from ropefric.traces.breakaway import Status
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-__all__ = ["Progress"]
 
 REDRAW_S = 0.1
 _WITHOUT_FORCE = set(Status) - {Status.OK}
 
 
 class Progress:
-    """Shows how far a piece of work is; use as a context manager and hand `update` to the library.
-
-    Parameters
-    ----------
-    out : Output
-        Nothing is shown if it is quiet.
-    what : str
-        The work, in one word: "extract".
-
-    Examples
-    --------
-    >>> with Progress(Output(quiet=True), "extract") as progress:
-    ...     progress.update(1, 2, "run01.csv")
-    """
+    """Shows how far a piece of work is; use as a context manager and hand `update` to the library."""
 
     def __init__(self, out: Output, what: str) -> None:
         self._out = out

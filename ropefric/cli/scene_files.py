@@ -8,8 +8,6 @@ if TYPE_CHECKING:
     from ropefric.plotting.figure import FigureWithData
     from ropefric.scenes.solve import Solution
 
-__all__ = ["write_scene_files"]
-
 
 def write_scene_files(solution: "Solution", folder: "Folder") -> list[Path]:
     """Write the figures and tables of a solved scene, as far as its system has any; return their paths."""

@@ -5,29 +5,9 @@ from collections.abc import Iterable
 
 import typer
 
-__all__ = ["parse_spans"]
-
 
 def parse_spans(texts: Iterable[str], *, option: str) -> dict[str, tuple[float, float]]:
-    """Return `name=low:high` texts as a mapping.
-
-    Parameters
-    ----------
-    texts : iterable of str
-        "d=0:0.2" each.
-    option : str
-        The option they came with, for the message.
-
-    Raises
-    ------
-    typer.BadParameter
-        If one is not a name, an equals sign and two finite numbers that rise, or a name comes twice.
-
-    Examples
-    --------
-    >>> parse_spans(["d=0:0.2"], option="--bound")
-    {'d': (0.0, 0.2)}
-    """
+    """Return `name=low:high` texts as a mapping."""
     spans: dict[str, tuple[float, float]] = {}
     for text in texts:
         name, equals, ends = (part.strip() for part in text.partition("="))

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
 
-__all__ = ["end_line", "other_problems", "show_extraction"]
 
 MAX_ALIKE = 3
 """Problems of one code that are said in full; the others are counted."""
@@ -24,18 +23,7 @@ _FLAGS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED, Status.TOO_SHOR
 
 
 def show_extraction(extraction: "Extraction", console: "Console") -> None:
-    """Print a row a condition, then the recordings without a usable force and what to do about them.
-
-    Examples
-    --------
-    >>> import io
-    >>> from ropefric.cli.output import console_on
-    >>> from ropefric.trials.result import Extraction
-    >>> stream = io.StringIO()
-    >>> show_extraction(Extraction(name="", trials=(), conditions=(), problems=()), console_on(stream))
-    >>> stream.getvalue().split()[:2]
-    ['R_w', '[mm]']
-    """
+    """Print a row a condition, then the recordings without a usable force and what to do about them."""
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
     headings = (
@@ -60,14 +48,6 @@ def other_problems(extraction: "Extraction") -> list[Problem]:
     """Return what else was wrong or doubtful, beside the flagged recordings that the summary lists.
 
     Many problems of one kind are said a few times and then counted.
-
-    Examples
-    --------
-    >>> from ropefric.trials.result import Extraction
-    >>> few = [Problem(code="RF310", message=f"n = {n}", severity="warning") for n in range(5)]
-    >>> found = other_problems(Extraction(name="", trials=(), conditions=(), problems=tuple(few)))
-    >>> [problem.message for problem in found]
-    ['n = 0', 'n = 1', 'n = 2', '2 more like these']
     """
     listed = {problem for trial in _flagged(extraction) for problem in trial.problems}
     others = [problem for problem in extraction.problems if problem not in listed]
@@ -86,14 +66,7 @@ def other_problems(extraction: "Extraction") -> list[Problem]:
 
 
 def end_line(extraction: "Extraction", problems_file: Path) -> str:
-    """Return the last word on a run: what became of the trials, and where the reasons are listed.
-
-    Examples
-    --------
-    >>> from ropefric.trials.result import Extraction
-    >>> end_line(Extraction(name="", trials=(), conditions=(), problems=()), Path("out/problems.csv"))
-    '0 trials: 0 kept → out/problems.csv'
-    """
+    """Return the last word on a run: what became of the trials, and where the reasons are listed."""
     from ropefric.trials.result import count_trials, outcome_words  # noqa: PLC0415  (quick start-up)
 
     trials = extraction.trials

@@ -7,37 +7,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.table import Table
 
-__all__ = ["make_table", "number"]
-
 
 def number(value: float, form: str = ".4g") -> str:
-    """Return a number for a table cell; a dash where there is none.
-
-    Examples
-    --------
-    >>> number(321.74, ".1f"), number(float("nan"))
-    ('321.7', '–')
-    """
+    """Return a number for a table cell; a dash where there is none."""
     return format(value, form) if math.isfinite(value) else "–"
 
 
 def make_table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> "Table":
-    """Return a table whose first `left` columns (and the last, if its heading ends in a space) hold words.
-
-    Parameters
-    ----------
-    headings : sequence of str
-        One a column, with its unit in brackets.
-    rows : iterable of sequence of str
-        Cells, as text.
-    left : int
-        How many leading columns are words and stand left; the others are numbers and stand right.
-
-    Examples
-    --------
-    >>> make_table(["trial", "F_A [N]"], [["t01", "321.7"]]).row_count
-    1
-    """
+    """Return a table whose first `left` columns (and the last, if its heading ends in a space) hold words."""
     from rich import box  # noqa: PLC0415  (rich costs half the start-up time)
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415

@@ -39,7 +39,6 @@ from ropefric.files.write import (
 if sys.platform != "win32":
     import fcntl
 
-__all__ = ["CACHE", "OWN", "Folder", "OutputFolder", "as_folder"]
 
 OWN = ".ropefric"
 """Folder within a command's folder: the list of its files, its lock, and what is still being written."""
@@ -53,20 +52,7 @@ _TOLD = 3
 
 
 class Folder:
-    """A folder whose files are replaced one by one as they are written; the caller knows that it may.
-
-    Parameters
-    ----------
-    path : path-like
-        Made where it is missing, when the first file is written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     [path.name for path in Folder(place).write({"sub/a.txt": "12 N"})]
-    ['a.txt']
-    """
+    """A folder whose files are replaced one by one as they are written; the caller knows that it may."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
@@ -101,39 +87,6 @@ class OutputFolder(Folder):
     """The folder of a command, as a context: locked, checked before the work, and never left half done.
 
     What is written appears when it is published, at once; what is not published when the context ends is dropped.
-
-    Parameters
-    ----------
-    path : path-like
-        The folder; made where it is missing, and removed again if nothing comes to stand in it.
-    family : str
-        What results fit together: those of a campaign, of a scene, ….
-    names : iterable of str
-        Files the command may write, relative with "/"; `*` stands for any letters. Refused at the start if they are
-        somebody else's.
-    inputs : iterable of path
-        Files that the command reads, none of which is ever replaced.
-    basis : str
-        The file of the family that all others rest on: when it changes, those that are not written again go.
-    force : bool
-        Replace what ropefric did not write.
-
-    Raises
-    ------
-    DataError
-        RF105 if it cannot be written to, or a link or file stands in the way; RF150 for a file that ropefric did not
-        write, or that was changed since; RF151 for an input; RF152 while another run works in the folder.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     for text in ("old", "new"):
-    ...         with OutputFolder(place, family="scene", names=["answer.json"]) as folder:
-    ...             (answer,) = folder.write({"answer.json": text})
-    ...             folder.publish("answer")
-    ...     answer.read_text()
-    'new'
     """
 
     def __init__(
@@ -505,13 +458,7 @@ def _holder(text: bytes) -> dict[str, Any]:
 
 
 def _lock_file(handle: int) -> bool:
-    """Lock an open file for this process; return whether the system knows locks here.
-
-    Raises
-    ------
-    BlockingIOError
-        If another process has it. The system takes the lock from a process that ends, however it ends.
-    """
+    """Lock an open file for this process; return whether the system knows locks here."""
     if sys.platform == "win32":
         return False
     try:

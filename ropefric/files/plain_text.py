@@ -4,8 +4,6 @@ import json
 import re
 from typing import Any
 
-__all__ = ["from_spreadsheet", "json_document", "json_escaped", "to_spreadsheet", "visible"]
-
 # Control characters (ESC steers a terminal), what turns the direction of a line round, what no UTF-8 or XML holds.
 _UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
 _LONE = re.compile("[\ud800-\udfff]")
@@ -18,23 +16,12 @@ def visible(text: str) -> str:
     r"""Return text with every character that steers instead of showing itself written as its escape.
 
     Line breaks and tabs stay.
-
-    Examples
-    --------
-    >>> visible("run\x1b[31m7 φ"), visible("\udcff.csv")
-    ('run\\x1b[31m7 φ', '\\udcff.csv')
     """
     return _UNSEEN.sub(lambda found: _escape(found[0]), text)
 
 
 def json_escaped(text: str) -> str:
-    r"""Return a JSON document that UTF-8 can hold: halves of surrogate pairs, of odd file names, as escapes.
-
-    Examples
-    --------
-    >>> json_escaped('"\udcff"')
-    '"\\udcff"'
-    """
+    r"""Return a JSON document that UTF-8 can hold: halves of surrogate pairs, of odd file names, as escapes."""
     return _LONE.sub(lambda found: _escape(found[0]), text)
 
 
@@ -45,25 +32,13 @@ def json_document(tree: Any) -> str:
 
 
 def to_spreadsheet(text: str) -> str:
-    """Return the text of a CSV cell such that no spreadsheet takes it for a formula; numbers are not to be given.
-
-    Examples
-    --------
-    >>> to_spreadsheet("=cmd|' /C calc'!A0"), to_spreadsheet("t01")
-    ("'=cmd|' /C calc'!A0", 't01')
-    """
+    """Return the text of a CSV cell such that no spreadsheet takes it for a formula; numbers are not to be given."""
     shown = json_escaped(text)
     return f"'{shown}" if _RUN.match(shown) else shown
 
 
 def from_spreadsheet(cell: str) -> str:
-    """Return the text that `to_spreadsheet` has written into a cell.
-
-    Examples
-    --------
-    >>> from_spreadsheet("'+1"), from_spreadsheet("'twas"), from_spreadsheet("'")
-    ('+1', "'twas", "'")
-    """
+    """Return the text that `to_spreadsheet` has written into a cell."""
     return cell[1:] if _WRITTEN.match(cell) else cell
 
 

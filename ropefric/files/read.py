@@ -10,18 +10,6 @@ from typing import Self, TypeVar
 
 from ropefric.errors import DataError
 
-__all__ = [
-    "BLOCK_BYTES",
-    "TRIES",
-    "FileChangedError",
-    "InputFile",
-    "hash_file",
-    "kind_of_file",
-    "open_file",
-    "read_file",
-    "use_file",
-]
-
 T = TypeVar("T")
 
 BLOCK_BYTES = 2**20
@@ -45,13 +33,7 @@ _FLAGS = (
 
 
 def kind_of_file(path: str | os.PathLike[str]) -> str:
-    """Return what stands at a path: "file", "folder", "device or pipe", or "" for nothing that can be looked at.
-
-    Examples
-    --------
-    >>> kind_of_file("."), kind_of_file(os.devnull), kind_of_file("nowhere")
-    ('folder', 'device or pipe', '')
-    """
+    """Return what stands at a path: "file", "folder", "device or pipe", or "" for nothing that can be looked at."""
     try:
         return _kind(os.stat(path))  # noqa: PTH116  (a name with a null byte raises in either way)
     except (OSError, ValueError):
@@ -72,13 +54,6 @@ class InputFile:
     """A regular file, open for reading, that gives the same bytes however often they are asked for.
 
     Use as a context manager. Made by `open_file`.
-
-    Parameters
-    ----------
-    descriptor : int
-        The open file; closed at the end.
-    shown : str
-        What messages call it.
     """
 
     def __init__(self, descriptor: int, shown: str) -> None:
@@ -107,26 +82,14 @@ class InputFile:
         return self._hash
 
     def blocks(self, size: int = BLOCK_BYTES) -> Iterator[bytes]:
-        """Return an iterator over the whole content, a block of this size at a time; at once where it is kept anyhow.
-
-        Raises
-        ------
-        DataError
-            RF101, if the file changes meanwhile, or holds something else than in an earlier pass.
-        """
+        """Return an iterator over the whole content, a block of this size at a time; at once where it is kept anyhow."""
         if self.size <= KEPT_BYTES:
             yield self.read()
         else:
             yield from self._pass(size)
 
     def read(self, limit: int | None = None) -> bytes:
-        """Return the whole content.
-
-        Raises
-        ------
-        DataError
-            RF101, if it is longer than `limit` bytes, or the file changes meanwhile.
-        """
+        """Return the whole content."""
         if limit is not None and self.size > limit:
             raise DataError(
                 f"the file has {self.size} bytes; more than {limit} are not read",
@@ -182,30 +145,7 @@ class InputFile:
 
 
 def open_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = "") -> InputFile:
-    """Return a file, open for reading.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    what : str
-        What it is, for messages: "scene file".
-    shown : str
-        What messages call it; its path where empty.
-
-    Raises
-    ------
-    DataError
-        RF101: it is not there, is a folder, a device or a pipe, or must not be read. Nothing is waited for.
-
-    Examples
-    --------
-    >>> open_file(os.devnull, shown="/dev/null")
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: /dev/null: this is a device or pipe, not a file Fix: write its content to a file, and \
-name that
-    """
+    """Return a file, open for reading."""
     shown = shown or Path(path).as_posix()
     try:
         kind = _kind(os.stat(path))  # noqa: PTH116  (opening a device may already do something)
@@ -232,40 +172,14 @@ name that
 def read_file(
     path: str | os.PathLike[str], what: str = "file", *, shown: str = "", limit: int | None = None
 ) -> bytes:
-    """Return a file's content, read again where it changed meanwhile.
-
-    Parameters
-    ----------
-    path, what, shown
-        As `open_file`.
-    limit : int, optional
-        Most bytes that such a file can sensibly have.
-
-    Raises
-    ------
-    DataError
-        RF101, as `open_file`; or it is too long, or keeps changing.
-    """
+    """Return a file's content, read again where it changed meanwhile."""
     return use_file(path, lambda file: file.read(limit), what, shown=shown)
 
 
 def use_file(
     path: str | os.PathLike[str], use: Callable[[InputFile], T], what: str = "file", *, shown: str = ""
 ) -> T:
-    """Return what comes of an open file, begun again where the file changed meanwhile.
-
-    Parameters
-    ----------
-    path, what, shown
-        As `open_file`.
-    use : callable
-        Takes the file, open.
-
-    Raises
-    ------
-    DataError
-        RF101, as `open_file`, or because it keeps changing; and whatever `use` raises.
-    """
+    """Return what comes of an open file, begun again where the file changed meanwhile."""
     for again in reversed(range(TRIES)):
         with open_file(path, what, shown=shown) as file:
             try:
@@ -283,11 +197,5 @@ def use_file(
 
 
 def hash_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = "") -> str:
-    """Return the SHA-256 of a file's content, which need not fit into memory.
-
-    Raises
-    ------
-    DataError
-        RF101, as `open_file`.
-    """
+    """Return the SHA-256 of a file's content, which need not fit into memory."""
     return use_file(path, lambda file: file.sha256, what, shown=shown)

@@ -10,19 +10,6 @@ from typing import BinaryIO
 
 from ropefric.errors import DataError, InputError
 
-__all__ = [
-    "PART",
-    "cannot_write",
-    "discard",
-    "new_part",
-    "put_in_place",
-    "refuse_input",
-    "refuse_special",
-    "replacing",
-    "write_file",
-    "write_files",
-]
-
 PART = ".part"
 """How the name of a file that is still being written ends."""
 
@@ -37,27 +24,14 @@ _FIXES = {
 
 
 def cannot_write(error: OSError, path: str | os.PathLike[str]) -> DataError:
-    """Return what the system answered to an attempt to write, as an error that says what to do.
-
-    Examples
-    --------
-    >>> print(cannot_write(OSError(errno.ENOSPC, "No space left on device"), "out/trials.csv"))
-    out/trials.csv: cannot be written: no space left on device Fix: make room, or choose another place; what stood \
-there before is as it was
-    """
+    """Return what the system answered to an attempt to write, as an error that says what to do."""
     reason = (error.strerror or str(error) or type(error).__name__).lower()
     fix = _FIXES.get(error.errno or 0, "choose another place, one you may write to")
     return DataError(f"cannot be written: {reason}", code="RF105", path=Path(path).as_posix(), fix=fix)
 
 
 def refuse_special(path: Path) -> None:
-    """Refuse to replace what is not a plain file: what a link leads to belongs to others, a device is none.
-
-    Raises
-    ------
-    DataError
-        RF105 for a link, folder, pipe or device, and for a file that is write-protected.
-    """
+    """Refuse to replace what is not a plain file: what a link leads to belongs to others, a device is none."""
     try:
         mode = path.lstat().st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -80,13 +54,7 @@ def refuse_special(path: Path) -> None:
 
 
 def refuse_input(path: Path, *inputs: Path | None) -> None:
-    """Refuse to write over a file that the same command reads, under whatever name.
-
-    Raises
-    ------
-    DataError
-        RF151 if `path` is one of `inputs`; None among them is none.
-    """
+    """Refuse to write over a file that the same command reads, under whatever name."""
     for source in inputs:
         try:
             same = source is not None and path.samefile(source)
@@ -109,29 +77,7 @@ def new_part(folder: Path) -> Path:
 
 @contextmanager
 def replacing(path: Path, *, durable: bool = True) -> Iterator[BinaryIO]:
-    """Yield a stream whose bytes become the file when the block ends well; else the file stays as it was.
-
-    Parameters
-    ----------
-    path : Path
-        The file; its folder is made where it is missing. It is never a link, device or folder.
-    durable : bool
-        Whether the bytes are on the disk before the name is theirs; False for what can be made again.
-
-    Raises
-    ------
-    DataError
-        RF105 if it cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     with replacing(Path(folder, "sub", "a.txt")) as stream:
-    ...         _ = stream.write(b"12 N")
-    ...     Path(folder, "sub", "a.txt").read_text()
-    '12 N'
-    """
+    """Yield a stream whose bytes become the file when the block ends well; else the file stays as it was."""
     refuse_special(path)
     part = new_part(path.parent)
     try:
@@ -166,22 +112,7 @@ def discard(part: Path) -> None:
 
 
 def write_file(path: str | os.PathLike[str], content: str | bytes, *, durable: bool = True) -> Path:
-    r"""Write a text (UTF-8, line ends as they are) or bytes as one file, whole or not at all; return its path.
-
-    Parameters
-    ----------
-    path : path-like
-        The file; what stood there is replaced. Whether it may be is for the caller to know.
-    content : str or bytes
-        What it will hold.
-    durable : bool
-        As in `replacing`.
-
-    Raises
-    ------
-    DataError
-        RF105 if it cannot be written.
-    """
+    r"""Write a text (UTF-8, line ends as they are) or bytes as one file, whole or not at all; return its path."""
     target = Path(path)
     with replacing(target, durable=durable) as stream:
         stream.write(content.encode() if isinstance(content, str) else content)
@@ -191,31 +122,7 @@ def write_file(path: str | os.PathLike[str], content: str | bytes, *, durable: b
 def write_files(
     folder: str | os.PathLike[str], contents: Mapping[str, bytes], *, overwrite: bool = False
 ) -> tuple[Path, ...]:
-    """Write files that start something new: all of them or none, and never over somebody's work; return the paths.
-
-    Parameters
-    ----------
-    folder : path-like
-        Where to; it is made if it is missing.
-    contents : mapping of str to bytes
-        What each file holds, by its path below the folder.
-    overwrite : bool
-        Replace files that are there.
-
-    Raises
-    ------
-    InputError
-        RF150 if a file is there already, and then nothing is written.
-    DataError
-        RF105 if the folder cannot be written to.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in write_files(folder, {"one.txt": b"1", "more/two.txt": b"2"})]
-    ['one.txt', 'two.txt']
-    """
+    """Write files that start something new: all of them or none, and never over somebody's work; return the paths."""
     paths = tuple(Path(folder) / name for name in contents)
     for path in paths:
         if not overwrite and os.path.lexists(path):

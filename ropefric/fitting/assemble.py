@@ -32,8 +32,6 @@ from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import group_means
 from ropefric.friction.condition import Conditions
 
-__all__ = ["assemble"]
-
 FloatArray = npt.NDArray[np.float64]
 
 # Repeats of one value have a standard deviation of this or less, by rounding.
@@ -42,22 +40,7 @@ _REGRESSORS = ("wheel_radius_m", "rope_radius_m", "size_ratio", "wrap_angle_rad"
 
 
 def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
-    """Return the result of a search.
-
-    Parameters
-    ----------
-    found : Found
-        The minimum, with the problem and its scatter.
-    table : TrialTable
-        The trials fitted.
-    settings : FitSettings
-        How the fit was made.
-
-    Raises
-    ------
-    InputError
-        If the covariance is not to be scaled, but nothing is known of the scatter.
-    """
+    """Return the result of a search."""
     problem, minimum = found.problem, found.minimum
     law, theta = problem.law, minimum.theta
     shown = problem.vary & ~minimum.at_bound

@@ -13,30 +13,12 @@ from ropefric.fitting.problem import FloatArray
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 
-__all__ = ["ModelAverage", "averaged_prediction"]
-
 _LEAST_WEIGHT = 1e-4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ModelAverage:
-    """Lift forces averaged over the laws of a comparison, for n conditions.
-
-    Attributes
-    ----------
-    lift_force_N, std_N : ndarray, shape (n,)
-        exp of the weighted mean of ln F_A [N], and F_A times `std_log` [N].
-    log_lift, std_log : ndarray, shape (n,)
-        Weighted mean of ln F_A and its standard deviation: of each law, and between the laws [-].
-    std_between_laws : ndarray, shape (n,)
-        The part of `std_log` that comes from the laws' disagreement [-].
-    extrapolated : ndarray of bool, shape (n,)
-        Which conditions lie outside the tested range.
-    weights : dict of str to float
-        Weight of each law; they sum to 1.
-    left_out : dict of str to str
-        Counted laws that have no answer at some condition, and why; their weight went to the others.
-    """
+    """Lift forces averaged over the laws of a comparison, for n conditions."""
 
     lift_force_N: FloatArray
     std_N: FloatArray
@@ -59,18 +41,6 @@ def averaged_prediction(comparison: Comparison, conditions: Conditions) -> Model
 
     With weights w and the laws' ln F_A η ± s: mean η̄ = Σ w η and variance Σ w (s² + (η − η̄)²) (Burnham and
     Anderson 2002, eq. 4.9 in its revised form). Laws below a weight of 1e-4 are left away.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        Just made, so that it carries its fits.
-    conditions : Conditions
-        n conditions.
-
-    Raises
-    ------
-    InputError
-        If the comparison has no weights, or no counted law has an answer for all conditions.
     """
     if not comparison.conclusive:
         raise InputError(

@@ -14,8 +14,6 @@ from ropefric.fitting.scatter import TwoLevelScatter, two_level_scatter
 from ropefric.friction.condition import FloatArray
 from ropefric.registry import did_you_mean
 
-__all__ = ["BootstrapKind", "BootstrapResult", "IntervalMethod", "bootstrap"]
-
 BootstrapKind = Literal["parametric", "clustered"]
 IntervalMethod = Literal["percentile", "basic"]
 
@@ -27,31 +25,7 @@ _MOST_RESAMPLES = 1_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BootstrapResult:
-    """Parameters of the refitted resamples, and what they say of the fit.
-
-    Attributes
-    ----------
-    kind : str
-        "parametric" or "clustered".
-    best : ndarray, shape (p,)
-        The fit that was resampled.
-    theta : ndarray, shape (n_ok, p)
-        The refits that converged, in the order drawn.
-    std : ndarray, shape (p,)
-        Their sample standard deviation; zero for a fixed parameter.
-    ci95 : ndarray, shape (p, 2)
-        Percentile interval at 95 %.
-    ci95_basic : ndarray, shape (p, 2)
-        Basic interval at 95 %, the percentiles reflected at `best` and cut at the bounds.
-    n_failed : int
-        Resamples without a refit.
-    scatter : TwoLevelScatter
-        The two levels of scatter that a parametric bootstrap drew from.
-    notes : tuple of str
-        What a reader should know before quoting the intervals.
-    lower, upper : ndarray, shape (p,)
-        Bounds of the fit.
-    """
+    """Parameters of the refitted resamples, and what they say of the fit."""
 
     kind: BootstrapKind
     best: FloatArray
@@ -66,15 +40,7 @@ class BootstrapResult:
     upper: FloatArray
 
     def interval(self, level: float = 0.95, method: IntervalMethod = "percentile") -> FloatArray:
-        """Return the interval of every parameter at a level between 0 and 1, shape (p, 2).
-
-        Raises
-        ------
-        InputError
-            If the level is not between 0 and 1.
-        UnknownNameError
-            For another method than "percentile" and "basic".
-        """
+        """Return the interval of every parameter at a level between 0 and 1, shape (p, 2)."""
         if method not in get_args(IntervalMethod):
             raise UnknownNameError(
                 f"unknown interval method {method!r}", fix=did_you_mean(str(method), get_args(IntervalMethod))
@@ -91,52 +57,7 @@ def bootstrap(
     seed: int | np.random.Generator = 0,
     scatter: TwoLevelScatter | tuple[float, float] | None = None,
 ) -> BootstrapResult:
-    """Return the spread of a fit over resampled data sets, all refitted in one batch.
-
-    Parameters
-    ----------
-    problem : FitProblem
-        The problem that was fitted.
-    theta : array_like, shape (p,)
-        Its solution; refits start here.
-    kind : {"parametric", "clustered"}
-        "parametric" adds normal scatter to the fitted law: one draw for each condition, shared by its repeats, and
-        one for each point. "clustered" draws whole conditions with replacement and keeps the repeats of each
-        together as measured, so it assumes nothing about their scatter; it needs many conditions, and with fewer
-        than about 20 its intervals are too narrow.
-    n : int
-        Number of resamples, at least 2.
-    seed : int or Generator
-        The same seed gives the same numbers.
-    scatter : TwoLevelScatter or (within, between), optional
-        Standard deviations of ln F_A for "parametric"; estimated from the residuals otherwise.
-
-    Returns
-    -------
-    BootstrapResult
-        A resample that does not converge, or of so few distinct conditions that it cannot hold the parameters, is
-        counted in n_failed and left out.
-
-    Raises
-    ------
-    InputError
-        If n, kind or scatter is out of range, or there are no more conditions than parameters for "clustered".
-    FitError
-        If fewer than two resamples could be refitted.
-
-    Examples
-    --------
-    >>> from ropefric.friction.condition import Conditions
-    >>> from ropefric.friction.laws import LAWS
-    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9], end_tension_N=20)
-    >>> law, one = LAWS["constant"], np.ones(3)
-    >>> problem = FitProblem(
-    ...     law=law, conditions=pulls, log_lift=law.log_lift([0.2], pulls), std=one, group=np.arange(3),
-    ...     start=np.array([0.2]), lower=law.lower, upper=law.upper, vary=np.array([True]),
-    ... )
-    >>> bootstrap(problem, [0.2], scatter=(0.1, 0.0)).std.round(3).tolist()  # 0.1/sqrt(3² + 6² + 9²)
-    [0.009]
-    """
+    """Return the spread of a fit over resampled data sets, all refitted in one batch."""
     best = np.asarray(theta, dtype=np.float64)
     if best.shape != problem.start.shape:
         raise InputError(f"theta has shape {best.shape}; law {problem.law.name} needs {problem.start.shape}")

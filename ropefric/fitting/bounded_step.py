@@ -5,8 +5,6 @@ import numpy.typing as npt
 
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["bounded_steps", "column_scale"]
-
 # Keeps the scaled normal equations invertible where the data do not see a direction at all.
 _RIDGE = 1e-13
 # Near the smallest floats a square is held only in part.
@@ -27,40 +25,9 @@ def bounded_steps(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the steps that lower ‖r + J s‖² + sᵀS s most among those inside the bounds, and their squared length.
 
-    Parameters
-    ----------
-    normal : ndarray, shape (m, p, p)
-        JᵀJ of the weighted residuals.
-    downhill : ndarray, shape (m, p)
-        −Jᵀr.
-    curvature : ndarray, shape (m, p, p)
-        S, what the second derivatives of the model add to JᵀJ; JᵀJ + S must be positive definite.
-    low, high : ndarray, shape (m, p)
-        Bounds of the step, at most and at least zero; may be infinite.
-    vary : ndarray of bool, shape (m, p)
-        Which parameters may move.
-    damping : ndarray, shape (m,)
-        Marquardt's λ relative to the diagonal of JᵀJ, zero or more.
-
-    Returns
-    -------
-    tuple of ndarray, shapes (m, p) and (m,)
-        The steps s, and sᵀJᵀJs: how far the weighted model moves, squared.
-
-    Notes
-    -----
     The columns are scaled to unit length first, so parameters of any units are solved alike. A parameter that
     presses against its bound is held there, one that would pass it stops at it, and the others are solved again
     with that known, until no parameter wants to change sides (or 2 p rounds are over).
-
-    Examples
-    --------
-    >>> step, length2 = bounded_steps(
-    ...     np.array([[[4.0]]]), np.array([[8.0]]), curvature=np.zeros((1, 1, 1)), low=np.array([[-1.0]]),
-    ...     high=np.array([[0.5]]), vary=np.array([[True]]), damping=np.zeros(1),
-    ... )
-    >>> step.tolist(), length2.tolist()
-    ([[0.5]], [1.0])
     """
     whole = normal + curvature
     scale = column_scale(whole)
@@ -93,13 +60,7 @@ def bounded_steps(
 
 
 def column_scale(normal: FloatArray) -> FloatArray:
-    """Return the lengths of the columns of J from JᵀJ, shape (m, p), and 1 where there is none.
-
-    Examples
-    --------
-    >>> column_scale(np.array([[[4.0, 0.0], [0.0, 0.0]]])).tolist()
-    [[2.0, 1.0]]
-    """
+    """Return the lengths of the columns of J from JᵀJ, shape (m, p), and 1 where there is none."""
     square = normal.diagonal(axis1=1, axis2=2)
     return np.sqrt(np.where(square > _NOTHING, square, 1.0))
 

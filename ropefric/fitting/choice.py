@@ -18,31 +18,13 @@ from ropefric.fitting.status import FitStatus
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import counted
 
-__all__ = ["Choice", "choose_law"]
-
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
 _ANSWERING = frozenset({FitStatus.OK, FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Choice:
-    """The law that is used.
-
-    Attributes
-    ----------
-    fit : FitResult
-        Its fit.
-    entry : ComparisonEntry
-        How it stands in the comparison.
-    forced : bool
-        Whether the user named it.
-    verdict : Verdict
-        What is to be thought of it.
-    doubts : tuple of str
-        What is to be known about the choice, the reasons of the verdict among it; empty if nothing.
-    rivals : tuple of FitResult
-        Laws that the data do not tell from it.
-    """
+    """The law that is used."""
 
     fit: FitResult
     entry: ComparisonEntry
@@ -69,41 +51,7 @@ class Choice:
 
 
 def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
-    """Return the best law of a comparison whose fit may be used as it stands, or the law that is asked for.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        Laws, best first.
-    law : str
-        The law to use whatever its place; "" for the best.
-    wheel : Conditions, optional
-        What is to be predicted: laws that are not told apart count as one where they agree there; by default,
-        where they agree on the conditions that were tested.
-
-    Returns
-    -------
-    Choice
-        Where no law may be used as it stands, the best of all, whose verdict says so.
-
-    Raises
-    ------
-    UnknownNameError
-        If the law is not in the comparison.
-    FitError
-        If the law has no answer on these data.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.compare import compare_laws
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> choose_law(compare_laws(table)).verdict.word
-    'not judged'
-    """
+    """Return the best law of a comparison whose fit may be used as it stands, or the law that is asked for."""
     fitted = [entry for entry in comparison.ranking if entry.fit is not None]
     if law:
         chosen = comparison[law]

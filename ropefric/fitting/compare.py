@@ -22,8 +22,6 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
 
-__all__ = ["ALWAYS", "REFUSED", "compare_laws"]
-
 ALWAYS = ("constant", "constant-offset")
 """Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
 
@@ -46,53 +44,7 @@ def compare_laws(
     progress: Callable[[str, int, int], None] | None = None,
     **fit_options: Any,
 ) -> Comparison:
-    """Return how friction laws stand against each other on a trial table.
-
-    Parameters
-    ----------
-    table : TrialTable
-        Trials.
-    laws : iterable of str or FrictionLaw, optional
-        Laws to compare, all of `LAWS` by default. The two constant laws are added if they are not among them.
-    unit : {"conditions", "trials"}
-        What counts as one observation. Repeats of a condition share what makes it differ from the law, so they
-        are not independent evidence about the law: by default n is the number of conditions, each standing with
-        its mean, whose variance is that of the repeats (known from their spread) plus a scatter between
-        conditions (estimated for each law). "trials" counts every trial, which is right only where repeats
-        scatter no less than conditions do; without repeats both are the same.
-    law_options : mapping of str to mapping, optional
-        Options of `fit_law` for single laws: `{"groove": {"fixed": {"half_angle": 0.3}}}`.
-    progress : callable, optional
-        Called with (law, number of it, number of laws) before each fit.
-    **fit_options
-        Options of `fit_law` for all laws.
-
-    Returns
-    -------
-    Comparison
-        A law that cannot be fitted stands in it with its status and no weight. Where one law only can be ranked, or
-        the constant ones only because the data are too few for any other, no weight says anything and all are NaN.
-
-    Raises
-    ------
-    UnknownNameError
-        For a law that is not known.
-    InputError
-        If the table has no usable trial, or an option names a law that is not compared.
-    RopefricError
-        If not even the constant law can be fitted.
-
-    Examples
-    --------
-    >>> wraps = np.repeat([2.0, 4.0, 6.0, 8.0, 10.0], 2)
-    >>> noise = 0.01 * np.array([1, -2, 2, -1, -1, 1, 0, -2, 1, 1])
-    >>> table = TrialTable(
-    ...     trial=tuple("abcdefghij"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps,
-    ...     end_tension_N=20, peak_N=20 * np.exp(0.2 * wraps + noise),
-    ... )
-    >>> [entry.law for entry in compare_laws(table, ["constant-offset"]).ranking]
-    ['constant', 'constant-offset']
-    """
+    """Return how friction laws stand against each other on a trial table."""
     chosen = _chosen(laws)
     options = {name: dict(values) for name, values in (law_options or {}).items()}
     for name in options:

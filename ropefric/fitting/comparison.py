@@ -10,44 +10,13 @@ from ropefric.fitting.criteria import FTest
 from ropefric.fitting.result import FitResult
 from ropefric.registry import did_you_mean
 
-__all__ = ["Comparison", "ComparisonEntry", "Unit"]
-
 Unit = Literal["conditions", "trials"]
 _DIGITS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ComparisonEntry:
-    """One law in a comparison; NaN where there is no such number.
-
-    Attributes
-    ----------
-    law : str
-        The law.
-    n : int
-        Independent observations the criteria rest on.
-    k : int
-        Estimated quantities: fitted parameters and the scatter.
-    chi2 : float
-        Σ residual²/variance over the observations, with the likeliest scatter.
-    aicc, bic : float
-        Criteria; +inf where n ≤ k + 1, too few to judge the law.
-    delta_aicc : float
-        AICc less that of the best law counted.
-    weight : float
-        Akaike weight among the laws counted; 0 for the others. NaN where the counted laws leave no choice.
-    loco_error : float
-        Leave-one-condition-out error, RMS of ln F_A: the relative error at conditions the law has not seen.
-        NaN for a law that is not counted.
-    status : str
-        Of the fit (`FitStatus`), or "refused" for a law that has no answer on these data.
-    counted : bool
-        Whether the law takes part in the weights.
-    note : str
-        Why it does not; empty where it does.
-    fit : FitResult, optional
-        The fit to the trials; None where it was refused.
-    """
+    """One law in a comparison; NaN where there is no such number."""
 
     law: str
     n: int

@@ -9,8 +9,6 @@ from ropefric.fitting.measured import Measured
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
 
-__all__ = ["comparison_notes"]
-
 _CHANCE = 0.05
 
 
@@ -21,21 +19,7 @@ def comparison_notes(
     unit: Unit,
     measured: Measured,
 ) -> tuple[str, ...]:
-    """Return what to know before reading a ranking; first what an observation is.
-
-    Parameters
-    ----------
-    ranking : sequence of ComparisonEntry
-        Best first.
-    tests : sequence of FTest
-        Nested pairs among the same laws.
-    means : ConditionMeans
-        The observations.
-    unit : {"conditions", "trials"}
-        What an observation is.
-    measured : {"lift", "end-tension"}
-        Which force was measured.
-    """
+    """Return what to know before reading a ranking; first what an observation is."""
     in_all = counted(len(means), unit[:-1])
     notes = [f"AICc counts {in_all}, not repeats" if unit == "conditions" else "AICc counts every trial"]
     if not means.repeated and unit == "conditions":

@@ -8,8 +8,6 @@ import numpy.typing as npt
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
 from ropefric.fitting.identifiability import NOT_SEEN, RANK_RATIO
 
-__all__ = ["bread", "clustered_covariance", "rank_lost", "rounded_covariance", "unseen_part"]
-
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
@@ -21,20 +19,7 @@ _MOST_DECIMALS = 17
 
 
 def bread(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray:
-    """Return (Jᵀ W J)⁻¹, shape (q, q), the pseudo-inverse where combinations of parameters are not seen.
-
-    Parameters
-    ----------
-    jacobian : ndarray, shape (n, q)
-        Derivatives of the residuals in standard deviations.
-    weights : ndarray, shape (n,), optional
-        What a robust loss leaves of each squared residual.
-
-    Examples
-    --------
-    >>> bread(np.array([[2.0], [2.0]])).round(12).tolist()
-    [[0.125]]
-    """
+    """Return (Jᵀ W J)⁻¹, shape (q, q), the pseudo-inverse where combinations of parameters are not seen."""
     q = jacobian.shape[1]
     if not q:
         return np.zeros((0, 0))
@@ -43,13 +28,7 @@ def bread(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray
 
 
 def unseen_part(jacobian: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return which parameters belong to a combination that changes nothing, shape (q,).
-
-    Examples
-    --------
-    >>> unseen_part(np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 1.0]])).tolist()
-    [True, True, False]
-    """
+    """Return which parameters belong to a combination that changes nothing, shape (q,)."""
     q = jacobian.shape[1]
     if not q:
         return np.zeros(0, dtype=bool)
@@ -83,27 +62,8 @@ def clustered_covariance(
     Right whatever the trials of one condition share (a new rope, a weight, a wrap set once), as long as the
     conditions are independent.
 
-    Parameters
-    ----------
-    jacobian : ndarray, shape (n, q)
-        Derivatives of the residuals in standard deviations.
-    residuals : ndarray, shape (n,)
-        Residuals in standard deviations.
-    group : ndarray of int, shape (n,)
-        Condition numbers.
-    weights : ndarray, shape (n,), optional
-        What a robust loss leaves of each squared residual.
-
-    Notes
-    -----
     Bell & McCaffrey's (2002) CR2: each condition's part is divided by √(1 − h), h its leverage, which makes the
     estimate unbiased if the scatter is even; the simple factor k/(k − 1) leaves it too small by about q/k.
-
-    Examples
-    --------
-    >>> ones = np.ones((4, 1))
-    >>> clustered_covariance(ones, np.array([1.0, 1.0, -1.0, -1.0]), np.array([0, 0, 1, 1])).round(12).tolist()
-    [[1.0]]
     """
     w = np.ones_like(residuals) if weights is None else weights
     if not jacobian.shape[1]:
@@ -120,13 +80,7 @@ def clustered_covariance(
 
 
 def rank_lost(jacobian: FloatArray) -> int:
-    """Return how many combinations of the parameters change nothing.
-
-    Examples
-    --------
-    >>> rank_lost(np.array([[1.0, 1.0], [2.0, 2.0]]))
-    1
-    """
+    """Return how many combinations of the parameters change nothing."""
     if not jacobian.shape[1]:
         return 0
     _, _, values, _ = _decomposed(jacobian)
@@ -139,11 +93,6 @@ def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
     Correlations keep three decimals beyond the first of the smallest eigenvalue of their matrix, so that it stays
     positive definite and the best known combination of parameters keeps its error to a per cent or better; `lost`
     combinations, which change nothing, have no part in it.
-
-    Examples
-    --------
-    >>> rounded_covariance(np.array([[0.0012345678, 0.0004], [0.0004, 0.00033333333]])).tolist()
-    [[0.0012348196, 0.0004000727654], [0.0004000727654, 0.0003334276]]
     """
     size = np.sqrt(np.diag(covariance))
     if not (np.isfinite(covariance).all() and (size > 0.0).all()):

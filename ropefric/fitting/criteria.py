@@ -11,81 +11,30 @@ from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem, FloatArray
 from ropefric.friction.condition import Conditions
 
-__all__ = [
-    "ConditionMeans",
-    "FTest",
-    "ScatterFit",
-    "aicc",
-    "akaike_weights",
-    "bic",
-    "condition_means",
-    "f_test",
-    "least_squares_deviance",
-    "scatter_fit",
-]
-
 _HALVINGS = 200
 # ln F of double precision is known no better than this.
 _RESOLVED = 1e-12
 
 
 def least_squares_deviance(rss: float, n: int) -> float:
-    """Return n ln(RSS/n): −2 ln L of n equal, unknown scatters, without the n (1 + ln 2π) all laws share.
-
-    Examples
-    --------
-    >>> round(least_squares_deviance(0.02961, 21), 3)
-    -137.847
-    """
+    """Return n ln(RSS/n): −2 ln L of n equal, unknown scatters, without the n (1 + ln 2π) all laws share."""
     return n * math.log(rss / n) if rss > 0.0 else -math.inf
 
 
 def aicc(deviance: float, n: int, k: int) -> float:
-    """Return Akaike's criterion with the small-sample term, deviance + 2k + 2k(k + 1)/(n − k − 1).
-
-    Parameters
-    ----------
-    deviance : float
-        −2 ln L up to a constant all laws share.
-    n : int
-        Number of independent observations.
-    k : int
-        Number of estimated quantities: the fitted parameters AND the scatter.
-
-    Returns
-    -------
-    float
-        +inf for n ≤ k + 1, where so few observations cannot judge the law.
-
-    Examples
-    --------
-    >>> round(aicc(-139.5925, 21, 2), 1)
-    -134.9
-    """
+    """Return Akaike's criterion with the small-sample term, deviance + 2k + 2k(k + 1)/(n − k − 1)."""
     if n <= k + 1:
         return math.inf
     return deviance + 2.0 * k + 2.0 * k * (k + 1) / (n - k - 1)
 
 
 def bic(deviance: float, n: int, k: int) -> float:
-    """Return Schwarz's criterion, deviance + k ln n; arguments as in `aicc`.
-
-    Examples
-    --------
-    >>> round(bic(-139.5925, 21, 2), 1)
-    -133.5
-    """
+    """Return Schwarz's criterion, deviance + k ln n; arguments as in `aicc`."""
     return deviance + k * math.log(n)
 
 
 def akaike_weights(criteria: npt.ArrayLike) -> FloatArray:
-    """Return the weights e^{−Δ/2}, summing to 1; zero where the criterion is not finite above, all zero if none is.
-
-    Examples
-    --------
-    >>> akaike_weights([-134.9, -132.5, float("inf")]).round(3).tolist()
-    [0.769, 0.231, 0.0]
-    """
+    """Return the weights e^{−Δ/2}, summing to 1; zero where the criterion is not finite above, all zero if none is."""
     values = np.asarray(criteria, dtype=np.float64)
     usable = ~np.isnan(values) & (values < np.inf)
     if not usable.any():
@@ -101,19 +50,7 @@ def akaike_weights(criteria: npt.ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FTest:
-    """Whether a law's extra parameters explain more than chance.
-
-    Attributes
-    ----------
-    simpler, fuller : str
-        The two laws; the simpler one is a special case of the fuller.
-    f : float
-        F statistic [-].
-    dof : tuple of int
-        Its degrees of freedom.
-    p_value : float
-        Probability of so large an F if the simpler law is true.
-    """
+    """Whether a law's extra parameters explain more than chance."""
 
     simpler: str
     fuller: str
@@ -125,19 +62,7 @@ class FTest:
 def f_test(
     chi2_simpler: float, chi2_fuller: float, *, n: int, p_simpler: int, p_fuller: int
 ) -> tuple[float, tuple[int, int], float]:
-    """Return F, its degrees of freedom and the p-value of two nested least-squares fits with the same weights.
-
-    Raises
-    ------
-    InputError
-        If the fuller fit has no more parameters, or leaves no degree of freedom.
-
-    Examples
-    --------
-    >>> F, dof, p_value = f_test(0.4, 0.1, n=12, p_simpler=1, p_fuller=2)
-    >>> round(F, 6), dof, round(p_value, 6)
-    (30.0, (1, 10), 0.00027)
-    """
+    """Return F, its degrees of freedom and the p-value of two nested least-squares fits with the same weights."""
     extra, left = p_fuller - p_simpler, n - p_fuller
     if extra < 1 or left < 1:
         raise InputError(
@@ -156,20 +81,6 @@ class ConditionMeans:
 
     Repeats of a condition share whatever makes that condition differ from the law, so only their mean bears on
     the law; their spread about the mean is the same for every law and tells how well the mean is known.
-
-    Attributes
-    ----------
-    conditions : Conditions
-        One per mean, K in all.
-    log_lift : ndarray, shape (K,)
-        Weighted mean of ln(F_A / 1 N).
-    std : ndarray, shape (K,)
-        Standard deviation of each mean from the repeats [-]; without any repeats, the standard deviations the
-        problem gives its points, which then count as relative.
-    size : ndarray of int, shape (K,)
-        Trials behind each mean.
-    scatter_within : float
-        Standard deviation between repeats of one condition [-], pooled; NaN without repeats.
     """
 
     conditions: Conditions
@@ -227,17 +138,7 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ScatterFit:
-    """The scatter of condition means about a law that makes them likeliest.
-
-    Attributes
-    ----------
-    deviance : float
-        −2 ln L, less the K (1 + ln 2π) all laws share.
-    variance : ndarray, shape (K,)
-        Variance of each mean about the law: repeats and between-condition scatter.
-    between : float
-        Standard deviation between conditions beyond what repeats explain [-].
-    """
+    """The scatter of condition means about a law that makes them likeliest."""
 
     deviance: float
     variance: FloatArray

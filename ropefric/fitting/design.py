@@ -12,8 +12,6 @@ from ropefric.fitting.problem import FloatArray
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 
-__all__ = ["DesignChart", "design", "design_chart"]
-
 
 def design(
     fit: FitResult,
@@ -29,47 +27,8 @@ def design(
 ) -> Design:
     """Return the smallest wrap, wheel radius or end tension that lifts a load, for n designs at once.
 
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    lift_N : array_like, scalar or shape (n,)
-        Load to lift [N], positive.
-    rope_radius_m, wheel_radius_m, wrap_angle_rad, end_tension_N : array_like, scalar or shape (n,)
-        The other quantities; the one looked for is left out.
-    solve_for : {"wrap", "radius", "end_tension"}
-        What is looked for.
-    probability : float, optional
-        Probability, 0.5 or more and below 1, that one pull with one new rope lifts the load: the one-sided lower
-        prediction bound η − t √(J C Jᵀ + scatter²) reaches ln F. None: the mean law lifts it.
-    limits : tuple of float, optional
-        Where to look, SI; `LIMITS` by default.
-
-    Raises
-    ------
-    InputError
-        If quantities are missing or too many, a number is out of range, the law does not depend on what is looked
-        for, or the fit knows no scatter and a probability is asked for.
-
-    Notes
-    -----
     ln F_A rises with each of the three, so the mean law has one crossing, found by Newton's method in brackets. The
     bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> found = design(
-    ...     fit_law(table, "constant"), lift_N=60, rope_radius_m=0.005, wheel_radius_m=0.04, end_tension_N=20,
-    ...     probability=None,
-    ... )
-    >>> found.explain()
-    'wrap_angle_rad = 5.49825 rad lifts 60 N'
     """
     search = DesignSearch.checked(
         fit, solve_for, probability, limits,
@@ -107,25 +66,7 @@ def design(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DesignChart:
-    """Lift forces over wheel radius and wrap at one end tension.
-
-    Attributes
-    ----------
-    wheel_radius_m : ndarray, shape (r,)
-        Rows [m].
-    wrap_angle_rad : ndarray, shape (w,)
-        Columns [rad].
-    rope_radius_m, end_tension_N : float
-        The same everywhere.
-    lift_force_N : ndarray, shape (r, w)
-        F_A of the mean law [N]; NaN where the law has no answer, infinite where the force overflows.
-    lower_bound_N : ndarray, shape (r, w)
-        What one new rope exceeds with the probability [N].
-    probability : float
-        That probability.
-    extrapolated : ndarray of bool, shape (r, w)
-        Where the chart leaves what was tested.
-    """
+    """Lift forces over wheel radius and wrap at one end tension."""
 
     wheel_radius_m: FloatArray
     wrap_angle_rad: FloatArray
@@ -146,13 +87,7 @@ def design_chart(
     rope_radius_m: float,
     probability: float = 0.95,
 ) -> DesignChart:
-    """Return lift force and lower bound over a grid of r wheel radii [m] and w wraps [rad].
-
-    Raises
-    ------
-    InputError
-        If a number is out of range, or the fit knows no scatter.
-    """
+    """Return lift force and lower bound over a grid of r wheel radii [m] and w wraps [rad]."""
     radii, wraps = (
         np.atleast_1d(np.asarray(wheel_radius_m, float)),
         np.atleast_1d(np.asarray(wrap_angle_rad, float)),

@@ -9,8 +9,6 @@ import numpy.typing as npt
 
 from ropefric.fitting.problem import FloatArray
 
-__all__ = ["QUANTITIES", "Design", "DesignStatus", "SolveFor"]
-
 SolveFor = Literal["wrap", "radius", "end_tension"]
 
 QUANTITIES = {

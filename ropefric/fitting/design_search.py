@@ -21,8 +21,6 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.parameter import columns_of
 from ropefric.friction.physics import refusals_of
 
-__all__ = ["CHUNK", "LIMITS", "DesignSearch", "LiftBound"]
-
 LIMITS: dict[str, tuple[float, float]] = {
     "wrap": (0.0, 40.0 * math.pi),
     "radius": (1e-3, 10.0),
@@ -40,21 +38,7 @@ _LEAST_WRAP_RAD = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiftBound:
-    """ln F_A of a fitted law and what one new rope exceeds with a probability.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        The law; p parameters.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    covariance : ndarray, shape (p, p)
-        Their covariance.
-    reach : float
-        Quantile of Student's t for the probability; 0 without one.
-    scatter : float
-        Standard deviation of ln F_A of one new rope about the law [-].
-    """
+    """ln F_A of a fitted law and what one new rope exceeds with a probability."""
 
     law: FrictionLaw
     theta: FloatArray
@@ -64,13 +48,7 @@ class LiftBound:
 
     @classmethod
     def of(cls, fit: FitResult, probability: float | None) -> "LiftBound":
-        """Return the bound of a fit.
-
-        Raises
-        ------
-        InputError
-            If the probability is out of range, or the fit lacks what it needs.
-        """
+        """Return the bound of a fit."""
         reach, scatter = 0.0, 0.0
         if probability is not None:
             if not 0.5 <= probability < 1.0:
@@ -122,21 +100,7 @@ class LiftBound:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DesignSearch:
-    """n designs to find; use `checked`.
-
-    Attributes
-    ----------
-    bound : LiftBound
-        What must reach the load.
-    solve_for : {"wrap", "radius", "end_tension"}
-        What is looked for; radius and end tension by their logarithm.
-    limits : tuple of float
-        Where.
-    given : mapping of str to ndarray, shape (n,)
-        The other quantities.
-    log_load : ndarray, shape (n,)
-        ln of the load [-].
-    """
+    """n designs to find; use `checked`."""
 
     bound: LiftBound
     solve_for: SolveFor

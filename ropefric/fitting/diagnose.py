@@ -20,8 +20,6 @@ from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 
-__all__ = ["diagnose"]
-
 # Differences of AICc: an effect is supported when it makes the data e^3 = 20 times likelier after its price.
 _STRONG = 6.0
 _WEAK = 2.0
@@ -51,29 +49,7 @@ _OFFSET_TEST = (
 
 
 def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_options: Any) -> Diagnosis:
-    """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do.
-
-    Parameters
-    ----------
-    table : TrialTable
-        Trials.
-    comparison : Comparison, optional
-        Of these trials, just made; by default all laws are compared, those that count the wrap from zero too.
-    **fit_options
-        Options of `fit_law` for that comparison.
-
-    Returns
-    -------
-    Diagnosis
-        An effect is supported if the best law with it has an AICc at least 6 below that of every law without it;
-        not supported if no law with it comes 2 below the constant law, or a law without it explains the data
-        better by 6; and cannot be told otherwise, or where the data hold one wrap, one size or one load.
-
-    Raises
-    ------
-    RopefricError
-        If the constant law cannot be fitted.
-    """
+    """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do."""
     ranked = compare_laws(table, ALL_LAWS.values(), **fit_options) if comparison is None else comparison
     constant = ranked["constant"].fit
     if constant is None or constant.problem is None:

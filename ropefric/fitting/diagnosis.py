@@ -6,8 +6,6 @@ from typing import Any, Literal
 
 from ropefric.fitting.judgement import Verdict
 
-__all__ = ["Cause", "Diagnosis", "Supported"]
-
 Supported = Literal["yes", "no", "cannot-tell"]
 
 _WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
@@ -15,21 +13,7 @@ _WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be t
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cause:
-    """A reason why a rope may not obey the capstan equation.
-
-    Attributes
-    ----------
-    cause : str
-        "offset", "load dependence", "size effect", "wrap effect", "no gross slip" or "condition scatter".
-    supported : {"yes", "no", "cannot-tell"}
-        What the data say about it.
-    evidence : str
-        The evidence in words, with numbers.
-    experiment : str
-        What would decide it.
-    numbers : mapping of str to float
-        The numbers behind the evidence.
-    """
+    """A reason why a rope may not obey the capstan equation."""
 
     cause: str
     supported: Supported

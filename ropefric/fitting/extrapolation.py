@@ -8,8 +8,6 @@ import numpy.typing as npt
 
 from ropefric.friction.condition import Conditions
 
-__all__ = ["REGRESSORS", "outside_range", "outside_words"]
-
 REGRESSORS = {
     "wheel_radius_m": ("wheel radius", "mm", 1e3),
     "rope_radius_m": ("rope radius", "mm", 1e3),
@@ -25,21 +23,7 @@ Validity = Mapping[str, tuple[float, float]]
 
 
 def outside_range(validity: Validity, conditions: Conditions) -> npt.NDArray[np.bool_]:
-    """Return which regressors lie outside the tested range, shape (n, 4), columns in the order of `REGRESSORS`.
-
-    Parameters
-    ----------
-    validity : mapping
-        Lowest and highest tested value of each regressor, SI units; one that is missing is not looked at.
-    conditions : Conditions
-        n conditions.
-
-    Examples
-    --------
-    >>> pull = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 9], end_tension_N=20)
-    >>> outside_range({"wrap_angle_rad": (1.0, 6.0)}, pull).any(axis=1).tolist()
-    [False, True]
-    """
+    """Return which regressors lie outside the tested range, shape (n, 4), columns in the order of `REGRESSORS`."""
     outside = np.zeros((len(conditions), len(REGRESSORS)), dtype=np.bool_)
     for column, name in enumerate(REGRESSORS):
         if name in validity:
@@ -50,14 +34,7 @@ def outside_range(validity: Validity, conditions: Conditions) -> npt.NDArray[np.
 
 
 def outside_words(validity: Validity, conditions: Conditions, index: int = 0) -> tuple[str, ...]:
-    """Return one sentence for each regressor of a condition that lies outside the tested range.
-
-    Examples
-    --------
-    >>> pull = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=15.70796, end_tension_N=20)
-    >>> outside_words({"wrap_angle_rad": (1.5708, 12.56637)}, pull)
-    ('wrap 900 deg is outside the tested 90–720 deg',)
-    """
+    """Return one sentence for each regressor of a condition that lies outside the tested range."""
     flags = outside_range(validity, conditions.select([index]))[0]
     words = []
     for flag, (name, (title, unit, factor)) in zip(flags, REGRESSORS.items(), strict=True):

@@ -15,8 +15,6 @@ from ropefric.friction.condition import Conditions, distinct
 from ropefric.friction.law import FrictionLaw
 from ropefric.glossary import counted
 
-__all__ = ["Evidence", "Findings", "find"]
-
 # Above this ratio a part in a hundred of noise in the data is more than the parameters' own size; below it the
 # standard errors cannot be bad unless the scatter is, and that is no matter of the design.
 _POOR_RATIO = 100.0
@@ -34,15 +32,7 @@ _FEW_CONDITIONS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
-    """What is to be said about a fit.
-
-    Attributes
-    ----------
-    status : FitStatus
-        The gravest finding.
-    advice : tuple of str
-        All findings in words, gravest first.
-    """
+    """What is to be said about a fit."""
 
     status: FitStatus
     advice: tuple[str, ...]
@@ -50,35 +40,7 @@ class Findings:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evidence:
-    """What the findings are about.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        The law.
-    conditions : Conditions
-        Of the n trials.
-    theta, std : ndarray, shape (p,)
-        Estimates and standard errors.
-    vary, at_bound : ndarray of bool, shape (p,)
-        Which were fitted, and which of them lie on a bound.
-    converged : bool
-        Whether the search ended in a minimum.
-    message : str
-        How it ended.
-    n_conditions : int
-        Number of conditions k.
-    identifiability : Identifiability
-        Of the fitted parameters that are not on a bound.
-    scatter : Scatter
-        Of the repeats.
-    lack_of_fit : LackOfFit
-        Between conditions.
-    trends : tuple of Trend
-        In the residuals.
-    slack_slope : float, optional
-        Smallest ∂ ln F_A/∂ ln F_B of the fit where the end tension is what was measured.
-    """
+    """What the findings are about."""
 
     law: FrictionLaw
     conditions: Conditions

@@ -18,8 +18,6 @@ from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 
-__all__ = ["fit_law", "problem_of"]
-
 _LARGEST = 1e100
 """Beyond this the squares of residuals and slopes, and their sums, are no floats."""
 
@@ -39,52 +37,7 @@ def fit_law(
 ) -> FitResult:
     """Return a law fitted to the used trials of a table.
 
-    Parameters
-    ----------
-    table : TrialTable
-        The trials.
-    law : str or FrictionLaw
-        The law or its name.
-    fixed : mapping, optional
-        Parameters to hold, and at what.
-    bounds : mapping of name to (lower, upper), optional
-        Narrower or wider bounds than the law's own.
-    start : mapping, optional
-        Start values; the law guesses the others.
-    scale_covar : "auto" or bool
-        Whether the covariance is multiplied by χ²/dof. "auto": only where no repeats tell the scatter.
-    loss : str
-        "linear" for least squares; "soft_l1", "huber", "cauchy", "arctan" give outliers less weight.
-    clustered : bool
-        Whether the errors are taken from the scatter between conditions (sandwich), where there are repeats and
-        more conditions than parameters.
-    n_starts : int
-        Starts of the search: the guess, and others spread about it.
-    seed : int
-        Of those others.
-
-    Raises
-    ------
-    UnknownNameError
-        For an unknown law, parameter or loss.
-    InputError
-        For bounds that are none, a start or fixed value outside them, or scale_covar = False where nothing is known
-        of the scatter.
-
-    Notes
-    -----
     A doubtful result comes back with a status that says so; see `FitResult.status`.
-
-    Examples
-    --------
-    >>> wraps = np.repeat([3.0, 6.0, 9.0, 12.0], 2)
-    >>> table = TrialTable(
-    ...     trial=tuple("abcdefgh"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20,
-    ...     peak_N=20 * np.exp(0.2 * wraps + 0.01 * np.array([1, -1, 1, -1, -1, 1, -1, 1])),
-    ... )
-    >>> fit = fit_law(table, "constant")
-    >>> round(fit["mu"].value, 6), str(fit.status)
-    (0.2, 'ok')
     """
     chosen = ALL_LAWS[law] if isinstance(law, str) else law
     settings = FitSettings(
@@ -102,22 +55,7 @@ def fit_law(
 
 
 def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> FitProblem:
-    """Return the data of a table as a least-squares problem with equal weights, start values and bounds.
-
-    Raises
-    ------
-    UnknownNameError, InputError
-        As `fit_law`.
-
-    Examples
-    --------
-    >>> table = TrialTable(
-    ...     trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6], end_tension_N=20,
-    ...     peak_N=[40, 80],
-    ... )
-    >>> problem_of(table, ALL_LAWS["groove"], FitSettings(fixed={})).vary.tolist()
-    [True, False]
-    """
+    """Return the data of a table as a least-squares problem with equal weights, start values and bounds."""
     check_settings(settings, law)
     if not table.used.any():
         raise InputError(

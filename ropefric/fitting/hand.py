@@ -18,8 +18,6 @@ from ropefric.friction.exponential_wrap import ExponentialWrap
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.power_wrap import PowerWrap
 
-__all__ = ["hand_calculation"]
-
 Settings = tuple[float, float, float, float]
 """R_w, R_r, φ and ln F_B as printed."""
 
@@ -49,20 +47,6 @@ def hand_calculation(fit: FitResult, conditions: Conditions, index: int = 0) -> 
 
     Lines `name = arithmetic = value` use `ln`, `exp`, `sqrt`, `sin`, `acos`, `^` and the numbers above them; the
     others are words.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    conditions : Conditions
-        n conditions.
-    index : int
-        Which of them.
-
-    Raises
-    ------
-    InputError
-        If the law has no answer, or is one that no sheet was written for.
     """
     law = ALL_LAWS[fit.law]
     at = conditions.select([index])

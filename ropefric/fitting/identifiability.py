@@ -10,8 +10,6 @@ import numpy.typing as npt
 
 from ropefric.files.digits import significant
 
-__all__ = ["Identifiability", "identify"]
-
 FloatArray = npt.NDArray[np.float64]
 
 # Rounding of the Jacobian alone gives ratios up to this.
@@ -27,26 +25,7 @@ _RESIDUE = 1e-14
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identifiability:
-    """How well data tell parameters apart.
-
-    Attributes
-    ----------
-    ratio : float
-        Largest over smallest singular value of the Jacobian with columns of unit length; infinite where some
-        combination of parameters changes nothing.
-    singular_values : tuple of float
-        All of them, falling.
-    worst_pair : tuple of str
-        The two parameters whose estimates are correlated most; empty for one parameter.
-    correlation : float
-        Their correlation.
-    weak : tuple of str
-        Parameters that take part in the least visible combination, most first.
-    weak_direction : str
-        That combination in words: how the parameters change together without being noticed.
-    unseen : tuple of str
-        Parameters that no change of the data depends on, or that can be traded for others without a trace.
-    """
+    """How well data tell parameters apart."""
 
     ratio: float
     singular_values: tuple[float, ...]
@@ -68,25 +47,8 @@ class Identifiability:
 def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     """Return how well a Jacobian tells its parameters apart.
 
-    Parameters
-    ----------
-    jacobian : ndarray, shape (n, q)
-        Derivatives of the weighted residuals by the fitted parameters.
-    names : sequence of str
-        Their q names.
-
-    Notes
-    -----
     Columns are scaled to unit length first, so that the ratio does not depend on the parameters' units
     (Belsley's condition number without centring).
-
-    Examples
-    --------
-    >>> seen = identify(np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 1.001]]), ["a", "c"])
-    >>> round(seen.ratio), seen.weak, seen.unseen
-    (4244, ('a', 'c'), ())
-    >>> seen.weak_direction
-    'a up while c down'
     """
     q = len(names)
     length = np.linalg.norm(jacobian, axis=0)

@@ -15,8 +15,6 @@ from ropefric.fitting.profile import profile_intervals
 from ropefric.fitting.result import FitResult
 from ropefric.registry import did_you_mean
 
-__all__ = ["INTERVALS", "with_intervals"]
-
 INTERVALS = ("covariance", "profile", "bootstrap")
 """Ways to the 95 % intervals of the parameters."""
 
@@ -26,39 +24,7 @@ _NORMAL = 1.959963984540054
 
 
 def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0) -> FitResult:
-    """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too.
-
-    Parameters
-    ----------
-    fit : FitResult
-        Just made, so that it carries its data.
-    method : {"covariance", "profile", "bootstrap"}
-        "covariance" leaves the intervals by Student's t as they are; "profile" follows the likelihood, and is
-        one-sided near a bound; "bootstrap" refits resampled data, whole conditions where there are 20 or more.
-    n, seed : int
-        Resamples of the bootstrap, and their seed.
-
-    Raises
-    ------
-    UnknownNameError
-        For another method.
-    InputError
-        If the fit was loaded from a file, or had a robust loss.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> wraps = np.repeat([3.0, 6.0, 9.0, 12.0], 2)
-    >>> table = TrialTable(
-    ...     trial=tuple("abcdefgh"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20,
-    ...     peak_N=20 * np.exp(0.2 * wraps + 0.01 * np.array([1, -1, 1, -1, -1, 1, -1, 1])),
-    ... )
-    >>> fit = fit_law(table, "constant", clustered=False)
-    >>> profiled = with_intervals(fit, "profile")  # one linear parameter: both ways are the same
-    >>> bool(np.allclose(profiled["mu"].ci95, fit["mu"].ci95, rtol=1e-6))
-    True
-    """
+    """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
         raise UnknownNameError(
             f"unknown way to intervals {method!r}", key="intervals", fix=did_you_mean(method, INTERVALS)

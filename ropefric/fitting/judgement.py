@@ -34,17 +34,6 @@ from scipy.special import fdtrc
 from ropefric.fitting.status import FitStatus
 from ropefric.glossary import counted
 
-__all__ = [
-    "RIVAL",
-    "Doubt",
-    "Verdict",
-    "Word",
-    "doubts_of_fit",
-    "doubts_of_interval",
-    "same_lift",
-    "verdict_of",
-]
-
 Word = Literal["supported", "undecided", "not judged"]
 Doubt = tuple[Word, str]
 """The word a finding calls for, and the finding; "supported" for one that is only to be known."""
@@ -75,15 +64,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
-    """What is to be thought of a law, or of a lift force.
-
-    Attributes
-    ----------
-    word : {"supported", "undecided", "not judged"}
-        The verdict.
-    reasons : tuple of str
-        Why, gravest first.
-    """
+    """What is to be thought of a law, or of a lift force."""
 
     word: Word
     reasons: tuple[str, ...]
@@ -104,15 +85,7 @@ class Verdict:
 
 
 def verdict_of(doubts: Iterable[Doubt], otherwise: str) -> Verdict:
-    """Return the gravest word that doubts call for, with all that call for one; `otherwise` is why there is none.
-
-    Examples
-    --------
-    >>> verdict_of([("undecided", "two laws"), ("supported", "by the way"), ("not judged", "no test")], "").reason
-    'no test. two laws.'
-    >>> verdict_of([], "nothing speaks against it").word
-    'supported'
-    """
+    """Return the gravest word that doubts call for, with all that call for one; `otherwise` is why there is none."""
     grave = sorted((doubt for doubt in doubts if doubt[0] != "supported"), key=lambda d: -_WORDS.index(d[0]))
     if not grave:
         return Verdict(word="supported", reasons=(otherwise,))
@@ -130,21 +103,7 @@ def doubts_of_fit(
     within: float,
     between: float,
 ) -> tuple[Doubt, ...]:
-    """Return what speaks against a law in its own fit.
-
-    Parameters
-    ----------
-    law : str
-        Its name.
-    status : FitStatus
-        The gravest finding of the fit.
-    advice : tuple of str
-        All its findings in words.
-    n, n_conditions, n_fitted : int
-        Trials, conditions, fitted parameters.
-    within, between : float
-        Scatter between repeats, and that between conditions beyond it [-]; NaN where unknown.
-    """
+    """Return what speaks against a law in its own fit."""
     doubts: list[Doubt] = []
     if status is not FitStatus.OK:
         doubts.append((_OF_STATUS[status], advice[0] if advice else status.advice))
@@ -167,15 +126,7 @@ def doubts_of_fit(
 
 
 def doubts_of_interval(linear: FloatArray, drawn: FloatArray | None, words: str) -> tuple[Doubt, ...]:
-    """Return the doubt that a linear and a drawn interval disagree grossly, or that nothing could be drawn.
-
-    Examples
-    --------
-    >>> doubts_of_interval(np.array([144.6, 161.2]), np.array([50.0, 156.4]), "they disagree")
-    (('undecided', 'they disagree'),)
-    >>> doubts_of_interval(np.array([168.6, 169.5]), np.array([168.7, 169.7]), "they disagree")
-    ()
-    """
+    """Return the doubt that a linear and a drawn interval disagree grossly, or that nothing could be drawn."""
     if drawn is None:
         return (("undecided", words),)
     half = 0.5 * float(linear[1] - linear[0])
@@ -186,23 +137,7 @@ def doubts_of_interval(linear: FloatArray, drawn: FloatArray | None, words: str)
 def same_lift(
     difference: FloatArray, half_width: FloatArray, rival_half_width: FloatArray, *, nested: bool
 ) -> bool:
-    """Return whether two laws give the same lift force, by root mean squares over n conditions.
-
-    Parameters
-    ----------
-    difference : ndarray, shape (n,)
-        ln F_A of the rival less that of the law used.
-    half_width, rival_half_width : ndarray, shape (n,)
-        Of their confidence intervals of ln F_A.
-    nested : bool
-        Whether one is a special case of the other.
-
-    Examples
-    --------
-    >>> near, narrow, wide = np.array([0.01]), np.array([0.02]), np.array([0.05])
-    >>> same_lift(near, narrow, wide, nested=True), same_lift(near, narrow, wide, nested=False)
-    (True, False)
-    """
+    """Return whether two laws give the same lift force, by root mean squares over n conditions."""
     apart, own, others = (
         math.sqrt(float(np.mean(values**2))) for values in (difference, half_width, rival_half_width)
     )

@@ -12,8 +12,6 @@ from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.reduced import Reduced, reduced
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["BatchFit", "batched_fit"]
-
 BoolArray = npt.NDArray[np.bool_]
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -31,19 +29,7 @@ _MODEL_ROUNDING = 1e-14
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BatchFit:
-    """Least-squares parameters of m data sets.
-
-    Attributes
-    ----------
-    theta : ndarray, shape (m, p)
-        Parameters, always finite; where a data set did not converge, the best that was met.
-    chi2 : ndarray, shape (m,)
-        Weighted sum of squares at theta; infinite where the law has no answer at the start.
-    converged : ndarray of bool, shape (m,)
-        Whether theta is a minimum inside the bounds. One at a bound counts.
-    n_iterations : int
-        Steps of the data set that took longest.
-    """
+    """Least-squares parameters of m data sets."""
 
     theta: FloatArray
     chi2: FloatArray
@@ -64,56 +50,10 @@ def batched_fit(
 ) -> BatchFit:
     """Return the bounded least-squares fits of m data sets, all iterated together.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The law, the n conditions, the bounds, and everything that is not given otherwise.
-    log_lift : array_like, shape (n,) or (m, n), optional
-        ln(F_A / 1 N) of the data sets.
-    starts : array_like, shape (p,) or (m, p), optional
-        Where each begins; clipped to the bounds. A parameter that does not vary stays at this value, bounds or not.
-    std : array_like, shape (n,) or (m, n), optional
-        Standard deviations of ln F_A [-]; infinite leaves a point out.
-    multiplicity : array_like, shape (n,) or (m, n), optional
-        How often each point counts, as in a bootstrap; zero leaves it out.
-    vary : array_like of bool, shape (p,) or (m, p), optional
-        Which parameters are fitted.
-    tolerance : float
-        A data set is done when the next step would move its weighted model by less than this many root mean
-        square residuals: 1e-9 standard errors, roughly.
-    max_iterations : int
-        After so many steps a data set is given up.
-
-    Returns
-    -------
-    BatchFit
-        In the order of the data sets.
-
-    Raises
-    ------
-    InputError
-        If shapes disagree or a number is not finite. A step to where the law has no answer is turned down and
-        never raised.
-
-    Notes
-    -----
     Marquardt's damping, relative to the diagonal of JᵀWJ, belongs to each data set by itself and starts at zero:
     the first steps are plain Gauss-Newton, and only a step that fails is damped. Bounds are held by an active set
     (`bounded_steps`). Data sets that are done leave the batch. Repeats of a condition are summed first, so the law
     is evaluated once per distinct condition.
-
-    Examples
-    --------
-    >>> from ropefric.friction.condition import Conditions
-    >>> from ropefric.friction.laws import LAWS
-    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9], end_tension_N=20)
-    >>> law, one = LAWS["constant"], np.ones(3)
-    >>> problem = FitProblem(
-    ...     law=law, conditions=pulls, log_lift=law.log_lift([0.2], pulls), std=one, group=np.arange(3),
-    ...     start=np.array([1.0]), lower=law.lower, upper=law.upper, vary=np.array([True]),
-    ... )
-    >>> batched_fit(problem, law.log_lift([[0.1], [0.3]], pulls)).theta.round(9).tolist()
-    [[0.1], [0.3]]
     """
     data = reduced(
         problem, *(None if x is None else np.asarray(x, np.float64) for x in (log_lift, std, multiplicity))

@@ -5,8 +5,6 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["LOSSES", "Loss", "loss_cost", "loss_weights"]
-
 FloatArray = npt.NDArray[np.float64]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
 
@@ -15,13 +13,7 @@ LOSSES: tuple[Loss, ...] = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 
 
 def loss_cost(residuals: FloatArray, loss: Loss) -> float:
-    """Return the sum of a loss over residuals in standard deviations; χ² for the linear one.
-
-    Examples
-    --------
-    >>> loss_cost(np.array([0.5, 4.0]), "linear"), loss_cost(np.array([0.5, 4.0]), "huber")
-    (16.25, 7.25)
-    """
+    """Return the sum of a loss over residuals in standard deviations; χ² for the linear one."""
     z = residuals**2
     if loss == "soft_l1":
         z = 2.0 * (np.sqrt(1.0 + z) - 1.0)
@@ -35,13 +27,7 @@ def loss_cost(residuals: FloatArray, loss: Loss) -> float:
 
 
 def loss_weights(residuals: FloatArray, loss: Loss) -> FloatArray:
-    """Return the weight a loss leaves each squared residual, 1 for all with the linear loss.
-
-    Examples
-    --------
-    >>> loss_weights(np.array([0.5, 4.0]), "huber").tolist()
-    [1.0, 0.25]
-    """
+    """Return the weight a loss leaves each squared residual, 1 for all with the linear loss."""
     z = residuals**2
     if loss == "soft_l1":
         return np.asarray(1.0 / np.sqrt(1.0 + z))

@@ -17,8 +17,6 @@ from ropefric.fitting.problem import FitProblem, FloatArray
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import distinct
 
-__all__ = ["Measured", "measured_force", "measured_residual", "refit"]
-
 Measured = Literal["lift", "end-tension"]
 
 _NO_ANSWER = 1e3
@@ -26,17 +24,7 @@ _MAX_EVALUATIONS = 100
 
 
 def measured_force(table: TrialTable) -> Measured:
-    """Return which force of a table was measured: the one that takes more values.
-
-    Examples
-    --------
-    >>> table = TrialTable(
-    ...     trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0, end_tension_N=[20, 21],
-    ...     peak_N=40,
-    ... )
-    >>> measured_force(table)
-    'end-tension'
-    """
+    """Return which force of a table was measured: the one that takes more values."""
     used = table.used
     set_lift = distinct(table.peak_N[used]).size < distinct(table.end_tension_N[used]).size
     return "end-tension" if set_lift else "lift"
@@ -58,24 +46,7 @@ def measured_residual(problem: FitProblem, theta: FloatArray, measured: Measured
 def refit(
     problem: FitProblem, theta: FloatArray, *, measured: Measured, multiplicity: FloatArray | None = None
 ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-    """Return the least-squares parameters in the measured force, and whether the search converged.
-
-    Parameters
-    ----------
-    problem : FitProblem
-        n points.
-    theta : ndarray, shape (p,)
-        Where to start; a single fit of a measured end tension starts from the law's typical values too.
-    measured : {"lift", "end-tension"}
-        Which force.
-    multiplicity : ndarray, shape (m, n), optional
-        How often each point counts in each of m fits.
-
-    Returns
-    -------
-    tuple of ndarray, shapes (p,) and (), or (m, p) and (m,)
-        Parameters and convergence.
-    """
+    """Return the least-squares parameters in the measured force, and whether the search converged."""
     if measured == "lift" or "end-tension" not in problem.law.effects:
         found = batched_fit(problem, starts=theta, multiplicity=multiplicity)
         at = np.where(np.isfinite(found.chi2)[:, np.newaxis], found.theta, theta)

@@ -12,8 +12,6 @@ import numpy.typing as npt
 from ropefric.errors import InputError
 from ropefric.fitting.losses import LOSSES, Loss, loss_cost, loss_weights
 
-__all__ = ["Minimum", "check_start", "least_squares"]
-
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 Model = Callable[[FloatArray], FloatArray]
@@ -39,23 +37,7 @@ _REFUSED = 1e8
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Minimum:
-    """Where a search ended.
-
-    Attributes
-    ----------
-    theta : ndarray, shape (p,)
-        Parameters.
-    cost : float
-        Sum of the loss over the residuals; χ² for the linear loss.
-    converged : bool
-        Whether it is a minimum.
-    at_bound : ndarray of bool, shape (p,)
-        Which parameters lie on a bound.
-    n_evaluations : int
-        Evaluations of the residuals.
-    message : str
-        How the search ended.
-    """
+    """Where a search ended."""
 
     theta: FloatArray
     cost: float
@@ -78,43 +60,7 @@ def least_squares(
     admissible: Callable[[FloatArray], bool] | None = None,
     max_evaluations: int = 400,
 ) -> Minimum:
-    """Return the parameters that make the sum of squared residuals least.
-
-    Parameters
-    ----------
-    residual, jacobian : callable
-        Residuals, shape (n,), and their derivatives, shape (n, p), at theta, shape (p,).
-    start : array_like, shape (p,)
-        Start values, within the bounds; a parameter that does not vary keeps its own.
-    lower, upper : array_like, scalar or shape (p,)
-        Bounds, may be infinite.
-    vary : array_like of bool, scalar or shape (p,)
-        Which parameters are fitted.
-    names : sequence of str
-        Their names, for messages.
-    loss : str
-        One of `LOSSES`.
-    admissible : callable, optional
-        Whether theta has residuals at all; the search turns back where not.
-    max_evaluations : int
-        When to give up.
-
-    Raises
-    ------
-    InputError
-        If a start value lies outside its bounds, or has no residuals.
-
-    Examples
-    --------
-    >>> x = np.array([0.0, 1.0, 2.0])
-    >>> found = least_squares(
-    ...     lambda theta: theta[0] * np.exp(theta[1] * x) - np.array([1.0, 2.0, 4.0]),
-    ...     lambda theta: np.stack([np.exp(theta[1] * x), theta[0] * x * np.exp(theta[1] * x)], axis=-1),
-    ...     [0.5, 1.0],
-    ... )
-    >>> found.theta.round(6).tolist(), found.converged
-    ([1.0, 0.693147], True)
-    """
+    """Return the parameters that make the sum of squared residuals least."""
     theta0 = np.array(start, dtype=np.float64)
     p = theta0.size
     low, high = (np.broadcast_to(np.asarray(bound, np.float64), (p,)) for bound in (lower, upper))
@@ -206,17 +152,7 @@ def check_start(
     names: Sequence[str],
     admissible: Callable[[FloatArray], bool] | None,
 ) -> None:
-    """Refuse a start outside its bounds or without residuals; return quietly otherwise.
-
-    Raises
-    ------
-    InputError
-        RF402, with the name of the parameter.
-
-    Examples
-    --------
-    >>> check_start(np.array([1.0]), np.array([0.0]), np.array([2.0]), ["mu"], None)
-    """
+    """Refuse a start outside its bounds or without residuals; return quietly otherwise."""
     for name, value, lower, upper in zip(names, start, low, high, strict=True):
         if not lower <= value <= upper:
             raise InputError(

@@ -15,8 +15,6 @@ from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 
-__all__ = ["degrees_of_freedom", "new_rope_std", "predict"]
-
 _LARGEST = math.log(np.finfo(np.float64).max)
 _DISAGREEMENT = 0.1
 # The check of the linear interval by draws is made unasked only where it is quick.
@@ -37,52 +35,7 @@ def predict(
     linear_density_kg_m: float | None = None,
     speed_m_s: float | None = None,
 ) -> Prediction:
-    """Return the lift force of a fitted law for n conditions, with its intervals.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    conditions : Conditions
-        n conditions.
-    level : float
-        Level of the intervals, above 0 and below 1.
-    method : {"linear", "monte-carlo"}
-        J C Jᵀ, or the percentiles of draws from the parameters' covariance.
-    n : int
-        Monte-Carlo draws, 100 or more.
-    seed : int
-        Seed of the draws.
-    check : bool, optional
-        Whether a linear interval is checked against 2000 draws, the answer being `Prediction.linear_agrees`; by
-        default up to 100 conditions are.
-    linear_density_kg_m, speed_m_s : float, optional
-        Mass per length ρ [kg/m] and speed v [m/s] of a running rope: F_A − ρv² = (F_B − ρv²) exp ∫μ.
-
-    Returns
-    -------
-    Prediction
-        All in ln F_A, exponentiated last.
-
-    Raises
-    ------
-    InputError
-        If an argument is out of range, ρ is given without v, the law has no answer for a condition, or a force
-        overflows.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> pull = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=4.5, end_tension_N=20)
-    >>> found = predict(fit_law(table, "constant"), pull)
-    >>> found.lift_force_N.round(1).tolist(), found.extrapolated.tolist()
-    ([49.2], [False])
-    """
+    """Return the lift force of a fitted law for n conditions, with its intervals."""
     model = _model(fit, linear_density_kg_m, speed_m_s)
     if not 0.0 < level < 1.0:
         raise InputError(

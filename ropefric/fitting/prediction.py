@@ -13,8 +13,6 @@ from ropefric.fitting.judgement import Doubt, Verdict, doubts_of_interval, verdi
 from ropefric.fitting.problem import FloatArray
 from ropefric.friction.condition import Conditions
 
-__all__ = ["Candidate", "Method", "Prediction"]
-
 Method = Literal["linear", "monte-carlo"]
 
 

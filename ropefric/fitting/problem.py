@@ -9,8 +9,6 @@ from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 
-__all__ = ["FitProblem"]
-
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
@@ -22,30 +20,6 @@ class FitProblem:
 
     The scatter of break-away forces is multiplicative, so ln F_A is fitted by weighted least squares through the
     wrap integral (rope_wheel §5); nothing is ever differentiated numerically from data.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        The law; p parameters.
-    conditions : Conditions
-        One per point, n in all.
-    log_lift : ndarray, shape (n,)
-        ln(F_A / 1 N).
-    std : ndarray, shape (n,)
-        Standard deviation of each ln F_A [-], positive.
-    group : ndarray of int, shape (n,)
-        Condition the point belongs to, 0 … k − 1: repeats share one.
-    start : ndarray, shape (p,)
-        Start values; the value itself where a parameter does not vary.
-    lower, upper : ndarray, shape (p,)
-        Bounds, may be infinite.
-    vary : ndarray of bool, shape (p,)
-        Which parameters are fitted.
-
-    Raises
-    ------
-    InputError
-        If shapes disagree or a standard deviation is not positive.
     """
 
     law: FrictionLaw

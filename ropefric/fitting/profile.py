@@ -14,8 +14,6 @@ from ropefric.fitting.profile_search import Search, search_ends
 from ropefric.fitting.reduced import reduced
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["ProfileCurve", "ProfileResult", "profile_intervals"]
-
 _RIDGE = 1e-12
 _LOWER_MINIMUM = 1e-3
 _ROUNDING = 1e-26
@@ -23,19 +21,7 @@ _ROUNDING = 1e-26
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProfileCurve:
-    """The profile of one parameter, for plotting.
-
-    Attributes
-    ----------
-    name : str
-        The parameter.
-    value : ndarray, shape (g,)
-        Its values, rising, in its own unit.
-    delta_chi2 : ndarray, shape (g,)
-        Increase of χ² with the other parameters fitted anew; infinite where the law has no answer.
-    threshold : float
-        The interval reaches to where the increase is this large.
-    """
+    """The profile of one parameter, for plotting."""
 
     name: str
     value: FloatArray
@@ -45,24 +31,7 @@ class ProfileCurve:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProfileResult:
-    """Profile-likelihood intervals of a fit.
-
-    Attributes
-    ----------
-    level : float
-        Confidence level.
-    theta : ndarray, shape (p,)
-        The minimum the profiles start from.
-    ci : ndarray, shape (p, 2)
-        Ends of the interval; the value itself for a fixed parameter, a bound where the data set no limit before it,
-        infinite where there is no bound either.
-    at_bound : ndarray of bool, shape (p, 2)
-        Which ends are a bound and not a limit set by the data.
-    curves : tuple of ProfileCurve
-        One a varying parameter.
-    notes : tuple of str
-        What a reader should know before quoting the intervals.
-    """
+    """Profile-likelihood intervals of a fit."""
 
     level: float
     theta: FloatArray
@@ -83,38 +52,6 @@ def profile_intervals(
 ) -> ProfileResult:
     """Return the profile-likelihood interval of every fitted parameter.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The problem that was fitted: n points, q fitted parameters.
-    theta : array_like, shape (p,)
-        Its solution; it is polished first.
-    level : float
-        Confidence level, between 0 and 1.
-    scale : array_like, scalar or shape (p,)
-        Variance of each parameter over its variance if all points were independent, positive: 1 if they are, the
-        ratio of clustered to plain covariance if repeats share their condition's scatter.
-    absolute_std : bool
-        Whether problem.std are the standard deviations; otherwise they are weights only and their common factor is
-        estimated from the residuals.
-    dof : float, optional
-        Degrees of freedom of that estimate, n − q unless given; with clustered scatter, the number of conditions
-        less q is the honest one. The estimate itself is always χ²/(n − q).
-
-    Returns
-    -------
-    ProfileResult
-        With the curves that were walked.
-
-    Raises
-    ------
-    InputError
-        If an argument is out of range or the law has no answer at theta.
-    FitError
-        If no degree of freedom is left to estimate the scatter from.
-
-    Notes
-    -----
     A value belongs to the interval while Δχ² = χ²(value, others refitted) − χ²_min stays below scale · s² · F, with
     s² = χ²_min/(n − q) and F the quantile of F(1, dof); with absolute_std, below scale · the quantile of χ²(1).
     Correlated points make Δχ² too large by the ratio of the true variance to the one it believes in, parameter by
@@ -126,19 +63,6 @@ def profile_intervals(
     parameters strongly correlated with one whose truth is exactly on its bound cover less (90 % at 95 % for the
     exponent of `wrap-power` without a plateau), because the bound pulls half of all fits to one side; from half a
     standard error off the bound they are right again.
-
-    Examples
-    --------
-    >>> from ropefric.friction.condition import Conditions
-    >>> from ropefric.friction.laws import LAWS
-    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9], end_tension_N=20)
-    >>> law, one = LAWS["constant"], np.ones(3)
-    >>> problem = FitProblem(
-    ...     law=law, conditions=pulls, log_lift=law.log_lift([0.2], pulls), std=0.1 * one, group=np.arange(3),
-    ...     start=np.array([0.2]), lower=law.lower, upper=law.upper, vary=np.array([True]),
-    ... )
-    >>> profile_intervals(problem, [0.2], absolute_std=True).ci.round(5).tolist()  # 0.2 ± 1.96·0.1/√126
-    [[0.18254, 0.21746]]
     """
     if not 0.0 < level < 1.0:
         raise InputError(f"the level is {level:g}; it must lie between 0 and 1", key="level", fix="0.95")

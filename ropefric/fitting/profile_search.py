@@ -10,8 +10,6 @@ from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["EndKind", "Search", "search_ends"]
-
 EndKind = Literal["crossing", "bound", "open", "edge"]
 IntArray = npt.NDArray[np.intp]
 
@@ -31,19 +29,7 @@ _EDGE = 1e-6
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Search:
-    """Profiles of one fit, evaluated in batches and remembered.
-
-    Attributes
-    ----------
-    problem : FitProblem
-        The problem.
-    best : ndarray, shape (p,)
-        The minimum.
-    chi2_min : float
-        χ² there.
-    direction : ndarray, shape (p, p)
-        Column j: how the parameters follow parameter j near the minimum, per unit of it.
-    """
+    """Profiles of one fit, evaluated in batches and remembered."""
 
     problem: FitProblem
     best: FloatArray
@@ -96,17 +82,7 @@ class Search:
 def search_ends(
     search: Search, threshold: FloatArray, reach: FloatArray
 ) -> tuple[list[float], list[EndKind]]:
-    """Return the end of the interval of every side of a search, and what stops it there.
-
-    Parameters
-    ----------
-    search : Search
-        Whose sides.
-    threshold : ndarray, shape (p,)
-        Δχ² at the ends.
-    reach : ndarray, shape (p,)
-        Where a parabola would have them, as distances.
-    """
+    """Return the end of the interval of every side of a search, and what stops it there."""
     sides = search.sides()
     if not sides:
         return [], []

@@ -11,35 +11,19 @@ from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.lift import log_lift_moving
 
-__all__ = ["LiftModel", "drawn_range", "linear_std", "quantile"]
-
 # Draws times conditions held in memory at once.
 _BLOCK = 1_000_000
 _ONE_SIGMA = 0.8413447460685429
 
 
 def quantile(probability: float, dof: float) -> float:
-    """Return Student's t quantile; the normal one for infinitely many degrees of freedom.
-
-    Examples
-    --------
-    >>> round(quantile(0.975, 10.0), 4), round(quantile(0.975, float("inf")), 4)
-    (2.2281, 1.96)
-    """
+    """Return Student's t quantile; the normal one for infinitely many degrees of freedom."""
     return float(ndtri(probability)) if np.isinf(dof) else float(stdtrit(dof, probability))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiftModel:
-    """A law and how fast its rope runs: ln F_A and its gradient, at rest or moving.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        The law; p parameters.
-    linear_density_kg_m, speed_m_s : float
-        Mass per length ρ [kg/m] and speed v [m/s] of the rope; zero: the rope is at rest.
-    """
+    """A law and how fast its rope runs: ln F_A and its gradient, at rest or moving."""
 
     law: FrictionLaw
     linear_density_kg_m: float = 0.0
@@ -70,13 +54,7 @@ class LiftModel:
         return np.asarray(self.law.jacobian(theta, self.pressing(conditions)) * share[..., np.newaxis])
 
     def pressing(self, conditions: Conditions) -> Conditions:
-        """Return the conditions with F_B − ρv², the part of the end tension that presses on the wheel.
-
-        Raises
-        ------
-        InputError
-            Where F_B does not exceed ρv².
-        """
+        """Return the conditions with F_B − ρv², the part of the end tension that presses on the wheel."""
         left_N = conditions.end_tension_N - self.inertia_N
         if not (left_N > 0.0).all():
             raise InputError(
@@ -96,16 +74,7 @@ class LiftModel:
 def linear_std(
     model: LiftModel, theta: FloatArray, covariance: FloatArray, conditions: Conditions
 ) -> FloatArray:
-    """Return the standard deviation of ln F_A of the mean law, √(J C Jᵀ), shape (n,).
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> pull = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[5, 10], end_tension_N=20)
-    >>> model = LiftModel(law=LAWS["constant"])
-    >>> linear_std(model, np.array([0.2]), np.array([[1e-4]]), pull).round(6).tolist()
-    [0.05, 0.1]
-    """
+    """Return the standard deviation of ln F_A of the mean law, √(J C Jᵀ), shape (n,)."""
     J = model.jacobian(theta, conditions)
     variance = ((J @ covariance) * J).sum(axis=-1)
     # Rounding may turn a variance of zero a hair negative; NaN stays NaN.
@@ -127,11 +96,6 @@ def drawn_range(
 
     The parameters are drawn from the multivariate t of their covariance, moved onto the law's bounds where they
     cross them; the standard deviation is half the central 68.27 % of the draws, less the t's heavier tails.
-
-    Raises
-    ------
-    InputError
-        If the covariance is not finite, or the law has no answer for more than half of the draws.
     """
     if not np.isfinite(covariance).all():
         raise InputError(

@@ -15,8 +15,6 @@ from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.law import FrictionLaw
 
-__all__ = ["MANY", "Reduced", "pooled", "reduced"]
-
 MANY = 2000
 """From so many trials on, the repeats of a condition are put together before a law is fitted or resampled."""
 
@@ -28,21 +26,7 @@ _WIDE_BLOCK = 2_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Reduced:
-    """Data sets of one plan of conditions, seen through a law.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        The law; p parameters.
-    conditions : Conditions
-        The k distinct conditions.
-    weight : ndarray, shape (1, k) or (m, k)
-        Sum of the weights 1/std² of each condition; zero where it is left out.
-    mean : ndarray, shape (1, k) or (m, k)
-        Weighted mean of ln F_A [-].
-    rest : ndarray, shape (1,) or (m,)
-        Weighted sum of squares about those means, which no parameter changes.
-    """
+    """Data sets of one plan of conditions, seen through a law."""
 
     law: FrictionLaw
     conditions: Conditions
@@ -56,15 +40,7 @@ class Reduced:
         return np.asarray((self.weight * self.mean**2).sum(axis=-1))
 
     def chi2(self, theta: FloatArray, rows: npt.NDArray[np.intp] | None = None) -> FloatArray:
-        """Return the weighted sums of squares, infinite where the law has no answer.
-
-        Parameters
-        ----------
-        theta : ndarray, shape (r, p)
-            Parameter sets.
-        rows : ndarray of int, shape (r,), optional
-            The data set each is for; without it, all are for data set 0.
-        """
+        """Return the weighted sums of squares, infinite where the law has no answer."""
         chosen = np.zeros(len(theta), dtype=np.intp) if rows is None else rows
         chi2 = np.empty(len(theta))
         for part in self._blocks(len(theta)):
@@ -77,23 +53,7 @@ class Reduced:
     def evaluate(
         self, theta: FloatArray, rows: npt.NDArray[np.intp], limit: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return χ², JᵀWJ and JᵀW(y − f) of parameter sets.
-
-        Parameters
-        ----------
-        theta : ndarray, shape (r, p)
-            Parameter sets.
-        rows : ndarray of int, shape (r,)
-            The data set each is for.
-        limit : ndarray, shape (r,)
-            The derivatives come back only where χ² is not above this. Below zero χ² is asked for alone, and the
-            slope of the law is not made.
-
-        Returns
-        -------
-        tuple of ndarray, shapes (r,), (r, p, p), (r, p)
-            χ² is infinite where the law has no answer, or its slope where that is made.
-        """
+        """Return χ², JᵀWJ and JᵀW(y − f) of parameter sets."""
         (r, p), k = theta.shape, len(self.conditions)
         chi2, normal, downhill = np.empty(r), np.zeros((r, p, p)), np.zeros((r, p))
         (plain,), (sloped,) = (limit < 0.0).nonzero(), (limit >= 0.0).nonzero()
@@ -157,37 +117,7 @@ def reduced(
     std: FloatArray | None = None,
     multiplicity: FloatArray | None = None,
 ) -> Reduced:
-    """Return the data of a problem, or m data sets at its conditions, by distinct condition.
-
-    Parameters
-    ----------
-    problem : FitProblem
-        The law, the n conditions, and what is not given otherwise.
-    log_lift : ndarray, shape (n,) or (m, n), optional
-        ln(F_A / 1 N).
-    std : ndarray, shape (n,) or (m, n), optional
-        Standard deviations of ln F_A [-], positive.
-    multiplicity : ndarray, shape (n,) or (m, n), optional
-        How often each point counts, zero or more.
-
-    Raises
-    ------
-    InputError
-        If a shape is not one of these or a value is out of range.
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 3, 6], end_tension_N=20)
-    >>> one = np.ones(3)
-    >>> problem = FitProblem(
-    ...     law=LAWS["constant"], conditions=pulls, log_lift=np.array([3.5, 3.7, 4.2]), std=0.1 * one,
-    ...     group=np.array([0, 0, 1]), start=np.array([0.2]), lower=np.zeros(1), upper=one[:1],
-    ...     vary=np.array([True]),
-    ... )
-    >>> reduced(problem).mean.round(6).tolist()
-    [[3.6, 4.2]]
-    """
+    """Return the data of a problem, or m data sets at its conditions, by distinct condition."""
     y = _table("log_lift", problem.log_lift if log_lift is None else log_lift, problem)
     s = _table("std", problem.std if std is None else std, problem)
     count = _table("multiplicity", np.ones(1) if multiplicity is None else multiplicity, problem)
@@ -220,20 +150,6 @@ def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:
     """Return a problem with one point per distinct condition, and how much less each scatters than a trial.
 
     Its χ² is that of the whole problem but for a constant.
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 3, 6], end_tension_N=20)
-    >>> one = np.ones(3)
-    >>> problem = FitProblem(
-    ...     law=LAWS["constant"], conditions=pulls, log_lift=np.array([3.5, 3.7, 4.2]), std=0.1 * one,
-    ...     group=np.array([0, 0, 1]), start=np.array([0.2]), lower=np.zeros(1), upper=one[:1],
-    ...     vary=np.array([True]),
-    ... )
-    >>> means, share = pooled(problem)
-    >>> means.n_points, share.round(3).tolist()
-    (2, [0.707, 1.0])
     """
     order, starts = _distinct(problem.conditions)
     if starts.size == order.size:

@@ -16,8 +16,6 @@ from ropefric.fitting.status import FitStatus
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 
-__all__ = ["SCHEMA", "CovarianceKind", "FitResult", "FitStatistics", "FittedParameter"]
-
 FloatArray = npt.NDArray[np.float64]
 CovarianceKind = Literal["absolute", "scaled", "clustered"]
 
@@ -26,25 +24,7 @@ SCHEMA = "ropefric.fit/1"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FittedParameter:
-    """One parameter of a fitted law.
-
-    Attributes
-    ----------
-    name : str
-        Its name in the law.
-    value : float
-        The estimate, to a decimal below 1e-4 of its standard error with the others held, or what it was fixed at.
-    std : float
-        Standard error, to four digits; 0 for a fixed one, NaN on a bound, infinite where the data do not show it.
-    ci95 : tuple of float
-        95 % interval by Student's t, cut off at the bounds.
-    lower, upper : float
-        Bounds.
-    at_bound : bool
-        Whether the estimate lies on one of them.
-    vary : bool
-        Whether it was fitted.
-    """
+    """One parameter of a fitted law."""
 
     name: str
     value: float
@@ -58,29 +38,7 @@ class FittedParameter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitStatistics:
-    """How well the law fits.
-
-    Attributes
-    ----------
-    n : int
-        Trials used.
-    n_conditions : int
-        Conditions k they belong to.
-    dof : int
-        n less the number of fitted parameters.
-    chi2, chi2_reduced : float
-        Sum of squared residuals over their variances, and the same per degree of freedom.
-    aicc, bic : float
-        n ln(χ²/n) + Σ ln σ² plus the penalty for q fitted parameters and the scatter (q + 1); infinite where n is too
-        small. For comparing laws fitted to the same trials.
-    scatter_within : float
-        Standard deviation of ln F_A between repeats of one condition [-]; NaN without repeats.
-    scatter_between : float
-        What the conditions scatter beyond that, per condition, by the method of moments [-]; NaN where it cannot
-        be told from the scatter of the repeats.
-    interval_dof : float
-        Degrees of freedom of Student's t in `ci95`.
-    """
+    """How well the law fits."""
 
     n: int
     n_conditions: int

@@ -7,8 +7,6 @@ import numpy.typing as npt
 
 from ropefric.fitting.problem import FloatArray
 
-__all__ = ["Rising", "first_crossing", "rising_root"]
-
 Rising = Callable[[FloatArray, npt.NDArray[np.intp]], tuple[FloatArray, FloatArray]]
 """`f(x, rows) -> (values, slopes)` of the functions numbered `rows` at one x each; −inf where there is no answer."""
 
@@ -26,32 +24,8 @@ def rising_root(
 ) -> FloatArray:
     """Return the zeros of n functions that rise from below zero at `low` to zero or more at `high`.
 
-    Parameters
-    ----------
-    function : callable
-        See `Rising`. The slope may leave out a small part of the true one: it is corrected by the last step.
-    low, high : ndarray, shape (n,)
-        Brackets.
-    start : ndarray, shape (n,), optional
-        Where to begin, inside the brackets.
-    tolerance : float
-        Relative to |x| + 1.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        From the side where the function is zero or more, as far as rounding lets that be told.
-
-    Notes
-    -----
     A Newton step that leaves the bracket, or that does not shrink, is replaced by halving the bracket, so every
     function is done after at most about 50 more steps than it takes to halve.
-
-    Examples
-    --------
-    >>> cube = lambda x, rows: (x**3 - np.array([8.0, 27.0])[rows], 3 * x**2)
-    >>> rising_root(cube, np.zeros(2), np.full(2, 10.0)).round(9).tolist()
-    [2.0, 3.0]
     """
     low, high = low.astype(np.float64), high.astype(np.float64)
     x = 0.5 * (low + high) if start is None else np.clip(start, low, high)
@@ -88,13 +62,6 @@ def first_crossing(function: Rising, low: FloatArray, high: FloatArray) -> tuple
 
     For functions that rise at first but may fall later, such as a bound that widens with extrapolation: they are
     looked at in 24 steps that grow from `low`, so a crossing and return within one step goes unseen.
-
-    Parameters
-    ----------
-    function : callable
-        See `Rising`; below zero at `low`.
-    low, high : ndarray, shape (n,)
-        Where to look.
     """
     left, right = low.astype(np.float64), np.full(low.size, np.nan)
     rows = np.arange(low.size)

@@ -17,8 +17,6 @@ from ropefric.fitting.settings import FitSettings
 from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import Scatter, pooled_scatter, shared_variance, trial_std
 
-__all__ = ["Found", "search"]
-
 FloatArray = npt.NDArray[np.float64]
 
 # Weights depend on the parameters through the errors of the settings; they settle in two rounds.
@@ -43,21 +41,7 @@ _NOTHING = 1e-150
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Found:
-    """What a search found.
-
-    Attributes
-    ----------
-    problem : FitProblem
-        With the weights at the minimum.
-    minimum : Minimum
-        The best minimum.
-    scatter : Scatter
-        Of the repeats about the fit.
-    shared : ndarray, shape (n,)
-        Variance of ln F_A known beforehand, shared by the repeats of a condition.
-    notes : tuple of str
-        What was met on the way.
-    """
+    """What a search found."""
 
     problem: FitProblem
     minimum: Minimum
@@ -67,17 +51,7 @@ class Found:
 
 
 def search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Found:
-    """Return the best minimum, with weights taken at it.
-
-    Parameters
-    ----------
-    problem : FitProblem
-        Data, bounds and start; its standard deviations are replaced.
-    table : TrialTable
-        Where the data come from, for the errors of the settings.
-    settings : FitSettings
-        Loss, starts and seed.
-    """
+    """Return the best minimum, with weights taken at it."""
     theta = problem.start
     weighed, scatter, shared = _weighed(problem, table, theta, settings)
     minimum, notes = _from_all_starts(_pooled(weighed, settings), settings)

@@ -10,34 +10,13 @@ from ropefric.fitting.losses import LOSSES, Loss
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
 
-__all__ = ["MOST_STARTS", "FitSettings", "check_settings"]
-
 MOST_STARTS = 10_000
 """Of a search; beyond some hundreds nothing new is found."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitSettings:
-    """How a fit is made; the meaning of each is that of `fit_law`.
-
-    Attributes
-    ----------
-    fixed, bounds, start : mapping
-        By name of parameter.
-    scale_covar : "auto" or bool
-        Whether the covariance is multiplied by χ²/dof.
-    loss : str
-        Loss function.
-    clustered : bool
-        Whether errors come from the scatter between conditions.
-    n_starts, seed : int
-        Of the search.
-
-    Examples
-    --------
-    >>> FitSettings(fixed={"a": 0.2}).to_dict()["fixed"]
-    {'a': 0.2}
-    """
+    """How a fit is made; the meaning of each is that of `fit_law`."""
 
     fixed: Mapping[str, float]
     bounds: Mapping[str, tuple[float, float]] | None = None
@@ -56,23 +35,7 @@ class FitSettings:
 
 
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
-    """Refuse settings that no fit of this law can follow; return quietly otherwise.
-
-    Raises
-    ------
-    UnknownNameError
-        For a parameter the law does not have, or an unknown loss.
-    InputError
-        For bounds with nothing between them, or less than one start.
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> check_settings(FitSettings(fixed={"Mu": 0.2}), LAWS["constant"])
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.UnknownNameError: fixed: constant has no parameter 'Mu' Fix: did you mean 'mu'?
-    """
+    """Refuse settings that no fit of this law can follow; return quietly otherwise."""
     for key in ("fixed", "bounds", "start"):
         for name in getattr(settings, key) or {}:
             if name not in law.parameter_names:

@@ -8,8 +8,6 @@ import numpy as np
 from ropefric.fitting.result import FitResult, FittedParameter
 from ropefric.fitting.status import FitStatus
 
-__all__ = ["faults"]
-
 _REGRESSORS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 _ROUNDING = 1e-9
 
@@ -18,24 +16,6 @@ def faults(fit: FitResult) -> Iterator[str]:
     """Yield what no fit can be like, in words; nothing for a sound one.
 
     A file may be cut, merged or edited by hand, and a prediction from it would look like any other.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit, with its parameters in the order of its law.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=("a", "b", "c"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9],
-    ...     end_tension_N=20, peak_N=[36.6, 66.1, 121.7],
-    ... )
-    >>> fit = fit_law(table, "constant")
-    >>> list(faults(fit)), list(faults(replace(fit, covariance=-fit.covariance)))
-    ([], ['the covariance has a negative variance'])
     """
     plain = "intervals" not in fit.provenance
     for item in fit.parameters:

@@ -10,8 +10,6 @@ from ropefric.fitting.criteria import ConditionMeans, ScatterFit, aicc, bic, f_t
 from ropefric.fitting.measured import Measured, measured_residual, refit
 from ropefric.fitting.problem import FitProblem, FloatArray
 
-__all__ = ["NESTED", "Standing", "leave_one_out", "nested_test", "on_means", "standing"]
-
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4
 
@@ -33,25 +31,7 @@ NESTED: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Standing:
-    """A law fitted to condition means.
-
-    Attributes
-    ----------
-    problem : FitProblem
-        One point per condition, with the standard deviations the likelihood settled on.
-    theta : ndarray, shape (p,)
-        Parameters.
-    measured : {"lift", "end-tension"}
-        Which force the residuals are of.
-    scatter : ScatterFit
-        Scatter of the means about the law.
-    chi2 : float
-        Σ residual²/variance with that scatter; near the number of means where the scatter is estimated.
-    k : int
-        Estimated quantities: fitted parameters and the scatter.
-    aicc, bic : float
-        Criteria on the number of means.
-    """
+    """A law fitted to condition means."""
 
     problem: FitProblem
     theta: FloatArray
@@ -77,19 +57,7 @@ def on_means(problem: FitProblem, means: ConditionMeans, std: FloatArray) -> Fit
 def standing(
     problem: FitProblem, means: ConditionMeans, theta: npt.ArrayLike, *, measured: Measured = "lift"
 ) -> Standing:
-    """Return how the law of a problem stands on condition means.
-
-    Parameters
-    ----------
-    problem : FitProblem
-        Law, bounds and which parameters vary.
-    means : ConditionMeans
-        K means.
-    theta : array_like, shape (p,)
-        Where to start; a fit to the trials.
-    measured : {"lift", "end-tension"}
-        Which force was measured; the other was set. Residuals are those of the force that was measured.
-    """
+    """Return how the law of a problem stands on condition means."""
     at = np.asarray(theta, dtype=np.float64)
     std = means.std
     for _ in range(_ROUNDS):

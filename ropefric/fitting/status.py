@@ -3,8 +3,6 @@
 from collections.abc import Iterable
 from enum import StrEnum
 
-__all__ = ["ADVICE", "FitStatus", "worst"]
-
 
 class FitStatus(StrEnum):
     """What became of a fit, from good to bad."""
@@ -19,13 +17,7 @@ class FitStatus(StrEnum):
 
     @property
     def advice(self) -> str:
-        """Return what the status means and what to do.
-
-        Examples
-        --------
-        >>> FitStatus.AT_BOUND.advice[:34]
-        'A parameter lies on its bound, and'
-        """
+        """Return what the status means and what to do."""
         return ADVICE[self]
 
 
@@ -56,11 +48,5 @@ _ORDER = {status: rank for rank, status in enumerate(FitStatus)}
 
 
 def worst(statuses: Iterable[FitStatus]) -> FitStatus:
-    """Return the gravest of some statuses, OK for none.
-
-    Examples
-    --------
-    >>> str(worst([FitStatus.AT_BOUND, FitStatus.OK]))
-    'at-bound'
-    """
+    """Return the gravest of some statuses, OK for none."""
     return max(statuses, key=_ORDER.__getitem__, default=FitStatus.OK)

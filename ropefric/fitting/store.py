@@ -15,8 +15,6 @@ from ropefric.fitting.soundness import faults
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 
-__all__ = ["check_target", "fit_text", "load_fit", "save_fit"]
-
 MOST_BYTES = 256 * 2**20
 """A fit of a million conditions is smaller."""
 
@@ -42,13 +40,6 @@ def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:
     """Return a fit as the text of a JSON file in a folder; the same fit always gives the same text.
 
     Keys are sorted, there is no time of writing, and the data file is named relative to the folder.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    folder : path-like
-        Where the file will stand.
     """
     provenance = dict(fit.provenance)
     source = dict(provenance.get("input", {}))
@@ -83,22 +74,7 @@ def save_fit(fit: FitResult, path: str | os.PathLike[str], *, overwrite: bool = 
 
 
 def check_target(path: Path, table: Path | None, *, overwrite: bool = False) -> None:
-    """Refuse a place where a fit must not be stored: its own table, or what is there and is no fit.
-
-    Parameters
-    ----------
-    path : Path
-        Where the fit is to be stored.
-    table : Path or None
-        What it is made from.
-    overwrite : bool
-        Allow any other file than the table.
-
-    Raises
-    ------
-    DataError
-        RF105, RF150 or RF151.
-    """
+    """Refuse a place where a fit must not be stored: its own table, or what is there and is no fit."""
     refuse_special(path)
     refuse_input(path, table)
     if not overwrite and path.is_file() and not _is_fit(path):

@@ -10,8 +10,6 @@ from scipy.special import fdtrc
 from ropefric.fitting.weights import Scatter, group_means
 from ropefric.friction.condition import Conditions, distinct
 
-__all__ = ["LackOfFit", "Trend", "find_trends", "lack_of_fit"]
-
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
@@ -22,15 +20,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LackOfFit:
-    """What the conditions scatter beyond their repeats.
-
-    Attributes
-    ----------
-    between : float
-        Standard deviation of ln F_A between conditions, beyond the repeats and what is known to be shared [-].
-    p_value : float
-        Probability of at least this much if the law were right and conditions differed by nothing else.
-    """
+    """What the conditions scatter beyond their repeats."""
 
     between: float
     p_value: float
@@ -38,17 +28,7 @@ class LackOfFit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trend:
-    """Residuals that follow a regressor.
-
-    Attributes
-    ----------
-    regressor : str
-        "wrap angle", "size ratio" or "end tension".
-    size : float
-        Root mean square of the trend in ln F_A [-].
-    p_value : float
-        Probability of at least this much without a trend.
-    """
+    """Residuals that follow a regressor."""
 
     regressor: str
     size: float
@@ -60,21 +40,6 @@ def lack_of_fit(
 ) -> LackOfFit:
     """Return the scatter between conditions by the method of moments, and its F-test against the repeats.
 
-    Parameters
-    ----------
-    jacobian : ndarray, shape (n, q)
-        Derivatives of the residuals in standard deviations by the fitted parameters.
-    log_residuals : ndarray, shape (n,)
-        Measured less fitted ln F_A.
-    std : ndarray, shape (n,)
-        From `trial_std`.
-    group : ndarray of int, shape (n,)
-        Condition numbers.
-    scatter : Scatter
-        Of the repeats.
-
-    Notes
-    -----
     Q = Σ w_c r̄_c² over the conditions, w_c the inverse variance of a mean, has the expectation
     k − q + s_b² Σ w_c (1 − h_c).
     """
@@ -97,13 +62,6 @@ def find_trends(
     Linear and quadratic terms of the regressor are fitted beside the law's own parameters to the means of the
     conditions and tested (F) against what is left between conditions, so that a scatter between conditions alone
     makes no trend. A regressor with fewer than three values gets the linear term alone.
-
-    Parameters
-    ----------
-    jacobian, log_residuals, std, group
-        As for `lack_of_fit`.
-    conditions : Conditions
-        Of the n trials.
     """
     k = int(group.max(initial=-1)) + 1
     weight = np.sqrt(np.bincount(group, 1.0 / std**2))

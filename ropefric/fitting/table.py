@@ -17,7 +17,6 @@ from ropefric.trials.trial_table import CellTable, read_cells
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["TrialTable", "read_trial_table", "table_from_frame"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -160,47 +159,13 @@ def read_trial_table(path: str | os.PathLike[str]) -> TrialTable:
     `end_tension_N` (or `end_mass_kg`), `peak_N` (or `lift_force_kN`); optional `trial`, `kept`, `status`,
     `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`. Other columns are passed over.
     Separators ";", tab and "," and decimal commas are found out.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Raises
-    ------
-    DataError
-        With every problem in `.problems`: a missing column, a wrong unit, a number that is none, a negative
-        wrap, F_A ≤ F_B, an empty cell in a kept row, a name given twice, fewer than two trials.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> text = "wheel_radius_mm,rope_diameter_mm,wrap_turns,end_tension_N,peak_N\n40,10,1,20,70\n40,10,1,20,71\n"
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = Path(folder, "pulls.csv").write_text(text)
-    ...     read_trial_table(Path(folder, "pulls.csv")).peak_N.tolist()
-    [70.0, 71.0]
     """
     cells, problems = read_cells(path)
     return _table(cells, problems, str(Path(path).as_posix()))
 
 
 def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
-    """Return the trial table of a pandas DataFrame, whose columns are named as in `read_trial_table`.
-
-    Raises
-    ------
-    DataError
-        As `read_trial_table`; the line is the row's position, from 1.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"wheel_radius_mm": [40, 40], "rope_diameter_mm": 10, "wrap_turns": 1,
-    ...                       "end_tension_N": 20, "peak_N": [70, 71]})
-    >>> table_from_frame(frame).end_tension_N.tolist()
-    [20.0, 20.0]
-    """
+    """Return the trial table of a pandas DataFrame, whose columns are named as in `read_trial_table`."""
     header = tuple(str(name) for name in frame.columns)
     columns = [_texts(frame.iloc[:, index]) for index in range(len(header))]
     rows = tuple((line, cells) for line, cells in enumerate(zip(*columns, strict=True), start=1))

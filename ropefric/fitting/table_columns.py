@@ -7,8 +7,6 @@ from ropefric.errors import InputError, Problem
 from ropefric.quantities import split_unit_suffix, unit_factor
 from ropefric.trials.trial_columns import STANDARD_GRAVITY_M_S2, BoundColumn, bind_header, near_miss
 
-__all__ = ["OPTIONAL_NUMBERS", "REQUIRED_NUMBERS", "TEXTS", "bind_table_columns"]
-
 REQUIRED_NUMBERS = {
     "wheel_radius_m": "wheel_radius_mm",
     "rope_radius_m": "rope_diameter_mm",
@@ -63,23 +61,7 @@ _SLIP = 0.8
 def bind_table_columns(
     header: tuple[str, ...], path: str, line: int | None
 ) -> tuple[dict[str, BoundColumn], tuple[str, ...], tuple[Problem, ...]]:
-    """Return the columns by the field they give, the names passed over, and what is wrong with the header.
-
-    Parameters
-    ----------
-    header : tuple of str
-        Column headers: "wheel_radius_mm", "Lift force (kN)", "kept".
-    path, line
-        Where the header stands, for messages.
-
-    Examples
-    --------
-    >>> columns, others, problems = bind_table_columns(
-    ...     ("R_w", "wheel_radius_mm", "wrap_angle_deg", "rope_diameter_mm", "end_tension_N", "peak_kN"), "a.csv", 1
-    ... )
-    >>> columns["peak_N"].unit, others, problems
-    ('kN', ('R_w',), ())
-    """
+    """Return the columns by the field they give, the names passed over, and what is wrong with the header."""
     bound, others, problems = bind_header(header, path, line, bind=_bind)
     # A column with a wrong unit is there; that it is missing as well would only confuse.
     there = set(bound) | {_field_of(problem.key) for problem in problems}

@@ -17,8 +17,6 @@ from ropefric.trials.trial_cells import NUMBER, POSITIVE, Row, decimal_mark, rea
 from ropefric.trials.trial_columns import BoundColumn
 from ropefric.trials.trial_table import CellTable
 
-__all__ = ["ParsedRows", "parse_rows"]
-
 _EMPTY = frozenset({"nan", "na", "n/a", "none", "null", "<na>", "-"})
 _TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
 _FALSE = frozenset({"false", "no", "0", "0.0", "rejected"})
@@ -28,17 +26,7 @@ _MOST_TOLD = 20
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParsedRows:
-    """All trials as read, by column.
-
-    Attributes
-    ----------
-    trial, status : list of str
-        Names, and what became of the recordings.
-    kept : ndarray of bool
-        Whether each may be used.
-    numbers : dict of str to ndarray
-        SI numbers by field; NaN where there is none.
-    """
+    """All trials as read, by column."""
 
     trial: list[str]
     status: list[str]
@@ -51,27 +39,6 @@ def parse_rows(table: CellTable, columns: dict[str, BoundColumn]) -> tuple[Parse
 
     A row that is not kept, or whose recording gave no force, may lack numbers; a row that is to be used may not.
     Columns are read as a whole; only rows in which something is wrong are read again, cell by cell, to say what.
-
-    Parameters
-    ----------
-    table : CellTable
-        The cells.
-    columns : dict
-        From `bind_table_columns`.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.table_columns import bind_table_columns
-    >>> cells = CellTable(
-    ...     path="a.csv",
-    ...     separator=",",
-    ...     header=("wheel_radius_mm", "rope_diameter_mm", "wrap_turns", "end_tension_N", "peak_N"),
-    ...     header_line=1,
-    ...     rows=((2, ("40", "9.8", "1.5", "80", "60")),),
-    ... )
-    >>> columns, _, _ = bind_table_columns(cells.header, cells.path, 1)
-    >>> print(parse_rows(cells, columns)[1][0].message)
-    the break-away force 60 N is not above the end tension 80 N: friction can only add to it
     """
     lines = [line for line, _ in table.rows]
     n, by_index = len(lines), list(zip(*(cells for _, cells in table.rows), strict=True))

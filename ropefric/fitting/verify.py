@@ -16,29 +16,13 @@ from ropefric.fitting.settings import FitSettings, check_settings
 from ropefric.fitting.store import load_fit
 from ropefric.fitting.table import read_trial_table
 
-__all__ = ["Verification", "verify_fit", "verify_fits"]
-
 # Part of a standard error that another processor's rounding may move an estimate by.
 _MOST = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """What became of one stored fit.
-
-    Attributes
-    ----------
-    path : str
-        The file.
-    law : str
-        Its law; "" where the file cannot be read.
-    ok : bool
-        Whether the same data give the same fit.
-    difference : float
-        Largest difference of a parameter in its standard errors; NaN where nothing could be compared.
-    message : str
-        What was found.
-    """
+    """What became of one stored fit."""
 
     path: str
     law: str
@@ -48,18 +32,7 @@ class Verification:
 
 
 def verify_fits(folder: str | os.PathLike[str]) -> tuple[Verification, ...]:
-    """Return, for every `*.json` of a folder by name, whether the fit comes out of its data again.
-
-    Parameters
-    ----------
-    folder : path-like
-        Where the fits are.
-
-    Raises
-    ------
-    DataError
-        If the folder is not there or holds no fit.
-    """
+    """Return, for every `*.json` of a folder by name, whether the fit comes out of its data again."""
     place = Path(folder)
     if not place.is_dir():
         raise DataError("there is no such folder", path=place, fix="give the folder of the stored fits")

@@ -10,8 +10,6 @@ from ropefric.errors import InputError
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.law import FrictionLaw
 
-__all__ = ["Scatter", "group_means", "pooled_scatter", "shared_variance", "trial_std"]
-
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
@@ -21,15 +19,7 @@ _SMALLEST_SCATTER = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scatter:
-    """How far repeats of one condition lie apart.
-
-    Attributes
-    ----------
-    within : float
-        Standard deviation of ln F_A between repeats, pooled over the conditions [-]; NaN where unknown.
-    dof : int
-        Its degrees of freedom n − k.
-    """
+    """How far repeats of one condition lie apart."""
 
     within: float
     dof: int
@@ -41,13 +31,7 @@ class Scatter:
 
 
 def group_means(values: FloatArray, group: IntArray) -> FloatArray:
-    """Return the mean of each condition, shape (k,).
-
-    Examples
-    --------
-    >>> group_means(np.array([1.0, 3.0, 5.0]), np.array([0, 0, 1])).tolist()
-    [2.0, 5.0]
-    """
+    """Return the mean of each condition, shape (k,)."""
     return np.bincount(group, weights=values) / np.bincount(group)
 
 
@@ -55,18 +39,6 @@ def pooled_scatter(residuals: FloatArray, group: IntArray) -> Scatter:
     """Return the scatter of residuals in ln F_A about the mean of their condition, pooled over conditions.
 
     The scatter of a rope is a part of the force, so it is the same in ln F_A for all conditions.
-
-    Parameters
-    ----------
-    residuals : ndarray, shape (n,)
-        Measured less modelled ln F_A.
-    group : ndarray of int, shape (n,)
-        Condition numbers 0 … k − 1.
-
-    Examples
-    --------
-    >>> pooled_scatter(np.array([0.01, -0.01, 0.52, 0.50]), np.array([0, 0, 1, 1])).within.__round__(4)
-    0.0141
     """
     dof = residuals.size - int(group.max(initial=-1)) - 1
     if dof <= 0:
@@ -81,20 +53,6 @@ def shared_variance(law: FrictionLaw, theta: FloatArray, table: TrialTable) -> F
     The instrument's (u_F/F_A)² and those of the settings, (∂ ln F_A/∂φ u_φ)² + (∂ ln F_A/∂R_w u_R)² +
     (∂ ln F_A/∂ ln F_B · u_{F_B}/F_B)²: a wheel, a weight and a force cell are the same for every repeat, so these
     do not average out over them.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law, for the derivatives.
-    theta : ndarray, shape (p,)
-        Parameters.
-    table : TrialTable
-        The trials.
-
-    Raises
-    ------
-    InputError
-        As the law, and where an uncertainty is so large that its square overflows.
     """
     used = table.used
     # What overflows is refused right after.
@@ -126,24 +84,8 @@ def shared_variance(law: FrictionLaw, theta: FloatArray, table: TrialTable) -> F
 def trial_std(within: float, shared: FloatArray, group: IntArray) -> FloatArray:
     """Return the standard deviation that a trial enters a least-squares fit with, shape (n,).
 
-    Parameters
-    ----------
-    within : float
-        Scatter of the repeats s_w [-].
-    shared : ndarray, shape (n,)
-        Variance u² that the n_c repeats of a condition share.
-    group : ndarray of int, shape (n,)
-        Condition numbers.
-
-    Notes
-    -----
     σ² = s_w² + n_c u². Independent trials with this variance give the condition's mean the variance s_w²/n_c + u²,
     and so the same estimates and covariance as generalised least squares with the correlated covariance
     s_w² I + u² 1 1ᵀ, because a law is constant over the repeats of a condition.
-
-    Examples
-    --------
-    >>> trial_std(0.03, np.array([4e-4, 4e-4, 0.0]), np.array([0, 0, 1])).round(4).tolist()
-    [0.0412, 0.0412, 0.03]
     """
     return np.sqrt(within**2 + np.bincount(group)[group] * shared)

@@ -7,10 +7,6 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 
-__all__ = [
-    "Conditions", "FloatArray", "condition_groups", "distinct", "levels", "one_condition", "same_setting",
-]  # fmt: skip
-
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
@@ -28,35 +24,7 @@ _ALLOWED = {
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Conditions:
-    """Conditions of n pulls as read-only arrays of one length.
-
-    Attributes
-    ----------
-    wheel_radius_m : ndarray, shape (n,)
-        Wheel radius R_w [m], positive.
-    rope_radius_m : ndarray, shape (n,)
-        Rope radius R_r [m], positive.
-    wrap_angle_rad : ndarray, shape (n,)
-        Wrap angle φ [rad], zero or more; several turns are allowed.
-    end_tension_N : ndarray, shape (n,)
-        End tension F_B of the slack side [N], positive.
-
-    Scalars and arrays that broadcast to one axis are accepted and spread to the common length.
-
-    Raises
-    ------
-    InputError
-        If the lengths disagree, or a value is not finite or outside its range, or R_w and R_r are so far apart
-        that no float holds their ratio; the message names the first such value and its index.
-
-    Examples
-    --------
-    >>> conditions = Conditions(
-    ...     wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.14, 6.28], end_tension_N=20
-    ... )
-    >>> len(conditions), conditions.size_ratio.tolist()
-    (2, [8.0, 8.0])
-    """
+    """Conditions of n pulls as read-only arrays of one length."""
 
     wheel_radius_m: FloatArray
     rope_radius_m: FloatArray
@@ -98,27 +66,12 @@ class Conditions:
         return np.log(self.end_tension_N)
 
     def select(self, index: npt.ArrayLike) -> "Conditions":
-        """Return the conditions at an index array or boolean mask, in that order.
-
-        Examples
-        --------
-        >>> pulls = Conditions(
-        ...     wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 6.0], end_tension_N=20
-        ... )
-        >>> pulls.select([1]).wrap_angle_rad.tolist()
-        [6.0]
-        """
+        """Return the conditions at an index array or boolean mask, in that order."""
         chosen = np.asarray(index)
         return Conditions(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
     def describe(self, index: int) -> str:
-        """Return one condition in words, for messages.
-
-        Examples
-        --------
-        >>> Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3, end_tension_N=20).describe(0)
-        'condition 0 (R_w = 0.04 m, R_r = 0.005 m, wrap = 3 rad, F_B = 20 N)'
-        """
+        """Return one condition in words, for messages."""
         return (
             f"condition {index} (R_w = {self.wheel_radius_m[index]:.6g} m, "
             f"R_r = {self.rope_radius_m[index]:.6g} m, wrap = {self.wrap_angle_rad[index]:.6g} rad, "
@@ -144,18 +97,7 @@ def _check_sizes(wheel_m: FloatArray, rope_m: FloatArray) -> None:
 def one_condition(
     wheel_radius_m: float, rope_radius_m: float, wrap_angle_rad: float, end_tension_N: float
 ) -> Conditions:
-    """Return one condition: R_w [m], R_r [m], φ [rad], F_B [N].
-
-    Raises
-    ------
-    InputError
-        If a number is out of range.
-
-    Examples
-    --------
-    >>> len(one_condition(0.04, 0.005, 3.0, 20.0))
-    1
-    """
+    """Return one condition: R_w [m], R_r [m], φ [rad], F_B [N]."""
     return Conditions(
         wheel_radius_m=np.array([wheel_radius_m]),
         rope_radius_m=np.array([rope_radius_m]),
@@ -170,11 +112,6 @@ def levels(values: npt.ArrayLike) -> IntArray:
     A level is what lies within a millionth above its smallest value. Nothing is rounded, so there is no edge that a
     conversion of units could put two equal settings on either side of; and since a level ends a millionth above its
     beginning, many measured values do not join hands to make one.
-
-    Examples
-    --------
-    >>> levels([np.radians(60.0), 2.0, np.pi / 3.0, 1.0]).tolist()
-    [1, 2, 1, 0]
     """
     array = np.asarray(values, dtype=np.float64)
     order = np.argsort(array, kind="stable")
@@ -191,13 +128,7 @@ def levels(values: npt.ArrayLike) -> IntArray:
 
 
 def distinct(values: npt.ArrayLike) -> FloatArray:
-    """Return the smallest setting of each of the `levels`, rising, shape (m,).
-
-    Examples
-    --------
-    >>> distinct([0.04, 4.0 / 100.0, 0.1 + 0.2, 0.3]).tolist()
-    [0.04, 0.3]
-    """
+    """Return the smallest setting of each of the `levels`, rising, shape (m,)."""
     array = np.sort(np.asarray(values, dtype=np.float64))
     return np.asarray(array[np.unique(levels(array), return_index=True)[1]])
 
@@ -206,16 +137,6 @@ def condition_groups(*settings: npt.ArrayLike) -> IntArray:
     """Return the number 0 … k − 1 of the condition of each pull, in order of appearance, shape (n,).
 
     The one rule by which pulls are put together everywhere: all their settings have the same `levels`.
-
-    Parameters
-    ----------
-    *settings : array_like, shape (n,)
-        One or more settings of the n pulls.
-
-    Examples
-    --------
-    >>> condition_groups([0.04, 0.03, 0.04, 0.04], [3.0, 3.0, 3.0, 6.0]).tolist()
-    [0, 1, 0, 2]
     """
     found = levels(settings[0])
     for values in settings[1:]:
@@ -229,13 +150,7 @@ def condition_groups(*settings: npt.ArrayLike) -> IntArray:
 
 
 def same_setting(values: npt.ArrayLike, value: float) -> npt.NDArray[np.bool_]:
-    """Return which settings are a given one, as near as those of one of the `levels`, shape (n,).
-
-    Examples
-    --------
-    >>> same_setting([np.radians(60.0), 1.04], 1.0471976).tolist()
-    [True, False]
-    """
+    """Return which settings are a given one, as near as those of one of the `levels`, shape (n,)."""
     array = np.asarray(values, dtype=np.float64)
     return np.asarray(np.abs(array - value) <= _SAME_SETTING * np.maximum(np.abs(array), abs(value)))
 

@@ -12,8 +12,6 @@ from ropefric.errors import SolverError
 from ropefric.friction.condition import FloatArray
 from ropefric.friction.special import log1prel
 
-__all__ = ["exponential_start_rad", "power_log_start"]
-
 # Each step roughly squares the error (constant <= 1/2), so a step below this leaves less than rounding.
 _LAST_STEP = 1e-8
 _LAST_RELATIVE_STEP = 1e-9
@@ -26,30 +24,9 @@ def power_log_start(y: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, c: npt
 
     The logarithm comes back because φ0 underflows as b → −1 (b = −0.999, y = 1, a = 0.2: ln φ0 = −5298).
 
-    Parameters
-    ----------
-    y : array_like
-        ln(F_B/F_0) [-], zero or more.
-    a, c : array_like
-        Coefficients [-] with φ in rad, zero or more, not both zero where y > 0.
-    b : array_like
-        Exponent [-], greater than −1.
-
-    Returns
-    -------
-    ndarray
-        ln φ0 with the broadcast shape of the arguments; −inf where y = 0.
-
-    Notes
-    -----
     With u = ln φ0 the equation reads ln(e^{s(u − u_a)} + e^{u − u_c}) = 0, s = b + 1, where u_a and u_c are the
     roots of the single terms. It is convex and increasing, so Newton's method from the smaller of them comes
     down on the root monotonically.
-
-    Examples
-    --------
-    >>> float(power_log_start(1.0, 0.2, -0.999, 0.0).round(1))
-    -5298.3
     """
     y, a, c = np.asarray(y, np.float64), np.asarray(a, np.float64), np.asarray(c, np.float64)
     s = np.asarray(b, np.float64) + 1.0
@@ -85,29 +62,8 @@ def exponential_start_rad(
 ) -> FloatArray:
     """Return φ0 [rad] for μ = a e^{bφ} + c, where a φ0 exprel(b φ0) + c φ0 = y.
 
-    Parameters
-    ----------
-    y : array_like
-        ln(F_B/F_0) [-], zero or more; below a/|b| where c = 0, since the law saturates there.
-    a, c : array_like
-        Coefficients [-], zero or more, not both zero where y > 0.
-    b : array_like
-        Rate [1/rad], zero or negative.
-
-    Returns
-    -------
-    ndarray
-        φ0 with the broadcast shape of the arguments.
-
-    Notes
-    -----
     Starts from the Wright-omega form and finishes with Newton steps on the integral itself, which is concave:
     after one step the iteration rises to the root monotonically. The start alone cancels for b → 0 and c → 0.
-
-    Examples
-    --------
-    >>> float(exponential_start_rad(3.0, 0.1, -0.5, 0.2).round(6))
-    14.000911
     """
     y, a, b, c = np.broadcast_arrays(*(np.asarray(v, np.float64) for v in (y, a, b, c)))
     lower, upper = _exponential_bracket(y, a, b, c)

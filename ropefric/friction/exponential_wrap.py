@@ -10,8 +10,6 @@ from ropefric.friction.end_tension import exponential_start_rad
 from ropefric.friction.physics import FROM_ZERO, Columns, Refusal, below_reference, refuse
 from ropefric.friction.special import exprel, exprel_slope
 
-__all__ = ["ExponentialWrap", "exponential_rise", "exponential_rise_slopes"]
-
 
 def exponential_rise(
     start_rad: FloatArray, wrap_rad: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray
@@ -31,13 +29,7 @@ def exponential_rise_slopes(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExponentialWrap:
-    """The physics of μ(φ) = a e^{bφ} + c integrated over [φ0, φ0 + φ].
-
-    Attributes
-    ----------
-    equivalence : bool
-        Whether the end tension counts as wrap φ0.
-    """
+    """The physics of μ(φ) = a e^{bφ} + c integrated over [φ0, φ0 + φ]."""
 
     equivalence: bool
 

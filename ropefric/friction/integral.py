@@ -13,16 +13,6 @@ from ropefric.friction.end_tension import exponential_start_rad, power_log_start
 from ropefric.friction.exponential_wrap import exponential_rise, exponential_rise_slopes
 from ropefric.friction.power_span import power_span
 
-__all__ = [
-    "exponential_integral",
-    "exponential_integral_slopes",
-    "log_force_ratio",
-    "log_lift_exponential",
-    "log_lift_power",
-    "power_integral",
-    "power_integral_slopes",
-]
-
 
 def power_integral(
     wrap_rad: npt.ArrayLike,
@@ -36,30 +26,6 @@ def power_integral(
 
     Exact through b = −1, where it is a logarithm; the wrap is passed by itself because a difference of two
     angles would lose it.
-
-    Parameters
-    ----------
-    wrap_rad : array_like
-        δ [rad], zero or more.
-    a, b, c : array_like
-        Coefficients of the local μ with φ in rad.
-    start_rad : array_like
-        p [rad], zero or more; zero needs b > −1.
-
-    Returns
-    -------
-    ndarray
-        The integral [-], with the broadcast shape of the arguments.
-
-    Raises
-    ------
-    InputError
-        If an angle is negative, a number is not finite, or the integral diverges.
-
-    Examples
-    --------
-    >>> float(power_integral(1.0, 0.2, -1.0, start_rad=1.0).round(9))
-    0.138629436
     """
     delta, p, a, b, c = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b, c=c)
     _check_start(p, b)
@@ -72,13 +38,7 @@ def power_integral(
 def power_integral_slopes(
     wrap_rad: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, *, start_rad: npt.ArrayLike = 0.0
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the derivatives of `power_integral` by a, b and c; arguments and refusals are its own.
-
-    Examples
-    --------
-    >>> [float(slope.round(6)) for slope in power_integral_slopes(1.0, 0.2, -0.5)]
-    [2.0, -0.8, 1.0]
-    """
+    """Return the derivatives of `power_integral` by a, b and c; arguments and refusals are its own."""
     delta, p, a, b = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b)
     _check_start(p, b)
     some = delta > 0.0
@@ -96,32 +56,7 @@ def exponential_integral(
     *,
     start_rad: npt.ArrayLike = 0.0,
 ) -> FloatArray:
-    """Return ∫ (a e^{bφ} + c) dφ over [start, start + wrap], eq. (14) in eq. (11); exact through b = 0.
-
-    Parameters
-    ----------
-    wrap_rad : array_like
-        δ [rad], zero or more.
-    a, b, c : array_like
-        Coefficients of the local μ; b in 1/rad.
-    start_rad : array_like
-        p [rad], zero or more.
-
-    Returns
-    -------
-    ndarray
-        The integral [-], with the broadcast shape of the arguments.
-
-    Raises
-    ------
-    InputError
-        If an angle is negative or a number is not finite.
-
-    Examples
-    --------
-    >>> float(exponential_integral(2.0, 0.1, -0.5, 0.2).round(6))
-    0.526424
-    """
+    """Return ∫ (a e^{bφ} + c) dφ over [start, start + wrap], eq. (14) in eq. (11); exact through b = 0."""
     delta, p, a, b, c = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b, c=c)
     with np.errstate(over="ignore", invalid="ignore"):
         return _all_finite(exponential_rise(p, delta, a, b, c))
@@ -130,13 +65,7 @@ def exponential_integral(
 def exponential_integral_slopes(
     wrap_rad: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, *, start_rad: npt.ArrayLike = 0.0
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the derivatives of `exponential_integral` by a, b and c; arguments and refusals are its own.
-
-    Examples
-    --------
-    >>> [float(slope.round(6)) for slope in exponential_integral_slopes(2.0, 0.1, 0.0)]
-    [2.0, 0.2, 2.0]
-    """
+    """Return the derivatives of `exponential_integral` by a, b and c; arguments and refusals are its own."""
     delta, p, a, b = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b)
     with np.errstate(over="ignore", invalid="ignore"):
         by_a, by_b, by_c = exponential_rise_slopes(p, delta, a, b)
@@ -144,18 +73,7 @@ def exponential_integral_slopes(
 
 
 def log_force_ratio(end_tension_N: npt.ArrayLike, reference_N: npt.ArrayLike = 1.0) -> FloatArray:
-    """Return y = ln(F_B/F_0), to full precision also for F_B → F_0.
-
-    Raises
-    ------
-    InputError
-        If a force is not positive, or F_B < F_0: no wrap angle stands for such an end tension.
-
-    Examples
-    --------
-    >>> float(log_force_ratio(20.0, 10.0).round(6))
-    0.693147
-    """
+    """Return y = ln(F_B/F_0), to full precision also for F_B → F_0."""
     F_B, F_0 = _arrays(end_tension_N=end_tension_N, reference_N=reference_N)
     _refuse_where(F_0 <= 0.0, F_0, "the reference force F_0 is {} N; it must be positive")
     _refuse_where(
@@ -180,34 +98,7 @@ def log_lift_power(
     end_tension_N: npt.ArrayLike,
     reference_N: npt.ArrayLike = 1.0,
 ) -> FloatArray:
-    """Return ln(F_A / 1 N) of μ = a φ^b + c with the end tension counted as wrap, eqs. (15), (17).
-
-    Parameters
-    ----------
-    a, b, c : array_like
-        Coefficients of the local μ with φ in rad; a, c zero or more, b > −1.
-    wrap_rad : array_like
-        φ [rad], zero or more.
-    end_tension_N : array_like
-        F_B [N], at least the reference force.
-    reference_N : array_like
-        F_0 [N]. It is a physical reference and not a free scale: the answer depends on it.
-
-    Returns
-    -------
-    ndarray
-        ln F_A with the broadcast shape of the arguments.
-
-    Raises
-    ------
-    InputError
-        If an argument is outside its range, or μ is zero everywhere and F_B > F_0.
-
-    Examples
-    --------
-    >>> log_lift_power(0.2, -0.5, 0.1, wrap_rad=10, end_tension_N=20, reference_N=[1, 10]).round(4).tolist()
-    [4.4507, 4.8418]
-    """
+    """Return ln(F_A / 1 N) of μ = a φ^b + c with the end tension counted as wrap, eqs. (15), (17)."""
     y = log_force_ratio(end_tension_N, reference_N)
     delta, a, b, c = _arrays(wrap_rad=wrap_rad, a=a, b=b, c=c)
     _check_coefficients(a, c, y)
@@ -232,11 +123,6 @@ def log_lift_exponential(
 
     Arguments and refusals are those of `log_lift_power`, with b in 1/rad and zero or less; c = 0 also needs
     ln(F_B/F_0) < a/|b|, where the integral saturates.
-
-    Examples
-    --------
-    >>> float(log_lift_exponential(0.1, -0.5, 0.2, wrap_rad=10, end_tension_N=20).round(4))
-    4.9959
     """
     y = log_force_ratio(end_tension_N, reference_N)
     delta, a, b, c = _arrays(wrap_rad=wrap_rad, a=a, b=b, c=c)

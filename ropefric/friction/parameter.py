@@ -11,28 +11,10 @@ from ropefric.friction.condition import FloatArray
 from ropefric.friction.physics import Columns
 from ropefric.registry import did_you_mean
 
-__all__ = ["Parameter", "columns_of", "vector_from"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """One parameter of a law.
-
-    Attributes
-    ----------
-    name : str
-        The name it has in fits and files.
-    unit : str
-        SI unit, "-" for a ratio.
-    start : float
-        A typical value, for help texts; fits start from `FrictionLaw.guess`.
-    lower, upper : float
-        Bounds for fits, all finite; between them every condition the law accepts has an answer.
-    meaning : str
-        One line for people.
-    fixed : bool
-        Whether a fit holds it at its start unless told otherwise.
-    """
+    """One parameter of a law."""
 
     name: str
     unit: str
@@ -44,21 +26,7 @@ class Parameter:
 
 
 def vector_from(mapping: Mapping[str, float], parameters: Sequence[Parameter], law: str) -> FloatArray:
-    """Return the values of a mapping in the order of the parameters; a fixed one may be left out.
-
-    Raises
-    ------
-    UnknownNameError
-        For a name that is no parameter.
-    InputError
-        For a parameter that is missing.
-
-    Examples
-    --------
-    >>> mu = Parameter(name="mu", unit="-", start=0.2, lower=0, upper=1, meaning="friction coefficient")
-    >>> vector_from({"mu": 0.3}, [mu], "constant").tolist()
-    [0.3]
-    """
+    """Return the values of a mapping in the order of the parameters; a fixed one may be left out."""
     names = [parameter.name for parameter in parameters]
     for name in mapping:
         if name not in names:
@@ -71,18 +39,7 @@ def vector_from(mapping: Mapping[str, float], parameters: Sequence[Parameter], l
 
 
 def columns_of(theta: npt.ArrayLike, names: Sequence[str], law: str) -> Columns:
-    """Return theta, shape (p,) or (m, p), as p columns of shape () or (m, 1).
-
-    Raises
-    ------
-    InputError
-        If theta has another shape or is not finite.
-
-    Examples
-    --------
-    >>> [column.shape for column in columns_of([[0.2, 0.1], [0.3, 0.1]], ["mu", "k"], "constant-offset")]
-    [(2, 1), (2, 1)]
-    """
+    """Return theta, shape (p,) or (m, p), as p columns of shape () or (m, 1)."""
     try:
         array = np.asarray(theta, dtype=np.float64)
     except (TypeError, ValueError):

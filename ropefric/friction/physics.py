@@ -10,37 +10,13 @@ import numpy.typing as npt
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, FloatArray
 
-__all__ = [
-    "FROM_ZERO",
-    "Columns",
-    "Physics",
-    "Refusal",
-    "below_reference",
-    "evaluated",
-    "reason",
-    "refusals_of",
-    "refuse",
-]
-
 Columns = tuple[FloatArray, ...]
 """The parameters one by one: each of shape () for one parameter set, or (m, 1) for m sets."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refusal:
-    """A reason why a law has no answer, and where.
-
-    Attributes
-    ----------
-    mask : ndarray of bool
-        True where there is no answer; broadcasts to (n,) or (m, n).
-    values : ndarray
-        The offending quantity; broadcasts like `mask`.
-    what : str
-        What is wrong, with `{value}` for the offending quantity.
-    fix : str
-        What to do.
-    """
+    """A reason why a law has no answer, and where."""
 
     mask: npt.NDArray[np.bool_]
     values: FloatArray
@@ -119,14 +95,7 @@ def reason(refusal: Refusal, conditions: Conditions) -> str:
 def evaluated(
     formula: Callable[[], tuple[FloatArray, ...]], columns: Columns, conditions: Conditions, law: str
 ) -> FloatArray:
-    """Return the parts of a formula side by side on a last axis, shape (n, k) or (m, n, k), all finite.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite: a coefficient that is infinite where the wrap starts from nothing, or
-        parameters so large that floats overflow.
-    """
+    """Return the parts of a formula side by side on a last axis, shape (n, k) or (m, n, k), all finite."""
     # Overflow is not warned about where it happens, because every number is looked at right after.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         parts = formula()

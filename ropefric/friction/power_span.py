@@ -11,29 +11,13 @@ import numpy.typing as npt
 from ropefric.friction.condition import FloatArray
 from ropefric.friction.special import exprel, exprel_slope
 
-__all__ = ["PowerSpan", "power_span"]
-
 # e^-800 is zero in floats, so an integral from this far below differs from one from zero by nothing.
 _FROM_ZERO = 800.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PowerSpan:
-    """A stretch of wrap [p, p + δ] seen through φ^b: ∫ φ^b dφ over it and what its slope needs.
-
-    Attributes
-    ----------
-    s : ndarray
-        b + 1.
-    log_start, log_end : ndarray
-        ln p and ln(p + δ).
-    length : ndarray
-        L = ln((p + δ)/p).
-    scale : ndarray
-        p^s or (p + δ)^s times L, taken at the end where z is not positive.
-    z : ndarray
-        −|s| L.
-    """
+    """A stretch of wrap [p, p + δ] seen through φ^b: ∫ φ^b dφ over it and what its slope needs."""
 
     s: FloatArray
     log_start: FloatArray
@@ -55,22 +39,7 @@ class PowerSpan:
 
 
 def power_span(log_start: npt.ArrayLike, wrap_rad: npt.ArrayLike, b: npt.ArrayLike) -> PowerSpan:
-    """Return the stretch of wrap that starts at e^{log_start} rad and is wrap_rad long.
-
-    Parameters
-    ----------
-    log_start : array_like
-        ln p; −inf for a stretch from zero, which needs b > −1.
-    wrap_rad : array_like
-        δ [rad], positive.
-    b : array_like
-        Exponent of φ.
-
-    Examples
-    --------
-    >>> float(power_span(0.0, 1.0, -1.0).integral().round(6))
-    0.693147
-    """
+    """Return the stretch of wrap that starts at e^{log_start} rad and is wrap_rad long."""
     s = np.asarray(b, dtype=np.float64) + 1.0
     log_wrap = np.log(wrap_rad)
     with np.errstate(divide="ignore"):

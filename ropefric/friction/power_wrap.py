@@ -11,8 +11,6 @@ from ropefric.friction.law import Parameter
 from ropefric.friction.physics import Columns, Refusal, below_reference, refuse
 from ropefric.friction.power_span import PowerSpan, power_span
 
-__all__ = ["PowerWrap", "Strength", "exponent_parameter", "plateau_parameter"]
-
 Strength = Callable[[Columns, Conditions], FloatArray]
 """A function of the parameters and the wheel's size: the coefficient m of φ^k, or a slope of it."""
 
@@ -41,19 +39,6 @@ class PowerWrap:
     """The physics of μ(φ) = m φ^k + d integrated over [φ0, φ0 + φ], eq. (17).
 
     The last two parameters of the law are k and d; those before them make up m.
-
-    Attributes
-    ----------
-    strength : callable
-        m.
-    strength_slopes : callable
-        ∂m by each parameter that makes it up.
-    strength_by_radius : callable
-        ∂m/∂R_w [1/m].
-    equivalence : bool
-        Whether the end tension counts as wrap φ0.
-    why_negative : str
-        What makes m negative, for the message.
     """
 
     strength: Strength

@@ -9,21 +9,6 @@ from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.law import Parameter
 from ropefric.friction.physics import Columns
 
-__all__ = [
-    "SIZE_PARAMETERS",
-    "amplitudes",
-    "exponential_size",
-    "exponential_size_by_radius",
-    "exponential_size_slopes",
-    "from_amplitudes",
-    "from_printed_form",
-    "printed_form",
-    "same_for_all",
-    "same_for_all_slopes",
-    "size_candidates",
-    "unmoved_by_radius",
-]
-
 SIZE_PARAMETERS = (
     Parameter(
         name="mu_inf", unit="-", start=0.2, lower=0.0, upper=5.0, meaning="coefficient of a very large wheel"
@@ -94,24 +79,12 @@ def printed_form(mu_inf: float, b: float) -> tuple[float, float]:
     """Return (μ∞, b) of μ_R = μ∞ (1 − e^{a r}) + b, the bracket of eq. (16), from those of eq. (4).
 
     Both are one family A − B e^{a r}; the rate a is the same.
-
-    Examples
-    --------
-    >>> shifted = printed_form(0.2, -0.5)
-    >>> [round(value, 6) for value in shifted], [round(value, 6) for value in from_printed_form(*shifted)]
-    ([0.121306, 0.078694], [0.2, -0.5])
     """
     return mu_inf * math.exp(b), -mu_inf * math.expm1(b)
 
 
 def from_printed_form(mu_inf: float, b: float) -> tuple[float, float]:
-    """Return (μ∞, b) of μ_R = μ∞ (1 − e^{a r + b}), eq. (4), from those of μ_R = μ∞ (1 − e^{a r}) + b.
-
-    Raises
-    ------
-    InputError
-        If μ∞ is not positive or μ∞ + b is not: the law then has no form (4).
-    """
+    """Return (μ∞, b) of μ_R = μ∞ (1 − e^{a r + b}), eq. (4), from those of μ_R = μ∞ (1 − e^{a r}) + b."""
     if not (mu_inf > 0.0 and mu_inf + b > 0.0):
         raise InputError(
             f"mu_inf = {mu_inf:g} and b = {b:g} have no form mu_inf (1 - exp(a r + b))",
@@ -121,24 +94,12 @@ def from_printed_form(mu_inf: float, b: float) -> tuple[float, float]:
 
 
 def amplitudes(mu_inf: float, b: float) -> tuple[float, float]:
-    """Return (A, B) of μ_R = A − B e^{a r}, from (μ∞, b) of eq. (4).
-
-    Examples
-    --------
-    >>> amplitudes(0.2, 0.0)
-    (0.2, 0.2)
-    """
+    """Return (A, B) of μ_R = A − B e^{a r}, from (μ∞, b) of eq. (4)."""
     return mu_inf, mu_inf * math.exp(b)
 
 
 def from_amplitudes(A: float, B: float) -> tuple[float, float]:
-    """Return (μ∞, b) of eq. (4), from μ_R = A − B e^{a r}.
-
-    Raises
-    ------
-    InputError
-        If A or B is not positive.
-    """
+    """Return (μ∞, b) of eq. (4), from μ_R = A − B e^{a r}."""
     if not (A > 0.0 and B > 0.0):
         raise InputError(
             f"A = {A:g} and B = {B:g} have no form mu_inf (1 - exp(a r + b))", fix="both must be positive"

@@ -9,8 +9,6 @@ from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.law import FrictionLaw
 
-__all__ = ["mean_mu", "product", "searched_start"]
-
 # Enough to tell the candidates apart; a start needs no more.
 _MAX_CONDITIONS = 400
 _FINALISTS = 12
@@ -22,14 +20,7 @@ _NOTHING = 1e-20
 
 
 def mean_mu(conditions: Conditions, log_lift: FloatArray) -> float:
-    """Return the median average coefficient of the data, at least 0.001, which one bad trial cannot move far.
-
-    Examples
-    --------
-    >>> pulls = Conditions(wheel_radius_m=1, rope_radius_m=0.1, wrap_angle_rad=[1, 2, 3], end_tension_N=1)
-    >>> mean_mu(pulls, np.array([0.2, 0.4, 9.0]))
-    0.2
-    """
+    """Return the median average coefficient of the data, at least 0.001, which one bad trial cannot move far."""
     wrapped = conditions.wrap_angle_rad > 0.0
     if not wrapped.any():
         return 0.2
@@ -38,13 +29,7 @@ def mean_mu(conditions: Conditions, log_lift: FloatArray) -> float:
 
 
 def product(*axes: npt.ArrayLike) -> FloatArray:
-    """Return every combination of one value from each axis, shape (m, number of axes).
-
-    Examples
-    --------
-    >>> product([1.0, 2.0], [5.0]).tolist()
-    [[1.0, 5.0], [2.0, 5.0]]
-    """
+    """Return every combination of one value from each axis, shape (m, number of axes)."""
     grid = np.meshgrid(*(np.asarray(axis, dtype=np.float64) for axis in axes), indexing="ij")
     return np.stack([values.ravel() for values in grid], axis=-1)
 
@@ -56,25 +41,7 @@ def searched_start(
     *,
     candidates: Callable[[Conditions, FloatArray], FloatArray],
 ) -> FloatArray:
-    """Return a start for a fit of any law, shape (p,), inside its bounds.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law to start.
-    conditions : Conditions
-        n conditions.
-    log_lift : ndarray, shape (n,)
-        Measured ln(F_A / 1 N).
-    candidates : callable
-        Gives parameter sets, shape (m, p), worth trying on these data.
-
-    Returns
-    -------
-    ndarray, shape (p,)
-        The set with the least sum of absolute residuals after a few steps; a fixed parameter keeps its start. The
-        parameters' typical values where the data lead nowhere.
-    """
+    """Return a start for a fit of any law, shape (p,), inside its bounds."""
     typical = np.array([parameter.start for parameter in law.parameters])
     try:
         # Data at the ends of what a float holds overflow on the way.

@@ -8,25 +8,12 @@ import numpy as np
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.physics import Columns, Refusal, refuse
 
-__all__ = ["Uniform"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Uniform:
     """The physics of a coefficient that depends on the parameters and the size of the wheel alone.
 
     Local and average coefficient are the same here.
-
-    Attributes
-    ----------
-    mu : callable
-        The coefficient.
-    mu_slopes : callable
-        Its derivative by each parameter.
-    mu_by_radius : callable
-        Its derivative by R_w [1/m].
-    why_negative : str
-        What makes it negative, for the message.
     """
 
     mu: Callable[[Columns, Conditions], FloatArray]

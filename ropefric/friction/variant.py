@@ -6,21 +6,12 @@ from ropefric.friction.exponential_wrap import ExponentialWrap
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.power_wrap import PowerWrap
 
-__all__ = ["SUFFIX", "with_variant"]
-
 SUFFIX = "-from-zero"
 """What the name of a law ends in when its wrap is counted from zero, whatever the end tension."""
 
 
 def with_variant(law: FrictionLaw) -> FrictionLaw:
-    """Return a wrap-dependent law that knows its own form without the end tension.
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> LAWS["wrap-power"].without_end_tension().name
-    'wrap-power-from-zero'
-    """
+    """Return a wrap-dependent law that knows its own form without the end tension."""
     physics = law.physics
     if not isinstance(physics, PowerWrap | ExponentialWrap):
         raise TypeError(f"{law.name} does not depend on the wrap through PowerWrap or ExponentialWrap")

@@ -21,30 +21,12 @@ from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.trials.campaign_model import DesignSpec
 
-__all__ = ["CampaignAnswer", "answer_trials"]
-
 Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CampaignAnswer:
-    """What a trial table says.
-
-    Attributes
-    ----------
-    table : TrialTable
-        The trials.
-    comparison : Comparison
-        All laws, best first.
-    winner : Choice
-        The law that is used, and the verdict on it.
-    diagnosis : Diagnosis
-        Which effects the trials support.
-    prediction : Prediction, optional
-        The lift force of the design asked for; None without one, or if the law has no answer there.
-    doubts : tuple of str
-        What is doubtful about the law; what is about the prediction is in its notes.
-    """
+    """What a trial table says."""
 
     table: TrialTable
     comparison: Comparison
@@ -89,40 +71,7 @@ def answer_trials(
     law: str = "",
     progress: Progress | None = None,
 ) -> CampaignAnswer:
-    """Return which law a trial table asks for, what it supports, and the lift force of a design.
-
-    Parameters
-    ----------
-    table : TrialTable
-        The trials.
-    design : DesignSpec, optional
-        The wheel to predict.
-    rope_radius_m : float, optional
-        Its rope [m]; that of the table where it has one only.
-    law : str
-        The law to use; "" for the best whose fit may be used as it stands.
-    progress : callable, optional
-        Called with (law, number of it, number of laws) before each fit.
-
-    Raises
-    ------
-    UnknownNameError
-        For an unknown law.
-    RopefricError
-        If not even the constant law can be fitted, or the law asked for cannot.
-
-    Examples
-    --------
-    >>> wraps = np.repeat([3.0, 6.0, 9.0, 12.0], 2)
-    >>> table = TrialTable(
-    ...     trial=tuple("abcdefgh"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20,
-    ...     peak_N=20 * np.exp(0.2 * wraps + 0.01 * np.array([1, -1, 1, -1, -1, 1, -1, 1])),
-    ... )
-    >>> design = DesignSpec(wheel_radius_m=0.04, wrap_angle_rad=5.0, end_tension_N=20.0)
-    >>> answer = answer_trials(table, design=design)
-    >>> answer.fit.law, float(answer.prediction.lift_force_N[0].round(1))
-    ('constant', 54.4)
-    """
+    """Return which law a trial table asks for, what it supports, and the lift force of a design."""
     laws = [*LAWS, law] if law and law not in LAWS else None
     comparison = compare_laws(table, laws, progress=progress)
     wheel, refused = _wheel(table, design, rope_radius_m)

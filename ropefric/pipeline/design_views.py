@@ -20,8 +20,6 @@ from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun
 
-__all__ = ["STEP", "chart_of_design", "plan_for_design", "state_design", "swings_of_design"]
-
 STEP = 0.05
 """By how much of itself each setting of a design is changed to see what it is worth [-]."""
 
@@ -35,31 +33,6 @@ def state_design(fit: FitResult, wheel: Conditions) -> Statement:
     """Return the uncertainty of the lift force of one wheel whose settings are exact.
 
     Of one pull with one new rope where the fit knows how far they scatter, else of the mean law.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    wheel : Conditions
-        One condition.
-
-    Raises
-    ------
-    RopefricError
-        If the law has no answer for it, or its covariance is not finite.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> from ropefric.friction.condition import one_condition
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> stated = state_design(fit_law(table, "constant"), one_condition(0.04, 0.005, 4.5, 20.0))
-    >>> stated.model.name, stated.budget.lines[0].name
-    ('lift force of one pull', 'scatter of one new rope')
     """
     one_pull = math.isfinite(new_rope_std(fit))
     model = lift_model(fit, wheel, WheelUncertainty(), one_pull=one_pull)
@@ -74,15 +47,6 @@ def swings_of_design(
 
     Each setting goes `STEP` down and up; the law and the rope go from end to end of the intervals of the prediction.
     NaN stands where the law has no answer, or the fit knows no scatter.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    prediction : Prediction
-        Its prediction.
-    index : int
-        Which of its conditions.
     """
     at = prediction.conditions.select([index])
     base_N = float(prediction.lift_force_N[index])
@@ -115,20 +79,7 @@ def _lift_N(fit: FitResult, at: Conditions, name: str, factor: float) -> float:
 
 
 def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
-    """Return the lift force of the tested wheels, and of the one asked for, over wraps up to and beyond the tested.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    wheel : Conditions
-        One condition; its end tension and rope hold for the whole chart.
-
-    Raises
-    ------
-    RopefricError
-        If the fit knows no scatter.
-    """
+    """Return the lift force of the tested wheels, and of the one asked for, over wraps up to and beyond the tested."""
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
     farthest_rad = _BEYOND * max(most_rad, wrap_rad)
@@ -146,18 +97,6 @@ def plan_for_design(run: CampaignRun, wheel: Conditions) -> LabPlan:
 
     Wheels are those that were used; wraps and end tensions lie between the smallest and the largest that were; the
     largest force is that of the campaign's largest cell, or the largest measured where it names none.
-
-    Parameters
-    ----------
-    run : CampaignRun
-        The campaign's result.
-    wheel : Conditions
-        One condition.
-
-    Raises
-    ------
-    RopefricError
-        If these settings leave too little to choose from, or the fit knows no scatter.
     """
     fit, table = run.answer.fit, run.answer.table
     used = table.used

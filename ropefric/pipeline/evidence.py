@@ -18,22 +18,12 @@ from ropefric.fitting.planning.result import LabPlan
 from ropefric.pipeline.design_views import chart_of_design, plan_for_design, state_design, swings_of_design
 from ropefric.pipeline.run import CampaignRun
 
-__all__ = ["Evidence", "MeasuredBudget", "evidence_files", "gather_evidence"]
-
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredBudget:
-    """The uncertainty of one condition's measured force, by its budget alone.
-
-    Attributes
-    ----------
-    condition : MeasuredCondition
-        The condition; its number counts those of the extraction from 1.
-    budget : LinearBudget
-        Of the force that was measured [N].
-    """
+    """The uncertainty of one condition's measured force, by its budget alone."""
 
     condition: MeasuredCondition
     budget: LinearBudget
@@ -46,30 +36,7 @@ class MeasuredBudget:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evidence:
-    """What stands behind a campaign's answer; None where there is no design, or where it could not be made.
-
-    Attributes
-    ----------
-    measured : tuple of MeasuredBudget
-        A budget for each condition with a force.
-    typical : Statement, optional
-        The whole statement for the one of them whose relative uncertainty is the median.
-    typical_number : int
-        Its number; 0 for none.
-    lift : Statement, optional
-        Budget of the lift force of the design: of one pull with a new rope where the fit knows its scatter, else of
-        the mean law.
-    swings : tuple of (str, float, float, float)
-        What each input does to that lift force: name, force at its low and high value, force as designed [N].
-    chart : DesignChart, optional
-        Lift force over wheel and wrap at the end tension of the design.
-    plan : LabPlan, optional
-        What to test next to know that lift force better.
-    hand : tuple of str
-        The lift force as lines of arithmetic.
-    missing : tuple of str
-        What could not be made, and why.
-    """
+    """What stands behind a campaign's answer; None where there is no design, or where it could not be made."""
 
     measured: tuple[MeasuredBudget, ...] = ()
     typical: Statement | None = None
@@ -83,13 +50,7 @@ class Evidence:
 
 
 def gather_evidence(run: CampaignRun) -> Evidence:
-    """Return what a report shows beyond the answer of a campaign.
-
-    Parameters
-    ----------
-    run : CampaignRun
-        The campaign's result.
-    """
+    """Return what a report shows beyond the answer of a campaign."""
     missing: list[str] = []
 
     def attempt(name: str, make: Callable[[], T]) -> T | None:
@@ -136,13 +97,7 @@ def _measured(run: CampaignRun) -> tuple[MeasuredBudget, ...]:
 
 
 def evidence_files(evidence: Evidence) -> dict[str, str]:
-    """Return uncertainty.json and next_tests.csv by name, as far as there are such.
-
-    Examples
-    --------
-    >>> evidence_files(Evidence())
-    {}
-    """
+    """Return uncertainty.json and next_tests.csv by name, as far as there are such."""
     texts = {}
     if evidence.lift is not None:
         texts["uncertainty.json"] = json_document(rounded_tree(evidence.lift.to_dict()))

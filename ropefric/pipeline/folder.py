@@ -8,8 +8,6 @@ from ropefric.files.folder import OutputFolder
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.toml_document import read_toml
 
-__all__ = ["campaign_folder"]
-
 _EXTRACTED = (
     *("trials.csv", "conditions.csv", "problems.csv"),
     *("figures/Rw*deg_F*.png", "figures/Rw*deg_F*.csv"),
@@ -32,19 +30,7 @@ def campaign_folder(
     answers: bool = True,
     force: bool = False,
 ) -> OutputFolder:
-    """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        The campaign; none of its files is ever replaced.
-    folder : path-like
-        Where the results are.
-    answers : bool
-        Whether fits, comparison and report are to be written, too.
-    force : bool
-        Replace what ropefric did not write.
-    """
+    """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`."""
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (an extraction needs none)
 
     names = (*_ANSWERED, *(f"fits/{law}.json" for law in ALL_LAWS)) if answers else ()

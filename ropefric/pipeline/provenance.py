@@ -16,16 +16,6 @@ from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 from ropefric.trials.toml_document import read_toml
 
-__all__ = [
-    "MANIFEST",
-    "SCHEMA",
-    "InputFile",
-    "Provenance",
-    "manifest_text",
-    "recorded_run",
-    "trace_provenance",
-]
-
 SCHEMA = "ropefric.run/1"
 MOST_BYTES = 256 * 2**20
 """The manifest of a million recordings is smaller."""
@@ -46,25 +36,7 @@ class InputFile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provenance:
-    """All that is needed to make a result again, without time or place.
-
-    Attributes
-    ----------
-    command : str
-        A command that makes it again, to be given in the campaign's folder.
-    campaign, trial_list : InputFile
-        The two files people write.
-    recordings : tuple of InputFile
-        Each once, in the order of the trial list.
-    versions : mapping of str to str
-        Of Python and the packages that numbers and figures come from.
-    seeds : mapping of str to int
-        Of everything that draws.
-    settings : mapping
-        The campaign with every default filled in, without the trial list and where it lies.
-    law : str
-        The law that was asked for; "" for none.
-    """
+    """All that is needed to make a result again, without time or place."""
 
     command: str
     campaign: InputFile
@@ -94,20 +66,7 @@ class Provenance:
 
 
 def trace_provenance(run: CampaignRun, evidence: Evidence) -> Provenance:
-    """Return where a result comes from.
-
-    Parameters
-    ----------
-    run : CampaignRun
-        The result.
-    evidence : Evidence
-        What was made beside it, for its seeds.
-
-    Raises
-    ------
-    DataError
-        If the campaign file is no longer there.
-    """
+    """Return where a result comes from."""
     campaign, fit = run.campaign, run.answer.fit
     law = fit.law if run.answer.winner.forced else ""
     words = ["ropefric", "run", campaign.path.name, "--out", "out", *(("--law", law) if law else ())]
@@ -160,17 +119,7 @@ def _recordings(run: CampaignRun) -> tuple[InputFile, ...]:
 
 
 def manifest_text(provenance: Provenance, campaign: Path, folder: Path) -> str:
-    """Return the manifest, by which a folder of results finds its campaign again.
-
-    Parameters
-    ----------
-    provenance : Provenance
-        What it says.
-    campaign : Path
-        The campaign file; named relative to the folder.
-    folder : Path
-        Where the results are.
-    """
+    """Return the manifest, by which a folder of results finds its campaign again."""
     try:
         shown = Path(os.path.relpath(campaign, folder)).as_posix()
     except ValueError:  # another drive on Windows
@@ -180,26 +129,7 @@ def manifest_text(provenance: Provenance, campaign: Path, folder: Path) -> str:
 
 
 def recorded_run(folder: Path) -> tuple[Path, str]:
-    """Return the campaign file that a folder of results was made from, and the law that was asked for.
-
-    Parameters
-    ----------
-    folder : Path
-        A folder that `run` or `report` wrote into.
-
-    Raises
-    ------
-    DataError
-        RF101 if there is no manifest, or it is none of this schema.
-
-    Examples
-    --------
-    >>> recorded_run(Path("nowhere"))
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: nowhere/manifest.json: no results stand here Fix: give a folder that `ropefric run` \
-wrote, or the campaign
-    """
+    """Return the campaign file that a folder of results was made from, and the law that was asked for."""
     path = folder / MANIFEST
     try:
         tree = json.loads(read_file(path, limit=MOST_BYTES))

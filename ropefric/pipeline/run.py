@@ -22,8 +22,6 @@ from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import Extraction, count_trials
 from ropefric.trials.tables import write_tables
 
-__all__ = ["CampaignRun", "run_campaign", "write_answer"]
-
 _RANKING = (
     "law",
     "status",
@@ -84,31 +82,6 @@ def run_campaign(
 
     Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
     prediction.json; the same campaign gives the same bytes, whatever `jobs` and the cache.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        From `load_campaign`.
-    folder : Folder or path-like
-        Made where it is missing; files of these names are replaced. The tables are published as "tables" before
-        the fit; the rest is for the caller to publish.
-    law : str
-        The law to use; "" for the best whose fit may be used as it stands.
-    jobs : int
-        Number of processes.
-    cache_dir : Path, optional
-        Where extracted recordings are kept.
-    extract_progress, fit_progress : callable, optional
-        Told how far the work is; see `extract_campaign` and `compare_laws`.
-    on_extracted : callable, optional
-        Called with the extraction as soon as its tables are published.
-
-    Raises
-    ------
-    DataError
-        RF301 if no recording gave a usable force; the tables are written all the same.
-    RopefricError
-        If no law can be fitted.
     """
     found = extract_campaign(campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress)
     extraction = set_aside_impossible(found, campaign)

@@ -13,7 +13,6 @@ from ropefric.plotting.words import say_instead, shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_budget"]
 
 HEADER = ("quantity", "contribution", "share", "cumulative_share")
 
@@ -21,37 +20,7 @@ HEADER = ("quantity", "contribution", "share", "cumulative_share")
 def draw_budget(
     rows: Sequence[tuple[str, float]], *, unit: str = "", title: str = "", combined: float | None = None
 ) -> FigureWithData:
-    """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum.
-
-    Parameters
-    ----------
-    rows : sequence of (str, float)
-        Name of each quantity and its contribution, sensitivity times standard uncertainty, in the unit of the result;
-        the sign does not matter. NaN, an unknown one, is listed without a bar.
-    unit : str
-        Unit of the result; "" for a ratio.
-    title : str
-        What the budget is for.
-    combined : float, optional
-        Combined standard uncertainty, if the quantities are correlated; otherwise the root of the sum of squares.
-        Shares are always of the sum of squares, so they add up to 1.
-
-    Returns
-    -------
-    FigureWithData
-        With one table: quantity, contribution, share of the variance, cumulative share.
-
-    Raises
-    ------
-    InputError
-        If a contribution or `combined` is infinite.
-
-    Examples
-    --------
-    >>> made = draw_budget([("force cell", 0.3), ("wrap angle", -0.4)], unit="N", title="F_A")
-    >>> [(row[0], round(row[2], 2)) for row in made.tables[0].rows]
-    [('wrap angle', 0.64), ('force cell', 0.36)]
-    """
+    """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum."""
     for name, value in (*rows, ("combined", combined or 0.0)):
         if math.isinf(value):
             raise InputError(

@@ -14,8 +14,6 @@ from ropefric.plotting.save import figure_files
 if TYPE_CHECKING:
     from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
 
-__all__ = ["write_condition_figures"]
-
 
 def write_condition_figures(
     extraction: "Extraction",
@@ -26,29 +24,7 @@ def write_condition_figures(
     executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> tuple[Path, ...]:
-    """Draw each condition of an extraction into `folder`; return the paths written, condition by condition.
-
-    Parameters
-    ----------
-    extraction : Extraction
-        Conditions and trials.
-    folder : Folder or path-like
-        Made where it is missing.
-    under : str
-        Sub-folder, with a "/" at its end.
-    formats : tuple of str
-        "png", "svg", "pdf".
-    executor : concurrent.futures.Executor, optional
-        Draws in parallel; one after the other by default.
-    progress : callable, optional
-        Called with done, total and the name of the figure just finished.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> write_condition_figures(SimpleNamespace(conditions=(), trials=()), Path("nowhere"))
-    ()
-    """
+    """Draw each condition of an extraction into `folder`; return the paths written, condition by condition."""
     by_name = {trial.trial: trial for trial in extraction.trials}
     groups = [(summary, [by_name[name] for name in summary.trials]) for summary in extraction.conditions]
     stems = name_files(

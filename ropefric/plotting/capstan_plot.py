@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from ropefric.fitting.result import FitResult
 
-__all__ = ["draw_capstan", "euler_mu"]
 
 HEADER = (
     "wheel_radius_m",
@@ -53,32 +52,6 @@ def draw_capstan(fits: "Sequence[FitResult]") -> FigureWithData:
     The straight line is the law `constant` if it is among the fits, else the line through the origin that fits the
     conditions best. Wheels differ in marker and colour; bars are ±2 standard uncertainties of the mean.
     The laws are drawn for the settings that most conditions share.
-
-    Parameters
-    ----------
-    fits : sequence of FitResult
-        At least one, all of the same trials; the points are those of the first.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (a row a condition) and the table `laws` (law, wrap_angle_rad, log_ratio).
-
-    Raises
-    ------
-    InputError
-        If there is no fit.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> draw_capstan([fit_law(table, "constant")]).figure.axes[0].get_xlabel()
-    'Wrap angle φ [deg]'
     """
     if not fits:
         raise InputError("there is no fit to draw", key="fits", fix="give at least one")

@@ -20,44 +20,13 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import ConditionSummary, TrialResult
 
-__all__ = ["condition_alt", "draw_condition", "trial_colors", "trial_table", "trials_of"]
 
 # Room for six-digit forces on the left and for three rows of legend below.
 _MARGINS = {"left": 0.09, "right": 0.985, "top": 0.86, "bottom": 0.27, "wspace": 0.24}
 
 
 def draw_condition(summary: "ConditionSummary", trials: "Iterable[TrialResult]") -> FigureWithData:
-    """Return the figure of one condition: its traces on the left, the repeatability of the force on the right.
-
-    Parameters
-    ----------
-    summary : ConditionSummary
-        The condition; its `trials` say which results belong to it and in which order.
-    trials : iterable of TrialResult
-        These results; others are passed over.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (a row a trial) and the table `traces` (the envelopes drawn, each under the
-        name of its recording's first trial).
-
-    Raises
-    ------
-    UnknownNameError
-        If a trial of the condition is missing from `trials`.
-
-    Examples
-    --------
-    >>> from ropefric.trials.result import ConditionSummary
-    >>> nan = float("nan")
-    >>> summary = ConditionSummary(
-    ...     wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=3.0, end_tension_N=80.0, lift_force_N=nan,
-    ...     n_recorded=0, n=0, n_kept=0, rejected=(), mean_all_N=nan, std_all_N=nan, mean_kept_N=nan,
-    ...     std_kept_N=nan, rule="two-sigma", notes=(), trials=())
-    >>> [axes.get_ylabel() for axes in draw_condition(summary, ()).figure.axes][0]
-    'Force F [N]'
-    """
+    """Return the figure of one condition: its traces on the left, the repeatability of the force on the right."""
     chosen = trials_of(summary, trials)
     colors = trial_colors(len(chosen))
     name = name_condition(summary, measures_slack=any(trial.measures_slack for trial in chosen))
@@ -75,19 +44,7 @@ def draw_condition(summary: "ConditionSummary", trials: "Iterable[TrialResult]")
 
 
 def trials_of(summary: "ConditionSummary", trials: "Iterable[TrialResult]") -> "list[TrialResult]":
-    """Return the results of a condition's trials, in its order.
-
-    Raises
-    ------
-    UnknownNameError
-        If one is missing.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> trials_of(SimpleNamespace(trials=("b",)), [SimpleNamespace(trial="a"), SimpleNamespace(trial="b")])
-    [namespace(trial='b')]
-    """
+    """Return the results of a condition's trials, in its order."""
     by_name = {trial.trial: trial for trial in trials}
     missing = [name for name in summary.trials if name not in by_name]
     if missing:
@@ -115,25 +72,13 @@ def condition_alt(summary: "ConditionSummary", name: ConditionName, trials: "Seq
 
 
 def trial_colors(n: int) -> list[tuple[float, float, float, float]]:
-    """Return n colours in order; the palest end of the map is left out, it drowns on white paper.
-
-    Examples
-    --------
-    >>> len(trial_colors(3))
-    3
-    """
+    """Return n colours in order; the palest end of the map is left out, it drowns on white paper."""
     scale = colormaps[TRACE_COLORS]
     return [scale(0.85 * i / max(n - 1, 1)) for i in range(n)]
 
 
 def trial_table(trials: "Sequence[TrialResult]") -> DataTable:
-    """Return the table of a condition's trials, a row each.
-
-    Examples
-    --------
-    >>> trial_table([]).header[:3]
-    ('trial', 'file', 'peak_N')
-    """
+    """Return the table of a condition's trials, a row each."""
     header = (
         *("trial", "file", "peak_N", "peak_std_N", "end_tension_N", "peak_time_s", "kinetic_N"),
         *("status", "kept", "rejected_by", "excluded"),

@@ -11,27 +11,12 @@ from ropefric.errors import InputError
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, FloatArray, condition_groups, levels, same_setting
 
-__all__ = ["ConditionPoints", "answered", "condition_points", "same_settings", "settings_of", "swept"]
-
 _SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ConditionPoints:
-    """One point a condition.
-
-    Attributes
-    ----------
-    conditions : Conditions
-        The k conditions.
-    n : ndarray of int, shape (k,)
-        Trials behind each.
-    log_lift : ndarray, shape (k,)
-        Mean of ln(F_A / 1 N).
-    std_log : ndarray, shape (k,)
-        Standard uncertainty of that mean [-]: the scatter of the repeats over √n, and the instrument, which repeats
-        do not average out; NaN where neither is known.
-    """
+    """One point a condition."""
 
     conditions: Conditions
     n: npt.NDArray[np.int64]
@@ -63,18 +48,7 @@ class ConditionPoints:
         return out
 
     def reference(self, over: str) -> dict[str, float]:
-        """Return the settings that most conditions share which differ in one regressor.
-
-        Parameters
-        ----------
-        over : str
-            That regressor.
-
-        Returns
-        -------
-        dict of str to float
-            The other settings, SI; of equals, the first in the order of the data. Empty without points.
-        """
+        """Return the settings that most conditions share which differ in one regressor."""
         if not len(self):
             return {}
         others = [name for name in _SETTINGS if name != over]
@@ -86,25 +60,7 @@ class ConditionPoints:
 
 
 def condition_points(fit: FitResult) -> ConditionPoints:
-    """Return the conditions a fit rests on, from the summary that a stored fit carries too.
-
-    Parameters
-    ----------
-    fit : FitResult
-        Just made or loaded.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> points = condition_points(fit_law(table, "constant"))
-    >>> points.n.tolist(), points.mu.round(3).tolist()
-    ([2, 2], [0.2, 0.2])
-    """
+    """Return the conditions a fit rests on, from the summary that a stored fit carries too."""
     columns = {name: np.asarray(fit.trials.get(name, ()), dtype=np.float64) for name in _SETTINGS}
     n = np.asarray(fit.trials.get("n", ()), dtype=np.int64)
     log_lift = np.asarray(fit.trials.get("mean_log_lift", ()), dtype=np.float64)
@@ -118,16 +74,7 @@ def condition_points(fit: FitResult) -> ConditionPoints:
 
 
 def same_settings(conditions: Conditions, settings: Mapping[str, float]) -> npt.NDArray[np.bool_]:
-    """Return which conditions have the given settings, shape (n,).
-
-    Examples
-    --------
-    >>> pulls = Conditions(
-    ...     wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 6.0], end_tension_N=20
-    ... )
-    >>> same_settings(pulls, {"wrap_angle_rad": 6.0}).tolist()
-    [False, True]
-    """
+    """Return which conditions have the given settings, shape (n,)."""
     chosen = np.ones(len(conditions), dtype=np.bool_)
     for name, value in settings.items():
         chosen &= same_setting(getattr(conditions, name), value)
@@ -135,22 +82,7 @@ def same_settings(conditions: Conditions, settings: Mapping[str, float]) -> npt.
 
 
 def settings_of(fit: FitResult, over: str, given: Mapping[str, float] | None) -> dict[str, float]:
-    """Return the settings to hold while one regressor is swept.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit; its most common settings are taken, or the middle of what was tested where it has no trials.
-    over : str
-        The regressor swept.
-    given : mapping of str to float, optional
-        Settings that go before [SI].
-
-    Raises
-    ------
-    InputError
-        If `over` is no regressor, or a setting is none.
-    """
+    """Return the settings to hold while one regressor is swept."""
     for name in (over, *(given or ())):
         if name not in _SETTINGS:
             raise InputError(
@@ -163,34 +95,13 @@ def settings_of(fit: FitResult, over: str, given: Mapping[str, float] | None) ->
 
 
 def swept(settings: Mapping[str, float], over: str, values: npt.ArrayLike) -> Conditions:
-    """Return conditions that differ in one regressor only.
-
-    Examples
-    --------
-    >>> at = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "end_tension_N": 20.0}
-    >>> len(swept(at, "wrap_angle_rad", [1.0, 2.0]))
-    2
-    """
+    """Return conditions that differ in one regressor only."""
     arrays = {name: np.float64(value) for name, value in settings.items() if name != over}
     return Conditions(**(arrays | {over: np.asarray(values, dtype=np.float64)}))  # type: ignore[arg-type]
 
 
 def answered(fit: FitResult, conditions: Conditions) -> npt.NDArray[np.bool_]:
-    """Return for which conditions a fitted law has an answer that a float can hold, shape (n,).
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 66.0],
-    ... )
-    >>> pulls = swept({"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "end_tension_N": 20}, "wrap_angle_rad",
-    ...               [3.0, 1e5])
-    >>> answered(fit_law(table, "constant"), pulls).tolist()
-    [True, False]
-    """
+    """Return for which conditions a fitted law has an answer that a float can hold, shape (n,)."""
     law, theta = fit.friction_law, fit.theta
     largest = math.log(np.finfo(np.float64).max)
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.design import DesignChart
     from ropefric.friction.condition import FloatArray
 
-__all__ = ["draw_design_chart"]
 
 _MARKERS_A_LINE = 8
 HEADER = (
@@ -42,37 +41,6 @@ def draw_design_chart(
     Solid lines are the mean law, dashed ones what a pull with a new rope exceeds with the chart's probability; where
     the line is pale, the wheel or wrap lies outside what was tested. A triangle marks the smallest wrap whose dashed
     line reaches the required load times the safety factor.
-
-    Parameters
-    ----------
-    chart : DesignChart
-        From `ropefric.fitting.design.design_chart`.
-    required_N : float, optional
-        A load to draw across [N].
-    safety : float
-        Factor on the load; other than 1, it gets a line of its own.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (a row a wheel and wrap), and with a load the table `smallest_wrap` (NaN where the chart
-        does not reach it).
-
-    Raises
-    ------
-    InputError
-        If the load or the factor is not positive and finite.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.design import DesignChart
-    >>> grid = np.array([[10.0, 20.0]])
-    >>> chart = DesignChart(
-    ...     wheel_radius_m=np.array([0.04]), wrap_angle_rad=np.array([1.0, 2.0]), rope_radius_m=0.005,
-    ...     end_tension_N=5.0, lift_force_N=grid, lower_bound_N=0.9 * grid, probability=0.95,
-    ...     extrapolated=np.zeros((1, 2), dtype=bool))
-    >>> draw_design_chart(chart).tables[0].rows[1][:4]
-    (0.04, 2.0, 5.0, 20.0)
     """
     for name, value in (("required_N", required_N), ("safety", safety)):
         if value is not None and not (math.isfinite(value) and value > 0.0):

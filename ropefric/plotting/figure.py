@@ -11,27 +11,10 @@ from ropefric.glossary import counted
 from ropefric.plotting.labels import figure_text
 from ropefric.plotting.words import plain_text
 
-__all__ = ["DataTable", "FigureWithData", "new_figure"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataTable:
-    """Numbers behind a figure, as a table.
-
-    Attributes
-    ----------
-    name : str
-        Tells several tables of one figure apart; "" for the main one.
-    header : tuple of str
-        Glossary names.
-    rows : tuple of tuple
-        Text, numbers and booleans; NaN where there is no number.
-
-    Examples
-    --------
-    >>> DataTable(header=("n",), rows=((12,),)).name
-    ''
-    """
+    """Numbers behind a figure, as a table."""
 
     name: str = ""
     header: tuple[str, ...]
@@ -40,25 +23,7 @@ class DataTable:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FigureWithData:
-    """A figure and the tables of what it shows.
-
-    Attributes
-    ----------
-    figure : matplotlib.figure.Figure
-        Made without pyplot, so that no global state holds it.
-    tables : tuple of DataTable
-        At least the main one.
-    alt : str
-        What the figure shows, in a sentence or two with the key numbers and their units, for readers who do not see
-        it. Left empty, the axes and the number of rows take its place.
-
-    Examples
-    --------
-    >>> table = DataTable(header=("n",), rows=((12,),))
-    >>> made = FigureWithData(figure=new_figure(), tables=(table,), alt="Twelve trials.")
-    >>> len(made.tables), made.alt
-    (1, 'Twelve trials.')
-    """
+    """A figure and the tables of what it shows."""
 
     figure: Figure
     tables: tuple[DataTable, ...]
@@ -91,21 +56,7 @@ class FigureWithData:
 def new_figure(
     width_inch: float = 10.0, height_inch: float = 5.0, *, margins: Mapping[str, float] | None = None
 ) -> Figure:
-    """Return an empty figure on a raster canvas.
-
-    Parameters
-    ----------
-    width_inch, height_inch : float
-        Its size; 10 in become A4 width in print.
-    margins : mapping of str to float, optional
-        Arguments of `Figure.subplots_adjust`, where the figure knows the room its labels need: finding that
-        out takes half the drawing time. By default it is found out.
-
-    Examples
-    --------
-    >>> new_figure().get_size_inches().tolist()
-    [10.0, 5.0]
-    """
+    """Return an empty figure on a raster canvas."""
     figure = Figure(figsize=(width_inch, height_inch), layout="constrained" if margins is None else None)
     FigureCanvasAgg(figure)
     if margins is not None:

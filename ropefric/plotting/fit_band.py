@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.result import FitResult
     from ropefric.friction.condition import FloatArray
 
-__all__ = ["draw_fit_band"]
 
 _STEPS = 121
 _COVERAGE = 2.0
@@ -54,38 +53,6 @@ def draw_fit_band(
     The upper panel has the forces on a logarithmic axis, the lower one the same off the mean law, in per cent. The
     inner band holds the mean law, the outer one a single pull with a new rope. Points are the means of the measured
     conditions that have the settings drawn, crosses their trials where the fit still has them.
-
-    Parameters
-    ----------
-    fit : FitResult
-        Just made or loaded.
-    over : str
-        "wrap_angle_rad", "wheel_radius_m", "rope_radius_m" or "end_tension_N".
-    at : mapping of str to float, optional
-        The other settings [SI]; by default those that most conditions share.
-    level : float
-        Level of both bands.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (the bands), and the table `measured` (x in SI, lift_force_N, n, std_log).
-
-    Raises
-    ------
-    InputError
-        If a setting is unknown or out of range, or the level is not between 0 and 1.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> draw_fit_band(fit_law(table, "constant")).tables[0].header[:3]
-    ('wrap_angle_rad', 'lift_force_N', 'low_N')
     """
     settings = settings_of(fit, over, at)
     band = _band(fit, settings, over, level)

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
     from ropefric.fitting.comparison import Comparison, ComparisonEntry
 
-__all__ = ["draw_ladder"]
 
 HEADER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")
 _EVEN = 2.0
@@ -25,23 +24,6 @@ def draw_ladder(comparison: "Comparison") -> FigureWithData:
 
     Laws within 2 of the best can hardly be told from it (shaded); beyond 10 there is next to no support. Laws that
     are not counted stand below as crosses with their reason. The axis is linear to 10 and logarithmic beyond.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        From `ropefric.fitting.compare`.
-
-    Returns
-    -------
-    FigureWithData
-        With one table: a row a law, as ranked.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.comparison import Comparison
-    >>> nothing = Comparison(ranking=(), tests=(), unit="conditions", n=0, n_trials=0, scatter_within=0.0, notes=())
-    >>> draw_ladder(nothing).alt
-    'No law was compared.'
     """
     entries = comparison.ranking
     with house_style():

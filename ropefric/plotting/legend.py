@@ -6,22 +6,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["legend_below", "legend_of_figure"]
-
 
 def legend_below(axes: "Axes", *, columns: int = 2) -> None:
-    """Put a legend under the axes with one entry for each label; none where nothing is labelled.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import new_figure
-    >>> axes = new_figure().subplots()
-    >>> for i in range(3):
-    ...     _ = axes.plot([i], [i], label="kept")
-    >>> legend_below(axes)
-    >>> [text.get_text() for text in axes.get_legend().get_texts()]
-    ['kept']
-    """
+    """Put a legend under the axes with one entry for each label; none where nothing is labelled."""
     handles, labels = axes.get_legend_handles_labels()
     first = dict(zip(reversed(labels), reversed(handles), strict=True))
     order = list(dict.fromkeys(labels))
@@ -39,16 +26,6 @@ def legend_of_figure(figure: "Figure", *, columns: int = 5) -> None:
     """Put one legend under all axes of a figure, one entry for each label.
 
     A figure with constrained layout makes room for it; one with margins of its own needs to have it.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import new_figure
-    >>> figure = new_figure()
-    >>> for axes in figure.subplots(1, 2):
-    ...     _ = axes.plot([1], [1], label="kept")
-    >>> legend_of_figure(figure)
-    >>> [text.get_text() for text in figure.legends[0].get_texts()]
-    ['kept']
     """
     entries: dict[str, Any] = {}
     for axes in figure.axes:

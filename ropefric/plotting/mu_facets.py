@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from ropefric.fitting.result import FitResult
 
-__all__ = ["FACETS", "draw_mu_facets"]
 
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """What the coefficient is drawn against."""
@@ -44,33 +43,6 @@ def draw_mu_facets(fits: "Sequence[FitResult]") -> FigureWithData:
     In each facet the filled points are the largest set of conditions that differ in its quantity alone, and the laws
     are drawn for the settings they share; the other conditions are small and hollow. Bars are ±2 standard
     uncertainties of the mean.
-
-    Parameters
-    ----------
-    fits : sequence of FitResult
-        At least one, all of the same trials; the points are those of the first.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (a row a condition) and the table `laws` (facet, law, x in SI, mu_average).
-
-    Raises
-    ------
-    InputError
-        If there is no fit.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> made = draw_mu_facets([fit_law(table, "constant")])
-    >>> [axes.get_xlabel() for axes in made.figure.axes][1]
-    'Wrap angle φ [deg]'
     """
     if not fits:
         raise InputError("there is no fit to draw", key="fits", fix="give at least one")

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import Extraction, TrialResult
 
-__all__ = ["CHECKS", "Level", "check_trial", "draw_overview"]
-
 
 class Level(IntEnum):
     """What a check says of a trial."""
@@ -83,18 +81,7 @@ CHECKS: dict[str, "Callable[[TrialResult], Level]"] = {
 
 
 def check_trial(trial: "TrialResult") -> tuple[Level, ...]:
-    """Return what each of `CHECKS` says of a trial; after a failure nothing more is judged.
-
-    Examples
-    --------
-    >>> from ropefric.traces.breakaway import Breakaway
-    >>> from ropefric.trials.result import TrialResult
-    >>> lost = TrialResult(
-    ...     trial="r1", file="r1.csv", wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0,
-    ...     end_tension_N=20.0, breakaway=Breakaway(status=Status.TOO_SHORT))
-    >>> [level.name for level in check_trial(lost)][:3]
-    ['OK', 'FAIL', 'NOT_JUDGED']
-    """
+    """Return what each of `CHECKS` says of a trial; after a failure nothing more is judged."""
     levels: list[Level] = []
     for check in CHECKS.values():
         failed = Level.FAIL in levels
@@ -107,22 +94,6 @@ def draw_overview(extraction: "Extraction") -> FigureWithData:
 
     Up to 40 trials stand in one band, each with its name; more are broken into bands of about 100, in the order of
     the trial list, with every tenth name.
-
-    Parameters
-    ----------
-    extraction : Extraction
-        The campaign's.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (a row a trial, a column a check: ok, flag, fail, not judged).
-
-    Examples
-    --------
-    >>> from ropefric.trials.result import Extraction
-    >>> draw_overview(Extraction(name="bench", trials=(), conditions=(), problems=())).alt
-    'Campaign bench: there is no trial.'
     """
     trials = extraction.trials
     levels = [check_trial(trial) for trial in trials]

@@ -21,45 +21,9 @@ if TYPE_CHECKING:
     from ropefric.systems.press.sweep import PressSweep
     from ropefric.systems.press.transient.result import StartUp
 
-__all__ = [
-    "MEASURE_LABELS",
-    "draw_press_map",
-    "draw_press_slip",
-    "draw_press_start_up",
-    "draw_press_tension",
-    "draw_roller_maps",
-    "draw_tension_maps",
-    "name_lines",
-]
-
 
 def draw_press_tension(sweep: "PressSweep") -> FigureWithData:
-    """Return the figure of the effective tensions T' of all spans, a line each; equal ones share a line.
-
-    Parameters
-    ----------
-    sweep : PressSweep
-        Over speed or over preload.
-
-    Returns
-    -------
-    FigureWithData
-        With a row a point and span.
-
-    Raises
-    ------
-    InputError
-        If the sweep goes over both.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from types import SimpleNamespace
-    >>> sweep = SimpleNamespace(preload_N=np.empty(0), speed_m_s=np.array([0.0, 1.0]), spans=("1", "2"),
-    ...     effective_tension_N=np.array([[[500.0, 600.0], [490.0, 590.0]]]))
-    >>> draw_press_tension(sweep).tables[0].rows[0]
-    (0.0, '1', 500.0)
-    """
+    """Return the figure of the effective tensions T' of all spans, a line each; equal ones share a line."""
     column, label, across = line_axis(sweep)
     tensions_N = sweep.effective_tension_N.reshape(across.size, -1)
     lines = same_lines(sweep.spans, tensions_N, "T")
@@ -104,35 +68,6 @@ def draw_press_slip(
     """Return the figure of one measure of slip, a line a roller, on a logarithmic axis with the limit drawn across.
 
     Rollers without torque have no place on it where the measure is 0; the title names them.
-
-    Parameters
-    ----------
-    sweep : PressSweep
-        Over speed or over preload.
-    measure : str
-        A key of `MEASURE_LABELS`.
-    rollers : sequence of str, optional
-        Which to draw; all by default.
-
-    Returns
-    -------
-    FigureWithData
-        With a row a point and roller.
-
-    Raises
-    ------
-    InputError
-        If the sweep goes over both quantities.
-    UnknownNameError
-        For an unknown measure or roller.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> slip = SimpleNamespace(of=lambda roller, measure: np.array([[0.5, 0.6]]))
-    >>> sweep = SimpleNamespace(preload_N=np.empty(0), speed_m_s=np.array([0.0, 1.0]), rollers=("2",), slip=slip)
-    >>> draw_press_slip(sweep).tables[0].rows[1]
-    (1.0, '2', 0.6)
     """
     column, label, across = line_axis(sweep)
     chosen = tuple(sweep.rollers if rollers is None else rollers)
@@ -190,33 +125,7 @@ _LEVELS = 12
 
 
 def draw_press_map(sweep: "PressSweep") -> FigureWithData:
-    """Return the map of the largest utilisation of all rollers, with the line 1 where the first one slips.
-
-    Parameters
-    ----------
-    sweep : PressSweep
-        Over preload and speed.
-
-    Returns
-    -------
-    FigureWithData
-        With a row a point: the largest utilisation, the roller that has it, and whether a span is slack.
-
-    Raises
-    ------
-    InputError
-        If the sweep is not over both quantities.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> use = np.array([[[0.5, 1.5], [0.6, 1.8]], [[0.4, 0.7], [0.5, 0.8]]])
-    >>> sweep = SimpleNamespace(preload_N=np.array([1e3, 2e3]), speed_m_s=np.array([0.0, 1.0]), rollers=("1", "2"),
-    ...     margin=use.max(axis=-1), slip=SimpleNamespace(utilisation=use), slack=np.zeros((2, 2), dtype=bool),
-    ...     effective_tension_N=np.ones((2, 2, 2)))
-    >>> draw_press_map(sweep).tables[0].rows[0]
-    (1000.0, 0.0, 1.5, '2', False)
-    """
+    """Return the map of the largest utilisation of all rollers, with the line 1 where the first one slips."""
     speed, preload = grid_of(sweep)
     margin, nearest = sweep.margin, sweep.slip.utilisation.argmax(axis=-1)
     lowest_N = sweep.effective_tension_N.min(axis=-1)
@@ -252,37 +161,7 @@ def draw_press_map(sweep: "PressSweep") -> FigureWithData:
 def draw_roller_maps(
     sweep: "PressSweep", rollers: "Sequence[str]", *, measure: str = "as_plotted"
 ) -> FigureWithData:
-    """Return maps of one measure of slip for some rollers side by side: figure 7.
-
-    Parameters
-    ----------
-    sweep : PressSweep
-        Over preload and speed.
-    rollers : sequence of str
-        Which; the paper shows 2 and 5.
-    measure : str
-        A key of `ropefric.plotting.press.MEASURE_LABELS`.
-
-    Returns
-    -------
-    FigureWithData
-        With a row a point and roller.
-
-    Raises
-    ------
-    InputError
-        If the sweep is not over both quantities.
-    UnknownNameError
-        For an unknown measure or roller.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> slip = SimpleNamespace(of=lambda roller, measure: np.array([[0.5, 0.6], [0.4, 0.5]]))
-    >>> sweep = SimpleNamespace(preload_N=np.array([1e3, 2e3]), speed_m_s=np.array([0.0, 1.0]), slip=slip)
-    >>> [axes.get_title() for axes in draw_roller_maps(sweep, ["2"]).figure.axes][0]
-    'Roller 2'
-    """
+    """Return maps of one measure of slip for some rollers side by side: figure 7."""
     grid_of(sweep)
     values = {roller: sweep.slip.of(roller, measure) for roller in rollers}
     panels = {f"Roller {name}": each for name, each in values.items()}
@@ -291,35 +170,7 @@ def draw_roller_maps(
 
 
 def draw_tension_maps(sweep: "PressSweep", spans: "Sequence[str]") -> FigureWithData:
-    """Return maps of the effective tension of some spans side by side.
-
-    Parameters
-    ----------
-    sweep : PressSweep
-        Over preload and speed.
-    spans : sequence of str
-        Which.
-
-    Returns
-    -------
-    FigureWithData
-        With a row a point and span.
-
-    Raises
-    ------
-    InputError
-        If the sweep is not over both quantities.
-    UnknownNameError
-        For an unknown span.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> sweep = SimpleNamespace(preload_N=np.array([1e3, 2e3]), speed_m_s=np.array([0.0, 1.0]), spans=("1",),
-    ...     effective_tension_N=np.array([[[500.0], [490.0]], [[900.0], [890.0]]]))
-    >>> draw_tension_maps(sweep, ["1"]).tables[0].rows[0]
-    (1000.0, 0.0, '1', 500.0)
-    """
+    """Return maps of the effective tension of some spans side by side."""
     grid_of(sweep)
     for span in spans:
         if span not in sweep.spans:
@@ -399,26 +250,6 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
     From above: the tension of every span; the rim speed of every roller; when the belt slips on which roller, forward
     (it runs ahead, as on a driven roller) or backward (it lags, as on a driver); what does not add up in the energy
     balance, against the greatest of its parts.
-
-    Parameters
-    ----------
-    found : StartUp
-        From `ropefric.systems.press.transient.start_up`.
-
-    Returns
-    -------
-    FigureWithData
-        With a row a time; a second table, "slips", has a row a slip.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace as Any
-    >>> energy = Any(residual=np.array([0.0, 1e-9]), drive=np.array([0.0, 5.0]))
-    >>> press = Any(rollers=(Any(name="1", radius_m=0.1),), spans=(Any(name="1"),))
-    >>> found = Any(press=press, time_s=np.array([0.0, 1.0]), tension_N=np.array([[500.0], [510.0]]), slips=(),
-    ...     drive_speed_m_s=np.array([0.0, 1.0]), roller_speed_rad_s=np.array([[0.0], [10.0]]), energy=energy)
-    >>> draw_press_start_up(found).tables[0].rows[1]
-    (1.0, 1.0, 510.0, 1.0, 1e-09)
     """
     rims_m_s = found.roller_speed_rad_s * [roller.radius_m for roller in found.press.rollers]
     with house_style():
@@ -523,19 +354,7 @@ PRELOAD_LABEL = "Preload of the tensioners F [N]"
 
 
 def line_axis(sweep: "PressSweep") -> "tuple[str, str, FloatArray]":
-    """Return column name, label and values of the one quantity a sweep goes over.
-
-    Raises
-    ------
-    InputError
-        If it goes over both or has one point only.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> line_axis(SimpleNamespace(preload_N=np.empty(0), speed_m_s=np.array([0.0, 1.0])))[1]
-    'Belt speed v [m/s]'
-    """
+    """Return column name, label and values of the one quantity a sweep goes over."""
     if sweep.speed_m_s.size > 1 and sweep.preload_N.size <= 1:
         return "speed_m_s", SPEED_LABEL, sweep.speed_m_s
     if sweep.preload_N.size > 1 and sweep.speed_m_s.size == 1:
@@ -547,23 +366,7 @@ def line_axis(sweep: "PressSweep") -> "tuple[str, str, FloatArray]":
 
 
 def grid_of(sweep: "PressSweep") -> "tuple[FloatArray, FloatArray]":
-    """Return speeds and preloads of a sweep over both.
-
-    Raises
-    ------
-    InputError
-        If it goes over one of them only.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> line = SimpleNamespace(preload_N=np.empty(0), speed_m_s=np.array([0.0, 1.0]))
-    >>> grid_of(line)
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.InputError: a map needs several preloads and speeds; the sweep has 0 and 2 Fix: take \
-over_preload_and_speed
-    """
+    """Return speeds and preloads of a sweep over both."""
     if min(sweep.speed_m_s.size, sweep.preload_N.size) < 2:
         raise InputError(
             "a map needs several preloads and speeds; "
@@ -574,22 +377,7 @@ over_preload_and_speed
 
 
 def same_lines(names: "Sequence[str]", lines: "FloatArray", prefix: str) -> "list[tuple[str, FloatArray]]":
-    """Return each different line once, with all its names.
-
-    Parameters
-    ----------
-    names : sequence of str
-        A name a column.
-    lines : ndarray, shape (n, n_lines)
-        The lines.
-    prefix : str
-        The symbol; the names become its indices.
-
-    Examples
-    --------
-    >>> [name for name, _ in same_lines(("3", "4", "5"), np.array([[1.0, 1.0, 2.0]]), "T")]
-    ['T_3, T_4', 'T_5']
-    """
+    """Return each different line once, with all its names."""
     groups: list[tuple[list[str], FloatArray]] = []
     for name, line in zip(names, lines.T, strict=True):
         for members, other in groups:
@@ -602,25 +390,7 @@ def same_lines(names: "Sequence[str]", lines: "FloatArray", prefix: str) -> "lis
 
 
 def name_lines(axes: "Axes", ends: "Sequence[tuple[str, float]]", *, gap: float = 0.042) -> None:
-    """Write names at the right end of lines, pushed apart where they would touch; call it with the limits set.
-
-    Parameters
-    ----------
-    axes : Axes
-        With its lines and limits.
-    ends : sequence of (str, float)
-        Name and last value of each line.
-    gap : float
-        Least distance of two names as a share of the axes' height.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import new_figure
-    >>> axes = new_figure().subplots()
-    >>> name_lines(axes, [("a", 0.5), ("b", 0.5)])
-    >>> [round(text.xyann[1], 3) for text in axes.texts]
-    [0.479, 0.521]
-    """
+    """Write names at the right end of lines, pushed apart where they would touch; call it with the limits set."""
     to_axes = axes.transData + axes.transAxes.inverted()
     right = axes.get_xlim()[1]
     wanted = sorted((float(to_axes.transform((right, value))[1]), name) for name, value in ends)
@@ -650,13 +420,7 @@ def name_lines(axes: "Axes", ends: "Sequence[tuple[str, float]]", *, gap: float 
 
 
 def span_of(values: "FloatArray") -> str:
-    """Return the range of some numbers in words.
-
-    Examples
-    --------
-    >>> span_of(np.array([3.0, 1.0]))
-    '1 to 3'
-    """
+    """Return the range of some numbers in words."""
     return f"{values.min():.4g} to {values.max():.4g}"
 
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.profile import ProfileCurve, ProfileResult
     from ropefric.fitting.result import FitResult
 
-__all__ = ["draw_correlation", "draw_profiles"]
 
 _COLUMNS = 3
 _ROOM = 0.3
@@ -29,32 +28,6 @@ def draw_profiles(profile: "ProfileResult", fit: "FitResult") -> FigureWithData:
 
     Where curve and parabola part, the interval is skew and ± one standard error says too little. There is no parabola
     where the interval ends at a bound or nowhere.
-
-    Parameters
-    ----------
-    profile : ProfileResult
-        From `ropefric.fitting.profile.profile_intervals`.
-    fit : FitResult
-        The fit it belongs to, for units and standard errors.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (parameter, value, delta_chi2) and the table `intervals` (parameter, value, low, high, std,
-        threshold).
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.profile import profile_intervals
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> fit = fit_law(table, "constant")
-    >>> draw_profiles(profile_intervals(fit.problem, fit.theta), fit).figure.axes[0].get_xlabel()
-    'mu [-]'
     """
     place_of = {name: place for place, name in enumerate(fit.friction_law.parameter_names)}
     intervals: list[tuple[object, ...]] = []
@@ -138,29 +111,7 @@ def _alt(profile: "ProfileResult", fit: "FitResult", intervals: list[tuple[objec
 
 
 def draw_correlation(fit: "FitResult") -> FigureWithData:
-    """Return the correlation map of the fitted parameters: dark for strong, the number with its sign in the cell.
-
-    Parameters
-    ----------
-    fit : FitResult
-        Its covariance; parameters that are fixed, on a bound or not shown by the data are left out.
-
-    Returns
-    -------
-    FigureWithData
-        With one table: parameter, other, correlation.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> [(one, other, round(r, 6)) for one, other, r in draw_correlation(fit_law(table, "constant")).tables[0].rows]
-    [('mu', 'mu', 1.0)]
-    """
+    """Return the correlation map of the fitted parameters: dark for strong, the number with its sign in the cell."""
     variance = np.diag(fit.covariance)
     kept = np.flatnonzero(np.isfinite(fit.covariance).all(axis=1) & (variance > 0.0))
     names = [fit.friction_law.parameter_names[i] for i in kept]

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from ropefric.traces.calibration import Calibration
     from ropefric.trials.result import TrialResult
 
-__all__ = ["draw_recording", "draw_trial"]
 
 # Light, darker, hatched: the phases can be told apart on grey paper too. Hatches are lines, which take little room in
 # a file; each phase is named above, or in the legend where it is too short for its name.
@@ -47,23 +46,7 @@ _MOST_CLOSE = 1200
 
 
 def draw_trial(trial: "TrialResult") -> FigureWithData:
-    """Return the figure of a trial's recording from the outline its result carries; see `draw_recording`.
-
-    Parameters
-    ----------
-    trial : TrialResult
-        Of an extraction. Without an outline (an unreadable file) the figure says so.
-
-    Examples
-    --------
-    >>> from ropefric.traces.breakaway import Breakaway, Status
-    >>> from ropefric.trials.result import TrialResult
-    >>> lost = TrialResult(
-    ...     trial="r1", file="r1.csv", wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0,
-    ...     end_tension_N=20.0, breakaway=Breakaway(status=Status.UNREADABLE, detail="the file is empty"))
-    >>> draw_trial(lost).alt
-    'Recording r1: unreadable, the file is empty. There is nothing to draw.'
-    """
+    """Return the figure of a trial's recording from the outline its result carries; see `draw_recording`."""
     return draw_recording(
         trial.outline,
         trial.breakaway,
@@ -86,35 +69,6 @@ def draw_recording(
     The recording is drawn as the smallest and largest sample of each of 300 stretches, so no peak is lost. Where the
     calibration is known, the axis on the right counts the converter's steps. With a whole trace, a second panel
     shows the samples around the peak and the smoothed force.
-
-    Parameters
-    ----------
-    recording : ForceTrace, Outline or None
-        The trace, or its outline; None where it could not be read.
-    found : Breakaway
-        What was found in it.
-    name : str
-        What it is called; the trace's own name by default.
-    calibration : Calibration, optional
-        How newtons came from counts; the trace's own by default.
-    measures_slack : bool
-        Whether the force picked is the plateau of the end tension.
-
-    Returns
-    -------
-    FigureWithData
-        With a main table (the envelope), the tables `phases` and `picked`, and with a trace `close` (time, force,
-        smoothed).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from ropefric.traces.protocols.breakaway import pick_breakaway
-    >>> from ropefric.traces.settings import PickSettings
-    >>> time_s = np.arange(2500) / 1000
-    >>> trace = ForceTrace(time_s=time_s, force_N=np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80]), name="ramp")
-    >>> draw_recording(trace, pick_breakaway(trace, PickSettings())[0]).alt[:43]
-    'Recording ramp: break-away force F_A = 100 '
     """
     trace = recording if isinstance(recording, ForceTrace) else None
     outline = draw_outline(recording) if isinstance(recording, ForceTrace) else recording

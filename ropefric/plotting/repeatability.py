@@ -13,35 +13,9 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import ConditionSummary, TrialResult
 
-__all__ = ["draw_repeatability"]
-
 
 def draw_repeatability(summary: "ConditionSummary", trials: "Iterable[TrialResult]") -> FigureWithData:
-    """Return the repeatability strip of one condition: force by trial, mean and ±2s band, what was set aside and why.
-
-    Parameters
-    ----------
-    summary : ConditionSummary
-        The condition; its `trials` say which results belong to it and in which order.
-    trials : iterable of TrialResult
-        These results; others are passed over.
-
-    Raises
-    ------
-    UnknownNameError
-        If a trial of the condition is missing from `trials`.
-
-    Examples
-    --------
-    >>> from ropefric.trials.result import ConditionSummary
-    >>> nan = float("nan")
-    >>> summary = ConditionSummary(
-    ...     wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=3.0, end_tension_N=80.0, lift_force_N=nan,
-    ...     n_recorded=0, n=0, n_kept=0, rejected=(), mean_all_N=nan, std_all_N=nan, mean_kept_N=nan,
-    ...     std_kept_N=nan, rule="two-sigma", notes=(), trials=())
-    >>> draw_repeatability(summary, ()).alt
-    'R_w = 40 mm, R_r = 4.9 mm, φ = 171.887°, F_B = 80 N: no usable force in 0 trials.'
-    """
+    """Return the repeatability strip of one condition: force by trial, mean and ±2s band, what was set aside and why."""
     chosen = trials_of(summary, trials)
     name = name_condition(summary, measures_slack=any(trial.measures_slack for trial in chosen))
     with house_style():

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.result import FitResult
     from ropefric.friction.condition import FloatArray
 
-__all__ = ["draw_residuals"]
 
 _LIMIT = 2.0
 HEADER = ("order", "lift_force_N", "log_residual", "standardised", "normal_quantile")
@@ -49,28 +48,6 @@ def draw_residuals(fit: "FitResult") -> FigureWithData:
 
     A fit just made shows its trials in the order of the table; a loaded one only knows the means of its conditions
     and shows these, over their standard uncertainty, without the panel of the order. Points beyond ±2 are crosses.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-
-    Returns
-    -------
-    FigureWithData
-        With one table: order (from 1), fitted force, residual of ln F_A, the same over its standard deviation, and
-        its normal quantile.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> [axes.get_xlabel() for axes in draw_residuals(fit_law(table, "constant")).figure.axes][1:]
-    ['Trial, in the order of the table', 'Normal quantile [-]']
     """
     found = _residuals(fit)
     z, quantile = found.standardised, found.quantile

@@ -13,8 +13,6 @@ from ropefric.plotting.figure import DataTable, FigureWithData
 from ropefric.plotting.style import house_style
 from ropefric.registry import did_you_mean
 
-__all__ = ["FORMATS", "figure_files", "save_figure"]
-
 # Dates and version strings would change the bytes of an unchanged figure.
 FORMATS: dict[str, dict[str, None]] = {
     "png": {"Software": None},
@@ -31,34 +29,7 @@ def save_figure(
     *,
     formats: tuple[str, ...] = ("png",),
 ) -> tuple[Path, ...]:
-    """Write a figure and the CSV of its data; return the paths, pictures first.
-
-    Parameters
-    ----------
-    figure : FigureWithData
-        What to write.
-    folder : Folder or path-like
-        Made where it is missing.
-    stem : str
-        File name without suffix, after a sub-folder and "/" where it is to be in one; tables beyond the main one
-        add their name to it.
-    formats : tuple of str
-        "png", "svg", "pdf".
-
-    Raises
-    ------
-    InputError
-        For another format.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from ropefric.plotting.figure import new_figure
-    >>> made = FigureWithData(figure=new_figure(), tables=(DataTable(header=("n",), rows=((12,),)),))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in save_figure(made, Path(folder), "empty")]
-    ['empty.png', 'empty.csv']
-    """
+    """Write a figure and the CSV of its data; return the paths, pictures first."""
     return as_folder(folder).write(figure_files(figure, stem, formats=formats))
 
 

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from ropefric.systems.bandsaw.campbell import SawChart
     from ropefric.systems.bandsaw.resonance import Crossing, Excitation
 
-__all__ = ["draw_saw_chart"]
 
 MODE_HEADER = ("side", "mode", "speed_m_s", "frequency_Hz")
 CROSSING_HEADER = ("side", "mode", "excitation", "harmonic", "speed_m_s", "frequency_Hz", "speed_margin")
@@ -36,27 +35,6 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
     Where a mode meets an excitation there is a circle; the number beside it says by how much the speed at work would
     have to change to get there. Where circles crowd, the numbers nearest to the speed at work are written; the
     table has all.
-
-    Parameters
-    ----------
-    chart : SawChart
-        From `ropefric.systems.bandsaw.campbell.saw_chart`.
-
-    Returns
-    -------
-    FigureWithData
-        With the modes as main table and the crossings as table "crossings".
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.campbell import saw_chart
-    >>> from ropefric.systems.bandsaw.resonance import wheel_rotation
-    >>> from ropefric.systems.bandsaw.saw import Saw
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=101.58, tension_difference_N=210.95)
-    >>> figure = draw_saw_chart(saw_chart(saw, (wheel_rotation(0.35),), [0.0, 20.0, 40.0], n_modes=1))
-    >>> [len(table.rows) for table in figure.tables]
-    [6, 6]
     """
     top_Hz = 1.08 * max(float(found.max()) for found in chart.mode_Hz.values())
     fastest_m_s = float(chart.speed_m_s[-1])

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import ConditionSummary, TrialResult
 
-__all__ = ["draw_strip"]
 
 _LONGEST_REASON = 24
 _CROWDED = 6
@@ -33,26 +32,6 @@ def draw_strip(
     Rejected trials are hollow, trials the user excluded are hollow diamonds, both with the reason; flagged
     recordings stand as crosses on the axis with their status. A banner says where too few were measured to reject
     any.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where.
-    summary : ConditionSummary
-        Mean and sample standard deviation of all values; the rejection rule.
-    trials : sequence of TrialResult, length n
-        In the order of recording.
-    colors : sequence of matplotlib colours, length n
-        The same as for the traces beside it.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> from ropefric.plotting.figure import new_figure
-    >>> axes = new_figure().subplots()
-    >>> draw_strip(axes, SimpleNamespace(mean_all_N=float("nan"), n=0, rule="none"), [], [])
-    >>> axes.get_ylabel()
-    'Break-away force $F_{\\mathrm{A}}$ [N]'
     """
     measured = "end_tension_N" if any(trial.measures_slack for trial in trials) else "peak_N"
     axes.set(xlabel="Trial, in order of recording", ylabel=figure_label(measured))

@@ -7,19 +7,6 @@ from typing import Any
 
 import matplotlib.style
 
-__all__ = [
-    "BLUE",
-    "DARK_ORANGE",
-    "GREY",
-    "INK",
-    "LINE_STYLES",
-    "MARKERS",
-    "ORANGE",
-    "TRACE_COLORS",
-    "house_style",
-    "line_look",
-]
-
 # Okabe and Ito's palette, chosen so that the three also differ in lightness; the darker orange is for words.
 BLUE = "#0072B2"
 ORANGE = "#D55E00"
@@ -61,13 +48,7 @@ _ONE_AT_A_TIME = threading.RLock()
 
 
 def line_look(place: int) -> dict[str, Any]:
-    """Return colour and line style of the nth line of a figure; no two of the first seven share a style.
-
-    Examples
-    --------
-    >>> line_look(1)["linestyle"]
-    '--'
-    """
+    """Return colour and line style of the nth line of a figure; no two of the first seven share a style."""
     colors = (BLUE, ORANGE, INK, _GREEN, _PURPLE)
     return {"color": colors[place % len(colors)], "linestyle": LINE_STYLES[place % len(LINE_STYLES)]}
 
@@ -77,16 +58,6 @@ def house_style() -> Iterator[None]:
     """Apply the style for the time of a `with` block, whatever the user's matplotlibrc says.
 
     The style of matplotlib is one for the whole process, so threads draw one after the other.
-
-    Examples
-    --------
-    >>> import matplotlib
-    >>> before = matplotlib.rcParams["font.size"]
-    >>> with house_style():
-    ...     matplotlib.rcParams["svg.hashsalt"]
-    'ropefric'
-    >>> matplotlib.rcParams["font.size"] == before
-    True
     """
     with _ONE_AT_A_TIME, matplotlib.style.context(["default", _STYLE]):
         yield

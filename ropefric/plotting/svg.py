@@ -18,8 +18,6 @@ from ropefric.plotting.style import house_style
 from ropefric.plotting.svg_path import short_number, short_path
 from ropefric.plotting.words import TYPESET
 
-__all__ = ["svg_text"]
-
 _NUMBER = re.compile(r"-?(?:\d++(?:\.\d++)?|\.\d++)(?:e-?\d++)?")
 _SIZE = re.compile(r"(?<![\d.])(\d++(?:\.\d++)?|\.\d++)px")
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]")
@@ -38,20 +36,6 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
 
     Text is text, so it can be selected and found, and no font is embedded. There is no date and no style sheet that
     would reach other parts of the page. Paths are rounded to a tenth of a point.
-
-    Parameters
-    ----------
-    figure : FigureWithData
-        What to draw; its `alt` becomes the label for screen readers.
-    stem : str
-        Starts every id, so that several figures can stand on one page; a hash of the picture by default.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import DataTable, new_figure
-    >>> made = FigureWithData(figure=new_figure(), tables=(DataTable(header=("n",), rows=()),), alt="Nothing <yet>.")
-    >>> svg_text(made)[:72]
-    '<svg role="img" aria-label="Nothing &lt;yet&gt;." viewBox="0 0 720 360" '
     """
     stream = io.BytesIO()
     with house_style(), mpl.rc_context({"svg.fonttype": "none"}), _laid_out(figure.figure):

@@ -5,8 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 
-__all__ = ["short_number", "short_path"]
-
 _LONG = 60
 """Numbers in a path above which a tenth of a point is fine enough."""
 _IDLE = 4.0
@@ -17,13 +15,7 @@ _SIZES = {"Q": 4, "C": 6, "z": 0, "Z": 0}
 
 
 def short_number(value: float, digits: int) -> str:
-    """Return a number with so many digits after the point, one or more, as short as SVG allows.
-
-    Examples
-    --------
-    >>> short_number(0.5, 2), short_number(-0.001, 2), short_number(12.0, 1)
-    ('.5', '0', '12')
-    """
+    """Return a number with so many digits after the point, one or more, as short as SVG allows."""
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
     return "0" if text in {"-0", ""} else _ZERO_BEFORE_POINT.sub(r"\1.", text)
 
@@ -33,16 +25,6 @@ def short_path(path: str) -> str:
 
     Steps are taken between rounded points, so that rounding does not add up. In a long run, points that lie on the
     line between others, to 0.4 points, are left out: no corner moves, so no peak is lost.
-
-    Parameters
-    ----------
-    path : str
-        The attribute `d`, with absolute coordinates.
-
-    Examples
-    --------
-    >>> short_path("M 1.234 2 L 3 2.5 L 4 2 z")
-    'M1.23 2l1.77 .5 1-.5z'
     """
     tokens = _TOKEN.findall(path)
     digits = 1 if len(tokens) > _LONG else 2

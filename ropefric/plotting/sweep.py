@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ropefric.scenes.axis import Axis
     from ropefric.scenes.sweep import Sweep
 
-__all__ = ["draw_sweep"]
 
 _MOST_LINES = 6
 _DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
@@ -28,20 +27,7 @@ _DRAWN_CELLS = 250
 
 
 def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
-    """Return the figure of one number of a sweep over one or two axes.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        Over one or two axes.
-    quantity : str
-        Name of the number; by default the first.
-
-    Raises
-    ------
-    InputError
-        For more than two axes, or a number the sweep does not have.
-    """
+    """Return the figure of one number of a sweep over one or two axes."""
     if len(sweep.axes) > 2:
         raise InputError(
             f"a figure shows one or two axes, this sweep has {len(sweep.axes)}", fix="use its CSV file"

@@ -14,7 +14,6 @@ from ropefric.plotting.words import plain_text, say_instead, shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_tornado"]
 
 HEADER = ("quantity", "low_N", "high_N", "base_N", "swing_N")
 
@@ -22,34 +21,7 @@ HEADER = ("quantity", "low_N", "high_N", "base_N", "swing_N")
 def draw_tornado(
     rows: Sequence[tuple[str, float, float, float]], *, quantity: str = "lift_force_N"
 ) -> FigureWithData:
-    """Return a tornado chart: the force at the low and the high value of each input, all others as in the base case.
-
-    Parameters
-    ----------
-    rows : sequence of (str, float, float, float)
-        What is changed ("μ ± 0.01"), the force at its low value, at its high value and in the base case [N]. The
-        force may fall with the input; NaN, no answer, leaves that side out.
-    quantity : str
-        Glossary name of the force.
-
-    Returns
-    -------
-    FigureWithData
-        With one table, widest swing first.
-
-    Raises
-    ------
-    InputError
-        If the base cases disagree or one is not finite.
-    UnknownNameError
-        If the glossary does not have the quantity.
-
-    Examples
-    --------
-    >>> made = draw_tornado([("F_B ± 5 N", 190.0, 210.0, 200.0), ("μ ± 0.01", 170.0, 235.0, 200.0)])
-    >>> [row[0] for row in made.tables[0].rows]
-    ['μ ± 0.01', 'F_B ± 5 N']
-    """
+    """Return a tornado chart: the force at the low and the high value of each input, all others as in the base case."""
     bases = {row[3] for row in rows}
     if len(bases) > 1 or not all(map(math.isfinite, bases)):
         raise InputError(

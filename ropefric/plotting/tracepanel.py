@@ -15,30 +15,9 @@ if TYPE_CHECKING:
 
     from ropefric.trials.result import Outline, TrialResult
 
-__all__ = ["draw_outline_of", "draw_traces", "frame_means", "recordings_of"]
-
 
 def draw_traces(axes: "Axes", trials: "Sequence[TrialResult]", colors: Sequence[Any]) -> None:
-    """Draw the recordings of `trials` with the forces picked from them and the band of their sliding forces.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where.
-    trials : sequence of TrialResult, length n
-        Those without an outline (unreadable files) are left out; a recording that holds several trials is drawn
-        once.
-    colors : sequence of matplotlib colours, length n
-        One each; flagged recordings are grey.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import new_figure
-    >>> axes = new_figure().subplots()
-    >>> draw_traces(axes, [], [])
-    >>> axes.get_xlabel()
-    'Time t [s]'
-    """
+    """Draw the recordings of `trials` with the forces picked from them and the band of their sliding forces."""
     axes.set(xlabel=figure_label("time_s"), ylabel=figure_label("force_N"))
     color_of = {trial.trial: color for trial, color in zip(trials, colors, strict=True)}
     outlines = []
@@ -59,30 +38,13 @@ def draw_traces(axes: "Axes", trials: "Sequence[TrialResult]", colors: Sequence[
 
 
 def recordings_of(trials: "Sequence[TrialResult]") -> "list[TrialResult]":
-    """Return the first trial of each recording: stick-slip and held recordings hold several.
-
-    Examples
-    --------
-    >>> recordings_of([])
-    []
-    """
+    """Return the first trial of each recording: stick-slip and held recordings hold several."""
     first = {(trial.file, trial.sample): trial for trial in reversed(trials)}
     return list(reversed(first.values()))
 
 
 def draw_outline_of(axes: "Axes", outline: "Outline", color: Any) -> None:
-    """Draw the min-max envelope and the means of one recording.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import new_figure
-    >>> from ropefric.traces.trace import ForceTrace
-    >>> from ropefric.trials.outline import draw_outline
-    >>> axes = new_figure().subplots()
-    >>> draw_outline_of(axes, draw_outline(ForceTrace(time_s=[0.0, 1.0], force_N=[0.0, 5.0])), "black")
-    >>> axes.lines[0].get_ydata().tolist()
-    [0.0, 5.0]
-    """
+    """Draw the min-max envelope and the means of one recording."""
     axes.fill_between(
         outline.time_s,
         outline.low_N,
@@ -128,18 +90,7 @@ def _draw_kinetic_band(axes: "Axes", trials: "Sequence[TrialResult]") -> None:
 
 
 def frame_means(axes: "Axes", outlines: "Sequence[Outline]") -> None:
-    """Frame the means: a spike of one sample must not squeeze everything else flat, nor go unsaid.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import new_figure
-    >>> from ropefric.traces.trace import ForceTrace
-    >>> from ropefric.trials.outline import draw_outline
-    >>> axes = new_figure().subplots()
-    >>> frame_means(axes, [draw_outline(ForceTrace(time_s=[0.0, 1.0], force_N=[0.0, 5.0]))])
-    >>> [round(float(limit), 1) for limit in axes.get_ylim()]
-    [-0.4, 5.8]
-    """
+    """Frame the means: a spike of one sample must not squeeze everything else flat, nor go unsaid."""
     means_N = np.concatenate([outline.smoothed_N for outline in outlines])
     low_N, high_N = float(means_N.min()), float(means_N.max())
     margin_N = 0.08 * (high_N - low_N) or 1.0

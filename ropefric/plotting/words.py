@@ -12,20 +12,13 @@ from ropefric.plotting.style import GREY
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["TYPESET", "plain_text", "regressor_label", "say_instead", "shown", "shown_regressor"]
 
 TYPESET = re.compile(r"\$([A-Za-zφμρσ]++)_\{\\mathrm\{([A-Za-z0-9,]++)\}\}\$")
 """A symbol with its index, as `ropefric.plotting.labels.typeset` sets it."""
 
 
 def shown(value: float, unit: str = "", digits: int = 4) -> str:
-    """Return a number with its unit, or "unknown" where there is none.
-
-    Examples
-    --------
-    >>> shown(227.3215, "N"), shown(float("nan"), "N"), shown(0.95)
-    ('227.3 N', 'unknown', '0.95')
-    """
+    """Return a number with its unit, or "unknown" where there is none."""
     if math.isnan(value):
         return "unknown"
     number = f"{value:.{digits}g}"
@@ -33,56 +26,22 @@ def shown(value: float, unit: str = "", digits: int = 4) -> str:
 
 
 def regressor_label(name: str) -> str:
-    r"""Return the axis label of a regressor in the unit people set it in.
-
-    Parameters
-    ----------
-    name : str
-        A key of `ropefric.fitting.extrapolation.REGRESSORS`.
-
-    Examples
-    --------
-    >>> regressor_label("wrap_angle_rad")
-    'Wrap angle φ [deg]'
-    >>> regressor_label("wheel_radius_m")
-    'Wheel radius $R_{\\mathrm{w}}$ [mm]'
-    """
+    r"""Return the axis label of a regressor in the unit people set it in."""
     return typeset(f"{axis_label(name).rsplit(' [', 1)[0]} [{REGRESSORS[name][1]}]")
 
 
 def shown_regressor(name: str, value: float) -> str:
-    """Return a regressor's symbol and value in the unit people set it in.
-
-    Examples
-    --------
-    >>> shown_regressor("wheel_radius_m", 0.04)
-    'R_w = 40 mm'
-    """
+    """Return a regressor's symbol and value in the unit people set it in."""
     _title, unit, factor = REGRESSORS[name]
     symbol = axis_label(name).rsplit(" [", 1)[0].rsplit(" ", 1)[1]
     return f"{symbol} = {factor * value:.4g} {unit}"
 
 
 def plain_text(text: str) -> str:
-    r"""Return typeset text as it was before, for readers who cannot see it.
-
-    Examples
-    --------
-    >>> plain_text(typeset("Lift force F_A [N]"))
-    'Lift force F_A [N]'
-    """
+    r"""Return typeset text as it was before, for readers who cannot see it."""
     return TYPESET.sub(r"\1_\2", text)
 
 
 def say_instead(axes: "Axes", text: str) -> None:
-    """Write on empty axes why nothing is drawn.
-
-    Examples
-    --------
-    >>> from ropefric.plotting.figure import new_figure
-    >>> axes = new_figure().subplots()
-    >>> say_instead(axes, "no trial")
-    >>> axes.texts[0].get_text()
-    'no trial'
-    """
+    """Write on empty axes why nothing is drawn."""
     axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=GREY)

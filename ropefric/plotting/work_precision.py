@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["HEADER", "draw_work_precision"]
 
 HEADER = ("case", "method", "setting", "error", "seconds", "spread_s", "evaluations", "lower_s", "upper_s", "repeats",
           "loops", "bias", "noise", "on_front")  # fmt: skip
@@ -32,22 +31,6 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
 
     A thick grey line joins the settings that no other beats in both error and time. Bars are the quartiles of the
     time. A setting without an answer is in the table only.
-
-    Parameters
-    ----------
-    result : StudyResult
-        From `ropefric.accuracy.measure.measure_study`.
-
-    Examples
-    --------
-    >>> from ropefric.accuracy.study import Case, Study
-    >>> case = Case(name="c", title="a case", settings=tuple)
-    >>> study = Study(name="s", title="A study", question="", reference="", counted="", cases=(case,))
-    >>> points = [Measured(case="c", method="m", setting=f"{n}", error=10.0**-n, seconds=n / 1e6, lower_s=n / 1e6,
-    ...     upper_s=n / 1e6, repeats=3, loops=9, evaluations=n) for n in (1, 2)]
-    >>> drawn = draw_work_precision(StudyResult(study=study, points=tuple(points), quick=True))
-    >>> drawn.tables[0].rows[0][:5], drawn.figure.axes[0].get_title("left")
-    (('c', 'm', '1', 0.1, 1e-06), 'c: a case')
     """
     cases = result.study.cases
     methods = list(dict.fromkeys(point.method for point in result.points))

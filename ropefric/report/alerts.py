@@ -14,7 +14,6 @@ from ropefric.trials.result import TrialResult
 if TYPE_CHECKING:
     from ropefric.errors import Problem
 
-__all__ = ["alerts_of"]
 
 _NAMED = 8
 _SAID = 3
@@ -22,15 +21,7 @@ _GRADES = ("stop", "doubt", "note")
 
 
 def alerts_of(run: CampaignRun, evidence: Evidence) -> tuple[Alert, ...]:
-    """Return what stands against a result, or ought to be kept in mind; gravest first, empty if nothing.
-
-    Parameters
-    ----------
-    run : CampaignRun
-        The result.
-    evidence : Evidence
-        What was made beside it.
-    """
+    """Return what stands against a result, or ought to be kept in mind; gravest first, empty if nothing."""
     found = [*_of_fit(run), *_of_prediction(run, evidence), *_of_trials(run), *_of_problems(run)]
     return tuple(sorted(found, key=lambda alert: _GRADES.index(alert.grade)))
 

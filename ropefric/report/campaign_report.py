@@ -23,8 +23,6 @@ from ropefric.report.trial_tables import conditions_section, set_aside_section
 from ropefric.report.uncertainty import uncertainty_sections
 from ropefric.trials.result import count_trials, outcome_words
 
-__all__ = ["campaign_report"]
-
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
     "were, so that the lift force of the design becomes as certain as it can."
@@ -35,19 +33,7 @@ _NO_FIGURES = "This report was made without figures; `ropefric report` adds them
 def campaign_report(
     run: CampaignRun, evidence: Evidence, provenance: Provenance, pictures: Pictures
 ) -> Report:
-    """Return a campaign's report.
-
-    Parameters
-    ----------
-    run : CampaignRun
-        The result.
-    evidence : Evidence
-        What was made beside it.
-    provenance : Provenance
-        Where it comes from.
-    pictures : mapping of str to tuple of Picture
-        From `ropefric.report.pictures.draw_pictures`; empty for a report without figures.
-    """
+    """Return a campaign's report."""
     counts = count_trials(run.extraction)
     lead = (
         f"{counted(counts['n_trials'], 'trial')} of {counted(counts['n_conditions'], 'condition')}: "

@@ -5,22 +5,10 @@ from typing import Literal
 
 from ropefric.report.section import Section
 
-__all__ = ["Alert", "Block", "Chapter", "Fact", "Fold", "Picture", "Report"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alert:
-    """Something to know before a result is used.
-
-    Attributes
-    ----------
-    grade : {"stop", "doubt", "note"}
-        Whether the result must not be used, may be wrong, or is merely to be read with this in mind.
-    title : str
-        What, in a few words.
-    text : str
-        What exactly, and what to do.
-    """
+    """Something to know before a result is used."""
 
     grade: Literal["stop", "doubt", "note"]
     title: str
@@ -38,19 +26,7 @@ class Fact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """A figure on the page.
-
-    Attributes
-    ----------
-    stem : str
-        Its name, unique on the page.
-    svg : str
-        The `<svg>` element.
-    caption : str
-        What is to be seen.
-    files : tuple of str
-        The CSV files of its numbers, relative to the page.
-    """
+    """A figure on the page."""
 
     stem: str
     svg: str
@@ -80,17 +56,7 @@ class Chapter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """A whole report.
-
-    Attributes
-    ----------
-    title, lead : str
-        Its heading, and one sentence that says what it is about.
-    made_by : str
-        Program and version.
-    chapters : tuple of Chapter
-        In the order they are read.
-    """
+    """A whole report."""
 
     title: str
     lead: str

@@ -16,8 +16,6 @@ from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import as_page
 from ropefric.report.section import Section, Table
 
-__all__ = ["cost_markdown", "cost_sections", "write_cost"]
-
 TITLE = "What accuracy costs in time"
 
 _WORTH_A_NOTE = 0.05
@@ -30,21 +28,7 @@ _ASKED = (1e-2, 1e-4, 1e-8, 1e-12)
 
 
 def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Section, ...]:
-    """Return the machine and one section a study: the cheapest setting for each accuracy, and the findings.
-
-    Parameters
-    ----------
-    results : sequence of StudyResult
-        What was measured.
-    machine : Machine
-        What ran.
-
-    Examples
-    --------
-    >>> machine = Machine(cpu="Z80", cores=1, system="CP/M", python="3.13", numpy="2.0", scipy="1.14")
-    >>> cost_sections([], machine)[0].lines[0]
-    'measured on Z80, 1 core, CP/M; Python 3.13, numpy 2.0, scipy 1.14'
-    """
+    """Return the machine and one section a study: the cheapest setting for each accuracy, and the findings."""
     how = (
         "errors are relative; times are medians of one call, with the range between the quartiles in brackets"
     )
@@ -115,14 +99,7 @@ def _cell(point: Measured | None) -> str:
 
 
 def cost_markdown(results: Sequence[StudyResult], machine: Machine) -> str:
-    r"""Return the page as Markdown; the figures stand beside it as NAME.png.
-
-    Examples
-    --------
-    >>> machine = Machine(cpu="Z80", cores=1, system="CP/M", python="3.13", numpy="2.0", scipy="1.14")
-    >>> cost_markdown([], machine).splitlines()[0]
-    '# What accuracy costs in time'
-    """
+    r"""Return the page as Markdown; the figures stand beside it as NAME.png."""
     head, *studies = cost_sections(results, machine)
     overview = () if head.table is None else (_markdown_table(head.table),)
     parts = [f"# {TITLE}\n\n" + "\n\n".join((*head.lines, *overview)) + "\n"]
@@ -160,17 +137,7 @@ def _unbroken(page: str) -> str:
 def write_cost(
     results: Sequence[StudyResult], machine: Machine, folder: Folder | str | os.PathLike[str]
 ) -> tuple[Path, ...]:
-    """Write a figure and a CSV for each study, and cost.md and cost.html; return their paths.
-
-    Parameters
-    ----------
-    results : sequence of StudyResult
-        What was measured.
-    machine : Machine
-        What ran.
-    folder : Folder or path-like
-        Made where it is missing. What other studies left stays: a study's measurement is a part of its own.
-    """
+    """Write a figure and a CSV for each study, and cost.md and cost.html; return their paths."""
     target = as_folder(folder)
     page = _unbroken(as_page(TITLE, cost_sections(results, machine)))
     paths: list[Path] = []

@@ -22,8 +22,6 @@ from ropefric.plotting.residuals import draw_residuals
 from ropefric.plotting.tornado import draw_tornado
 from ropefric.trials.result import ConditionSummary, Extraction
 
-__all__ = ["Drawing", "chosen_conditions", "design_drawings", "law_drawings", "trial_drawings"]
-
 _LAWS = 4
 _FLAGGED = 4
 _SWEPT = ("wrap_angle_rad", "end_tension_N", "wheel_radius_m")
@@ -31,19 +29,7 @@ _SWEPT = ("wrap_angle_rad", "end_tension_N", "wheel_radius_m")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawing:
-    """A figure to be drawn.
-
-    Attributes
-    ----------
-    chapter : str
-        The chapter it belongs to.
-    stem : str
-        Its name on the page and of its files.
-    caption : str
-        What is to be seen.
-    draw : callable
-        Makes it.
-    """
+    """A figure to be drawn."""
 
     chapter: str
     stem: str
@@ -81,16 +67,6 @@ def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
     """Return the conditions whose repeatability is worth a figure: their place from 0, and why.
 
     Those with the most trials flagged or set aside, then the one that scatters least and the one that scatters most.
-
-    Parameters
-    ----------
-    extraction : Extraction
-        The campaign's.
-
-    Examples
-    --------
-    >>> chosen_conditions(Extraction(name="", trials=(), conditions=(), problems=()))
-    ()
     """
     conditions = extraction.conditions
     gone = [item.n_recorded - item.n_kept for item in conditions]

@@ -10,8 +10,6 @@ from ropefric.report.chapter import Fact
 from ropefric.report.numbers import interval, plain, tested_range
 from ropefric.report.section import Section
 
-__all__ = ["key_facts", "measured_section"]
-
 
 def key_facts(run: CampaignRun, evidence: Evidence) -> tuple[Fact, ...]:
     """Return the numbers a reader looks for first."""

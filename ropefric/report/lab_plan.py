@@ -9,8 +9,6 @@ from ropefric.glossary import counted
 from ropefric.report.numbers import interval, plain
 from ropefric.report.section import Section, Table
 
-__all__ = ["plan_sections"]
-
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 
 

@@ -6,8 +6,6 @@ from typing import Any
 
 from ropefric.report.section import Section, Table
 
-__all__ = ["machine_sections"]
-
 _CHANGE_WORDS = {
     "preload": ("if the preload of all tensioners falls to", "the preload of all tensioners rises to"),
     "speed": ("if the belts run as fast as", "the belts run no faster than"),

@@ -7,8 +7,6 @@ from ropefric.pipeline.provenance import InputFile, Provenance
 from ropefric.report.chapter import Block, Fold
 from ropefric.report.section import Section, Table
 
-__all__ = ["provenance_blocks"]
-
 
 def provenance_blocks(provenance: Provenance) -> tuple[Block, ...]:
     """Return command, versions, seeds and inputs with their hashes; settings and recordings folded away."""

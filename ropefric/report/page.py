@@ -6,8 +6,6 @@ from html import escape
 from ropefric.files.plain_text import visible
 from ropefric.report.section import Section, Table
 
-__all__ = ["as_page"]
-
 _STYLE = """\
 body { font: 16px/1.45 system-ui, sans-serif; color: #1d2433; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin: 1.8rem 0 0.4rem; }
@@ -19,13 +17,7 @@ tbody tr:nth-child(even) { background: #f3f5f9; }
 
 
 def as_page(title: str, sections: Sequence[Section]) -> str:
-    """Return sections as an HTML page.
-
-    Examples
-    --------
-    >>> "<h2>Laws &amp; fits</h2>" in as_page("bench", [Section(title="Laws & fits", lines=("one",))])
-    True
-    """
+    """Return sections as an HTML page."""
     body = "".join(_section(section) for section in sections)
     return visible(
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escape(title)}</title>\n'

@@ -13,16 +13,6 @@ from ropefric.glossary import counted
 from ropefric.report.numbers import interval, plain, shorthand, tested_range
 from ropefric.report.section import Section, Table
 
-__all__ = [
-    "comparison_section",
-    "diagnosis_section",
-    "fit_section",
-    "notes_sections",
-    "origin_section",
-    "prediction_section",
-    "verdict_section",
-]
-
 _VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 
 

@@ -10,8 +10,6 @@ from ropefric.plotting.svg import svg_text
 from ropefric.report.chapter import Picture
 from ropefric.report.drawings import Drawing, design_drawings, law_drawings, trial_drawings
 
-__all__ = ["FOLDER", "Pictures", "draw_pictures"]
-
 Pictures = dict[str, tuple[Picture, ...]]
 """Pictures by the chapter they belong to, in order."""
 
@@ -26,19 +24,7 @@ def draw_pictures(
     *,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Pictures:
-    """Return the figures of a report, and write the CSV files of their numbers under `figures` in a folder.
-
-    Parameters
-    ----------
-    run : CampaignRun
-        The result.
-    evidence : Evidence
-        What was made beside it.
-    folder : Folder
-        Where the page will stand.
-    progress : callable, optional
-        Called with done, total and the name of the figure just finished.
-    """
+    """Return the figures of a report, and write the CSV files of their numbers under `figures` in a folder."""
     drawings = [*trial_drawings(run.extraction), *law_drawings(run.answer), *design_drawings(evidence)]
     found: dict[str, list[Picture]] = {}
     for done, drawing in enumerate(drawings, start=1):

@@ -10,8 +10,6 @@ from ropefric.files.plain_text import visible
 from ropefric.report.chapter import Block, Fold, Picture, Report
 from ropefric.report.section import Section
 
-__all__ = ["as_html"]
-
 _SYMBOL = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")
 _KINDS = {Section: "section", Picture: "picture", Fold: "fold"}
 
@@ -20,19 +18,6 @@ def as_html(report: Report) -> str:
     """Return a report as an HTML page; the same report gives the same text.
 
     Everything but the figures is escaped. There is no script, and nothing is fetched.
-
-    Parameters
-    ----------
-    report : Report
-        What to show.
-
-    Examples
-    --------
-    >>> from ropefric.report.chapter import Chapter
-    >>> chapter = Chapter(key="a", title="Ropes & wheels", blocks=(Section(title="x < y"),))
-    >>> page = as_html(Report(title="bench", lead="", made_by="ropefric", chapters=(chapter,)))
-    >>> "Ropes &amp; wheels" in page, "<h3>x &lt; y</h3>" in page
-    (True, True)
     """
     pictures = [
         block.stem for chapter in report.chapters for block in chapter.blocks if isinstance(block, Picture)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ropefric.scenes.sweep import Sweep
     from ropefric.scenes.uncertainty import Uncertain
 
-__all__ = ["explanation_sections", "plan_lines", "quantities_table", "solution_sections", "sweep_sections"]
 
 _NAMED = 4
 

@@ -13,8 +13,6 @@ from ropefric.report.section import Section
 from ropefric.report.text import as_text
 from ropefric.trials.result import count_trials, outcome_words
 
-__all__ = ["summary_sections", "summary_text"]
-
 
 def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
     """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""

@@ -5,24 +5,12 @@ from textwrap import wrap
 
 from ropefric.report.section import Section, Table
 
-__all__ = ["WIDTH", "as_text"]
-
 WIDTH = 110
 """Columns that sentences are folded to."""
 
 
 def as_text(sections: Sequence[Section]) -> str:
-    r"""Return sections as text with aligned columns.
-
-    Examples
-    --------
-    >>> table = Table(headings=("law", "AICc"), rows=(("constant", "1.5"),))
-    >>> print(as_text([Section(title="Laws", table=table)]))
-    Laws
-      law       AICc
-      constant   1.5
-    <BLANKLINE>
-    """
+    r"""Return sections as text with aligned columns."""
     return "\n".join("".join(f"{line}\n" for line in _lines(section)) for section in sections)
 
 

@@ -10,8 +10,6 @@ from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, outcome_words
 
-__all__ = ["conditions_section", "set_aside_section"]
-
 
 def conditions_section(extraction: Extraction, evidence: Evidence) -> Section:
     """Return all conditions: how many trials, their mean force, scatter and uncertainty, and which do not count."""

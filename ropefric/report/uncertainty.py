@@ -10,8 +10,6 @@ from ropefric.fitting.gum.statement import Statement
 from ropefric.report.numbers import interval, plain
 from ropefric.report.section import Section, Table
 
-__all__ = ["budgets_section", "uncertainty_sections"]
-
 _HEADINGS = (
     "source",
     "symbol",

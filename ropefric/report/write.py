@@ -13,8 +13,6 @@ from ropefric.report.pictures import draw_pictures
 from ropefric.report.render import as_html
 from ropefric.report.summary import summary_text
 
-__all__ = ["REPORT", "write_report"]
-
 REPORT = "report.html"
 
 Progress = Callable[[int, int, str], None]
@@ -31,17 +29,6 @@ def write_report(
 
     The page needs nothing else. Beside it stand figures/*.csv, uncertainty.json and next_tests.csv where there is a
     design, and manifest.json. The same campaign gives the same bytes.
-
-    Parameters
-    ----------
-    run : CampaignRun
-        The result.
-    folder : Folder or path-like
-        Where it was written; what is written is for the caller to publish.
-    figures : bool
-        Whether to draw figures, which takes most of the time.
-    progress : callable, optional
-        Called with done, total and the name of the figure just finished.
     """
     target = as_folder(folder)
     evidence = gather_evidence(run)

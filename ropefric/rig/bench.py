@@ -41,43 +41,6 @@ def simulate_recording(
 
     The mechanics, the noise and the faults draw from generators of their own, so the same seed with and without
     a fault of the samples differs by that fault alone.
-
-    Parameters
-    ----------
-    bench : Bench
-        The rig. Protocol `held` wants `HELD_BENCH` or one like it.
-    lift_force_N : float
-        Force on the tight side [N]. `breakaway`: the rope breaks away at exactly this force. `stick-slip`: the
-        tops of the teeth scatter about it. `held`: the weight.
-    end_tension_N : float
-        Force on the slack side [N], positive and below `lift_force_N`. `held`: the plateaus scatter about it.
-    rng : Generator
-        Source of everything that differs from recording to recording.
-    faults : sequence of str
-        Names in `FAULTS`. `unreadable` changes only the status here; it acts when the file is written.
-    protocol : str
-        A name in `RIG_PROTOCOLS`.
-    cell : str
-        Name of the force cell; "" takes `bench.cell_for` the largest force.
-
-    Returns
-    -------
-    SimulatedRecording
-        Time stamps, counts, the true force and the truth.
-
-    Raises
-    ------
-    InputError
-        If the forces are not 0 < end_tension_N < lift_force_N < ∞, or a fault does not go with the protocol.
-    UnknownNameError
-        If a fault, the protocol or the cell is unknown.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(1)
-    >>> recording = simulate_recording(Bench(), lift_force_N=320.7, end_tension_N=80.0, rng=rng)
-    >>> recording.truth.status.value, round(float(recording.true_force_N.max()))
-    ('ok', 321)
     """
     if not 0.0 < end_tension_N < lift_force_N < math.inf:
         raise InputError(

@@ -16,30 +16,12 @@ from ropefric.rig.protocols import RIG_PROTOCOLS
 from ropefric.rig.story import RecordingTruth, SimulatedRecording
 from ropefric.traces.trace import FloatArray
 
-__all__ = ["PlannedTrial", "plan_trials", "record_trial", "simulate_campaign"]
-
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedTrial:
-    """One recording to be made.
-
-    Attributes
-    ----------
-    name : str
-        Its name: condition and repeat.
-    index : int
-        Its number in the campaign, from 0.
-    condition : RigCondition
-        What is set up.
-    lift_force_N : float
-        Force at which this rope breaks away [N], scatter included.
-    cell : str
-        The force cell chosen for the condition.
-    faults : tuple of str
-        What goes wrong.
-    """
+    """One recording to be made."""
 
     name: str
     index: int
@@ -59,20 +41,6 @@ def plan_trials(plan: CampaignPlan, *, seed: int) -> tuple[PlannedTrial, ...]:
 
     Faults are dealt out by quota, rate times number of recordings, so that a small campaign has them too. At
     most one fault of the mechanics befalls a recording; faults of samples and file come on top.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        What to simulate.
-    seed : int
-        Everything random follows from it; 0 or more.
-
-    Examples
-    --------
-    >>> from ropefric.rig.prth_bench import prth_bench_plan
-    >>> trial = plan_trials(prth_bench_plan(), seed=20260)[0]
-    >>> trial.name, trial.cell, trial.file
-    ('c01-r01', 'K1', 'traces/c01-r01.csv.gz')
     """
     if seed < 0:
         raise InputError(f"seed {seed} is negative", key="seed", fix="use 0 or more")
@@ -122,16 +90,7 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
 
 
 def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple[SimulatedRecording, bytes]:
-    """Return one recording of a campaign and the bytes of its file; needs none of the other recordings.
-
-    Examples
-    --------
-    >>> from ropefric.rig.prth_bench import prth_bench_plan
-    >>> plan = prth_bench_plan()
-    >>> recording, data = record_trial(plan, plan_trials(plan, seed=1)[0], seed=1)
-    >>> data[:2].hex()
-    '1f8b'
-    """
+    """Return one recording of a campaign and the bytes of its file; needs none of the other recordings."""
     recording = simulate_recording(
         plan.bench,
         lift_force_N=trial.lift_force_N,
@@ -160,32 +119,6 @@ def simulate_campaign(
     """Write a campaign with known truth and return the paths written: campaign.toml, trials.csv, truth.toml, traces.
 
     The same plan and seed write the same bytes.
-
-    Parameters
-    ----------
-    folder : path
-        Where to; made if absent. It must be empty: nothing is overwritten.
-    plan : CampaignPlan
-        What to simulate.
-    seed : int
-        Everything random follows from it.
-    progress : callable, optional
-        Called as (done, total, trial name) after each recording.
-
-    Raises
-    ------
-    InputError
-        If the folder is not empty or cannot be written to, or the seed is negative.
-
-    Examples
-    --------
-    >>> import dataclasses, tempfile
-    >>> from ropefric.rig.prth_bench import prth_bench_plan
-    >>> plan = prth_bench_plan()
-    >>> few = dataclasses.replace(plan, conditions=plan.conditions[:1], repeats=1)
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in simulate_campaign(folder, few, seed=1)]
-    ['campaign.toml', 'trials.csv', 'truth.toml', 'c01-r01.csv.gz']
     """
     base = Path(folder)
     trials = plan_trials(plan, seed=seed)

@@ -14,20 +14,10 @@ from ropefric.rig.story import BreakawayStory, draw_wander, lay_teeth
 from ropefric.traces.breakaway import Status
 from ropefric.traces.trace import FloatArray
 
-__all__ = ["FAULTS", "SATURATION_MARGIN", "Fault", "Samples", "Setup"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
-    """What happens in a recording and what measures it.
-
-    Attributes
-    ----------
-    story : Story
-        The mechanics.
-    sensor : Sensor
-        The measuring chain.
-    """
+    """What happens in a recording and what measures it."""
 
     story: Story
     sensor: Sensor
@@ -35,13 +25,7 @@ class Setup:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Samples:
-    """What the logger wrote.
-
-    Attributes
-    ----------
-    time_s, counts : ndarray, shape (n,)
-        Time stamps [s] and counts, NaN where missing.
-    """
+    """What the logger wrote."""
 
     time_s: FloatArray
     counts: FloatArray
@@ -49,24 +33,7 @@ class Samples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fault:
-    """Something that goes wrong in a recording; acts on the mechanics, on the samples or on the file.
-
-    Attributes
-    ----------
-    name : str
-        What truth files call it.
-    meaning : str
-        One line for people.
-    expected_status : Status or None
-        Status an honest reading must end in; None: the fault must not change it.
-    rate : float
-        Fraction of recordings it befalls in the default mix.
-    protocols : tuple of str
-        Protocols it can befall; empty for all.
-    on_setup, on_samples, on_bytes : callable, optional
-        (setup, bench, rng) -> Setup; (samples, setup, rng) -> Samples; (bytes, rng) -> bytes. New objects come
-        back, the old ones stay as they were.
-    """
+    """Something that goes wrong in a recording; acts on the mechanics, on the samples or on the file."""
 
     name: str
     meaning: str
@@ -79,13 +46,7 @@ class Fault:
 
 
 def breakaway_story(setup: Setup, fault: str) -> BreakawayStory:
-    """Return the break-away story a fault wants to change.
-
-    Raises
-    ------
-    InputError
-        If the recording follows another protocol.
-    """
+    """Return the break-away story a fault wants to change."""
     if not isinstance(setup.story, BreakawayStory):
         raise InputError(
             f"fault '{fault}' changes a break-away, and this recording has none",

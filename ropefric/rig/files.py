@@ -11,25 +11,9 @@ from ropefric.rig.plan import CampaignPlan, RigCondition
 from ropefric.rig.protocols import RIG_PROTOCOLS
 from ropefric.rig.story import SimulatedRecording
 
-__all__ = [
-    "campaign_text",
-    "known_force",
-    "packed",
-    "quantity_text",
-    "recording_text",
-    "table_text",
-    "toml_value",
-]
-
 
 def packed(text: str) -> bytes:
-    """Return text as gzip bytes without name and time, so that the same text gives the same bytes.
-
-    Examples
-    --------
-    >>> gzip.decompress(packed("a,b")).decode()
-    'a,b'
-    """
+    """Return text as gzip bytes without name and time, so that the same text gives the same bytes."""
     buffer = io.BytesIO()
     # Level 9 takes five times as long for a thousandth of the size: time stamps are what fills these files.
     with gzip.GzipFile(filename="", mode="wb", compresslevel=6, fileobj=buffer, mtime=0) as stream:
@@ -38,30 +22,14 @@ def packed(text: str) -> bytes:
 
 
 def recording_text(recording: SimulatedRecording) -> str:
-    """Return a recording as CSV text: `time_s` with 6 decimals, `counts` as whole numbers, empty where missing.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from ropefric.rig.bench import Bench, simulate_recording
-    >>> rng = np.random.default_rng(1)
-    >>> text = recording_text(simulate_recording(Bench(), lift_force_N=320.7, end_tension_N=80.0, rng=rng))
-    >>> text.splitlines()[0], text.splitlines()[2].split(",")[0]
-    ('time_s,counts', '0.000333')
-    """
+    """Return a recording as CSV text: `time_s` with 6 decimals, `counts` as whole numbers, empty where missing."""
     counts = ("" if math.isnan(count) else str(int(count)) for count in recording.counts.tolist())
     rows = [f"{time:.6f},{count}" for time, count in zip(recording.time_s.tolist(), counts, strict=True)]
     return "\n".join(["time_s,counts", *rows, ""])
 
 
 def table_text(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a CSV table.
-
-    Examples
-    --------
-    >>> table_text(["trial", "exclude"], [["t1", ""]]).splitlines()
-    ['trial,exclude', 't1,']
-    """
+    """Return a CSV table."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(columns)
@@ -72,13 +40,7 @@ def table_text(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def toml_value(value: object) -> str:
-    """Return a TOML literal of a string, number, boolean, list or (inline) table; floats to 12 digits.
-
-    Examples
-    --------
-    >>> toml_value({"status": "ok", "faults": ["spike"], "lift_force_N": 320.0})
-    '{ status = "ok", faults = ["spike"], lift_force_N = 320.0 }'
-    """
+    """Return a TOML literal of a string, number, boolean, list or (inline) table; floats to 12 digits."""
     if isinstance(value, str):
         escaped = value.replace("\\", "\\\\").replace('"', '\\"')
         return f'"{escaped}"'
@@ -94,25 +56,12 @@ def toml_value(value: object) -> str:
 
 
 def quantity_text(value: float, unit: str) -> str:
-    """Return a quantity as people write it.
-
-    Examples
-    --------
-    >>> quantity_text(540.0000000000001, "deg")
-    '540 deg'
-    """
+    """Return a quantity as people write it."""
     return f"{value:.10g} {unit}"
 
 
 def campaign_text(plan: CampaignPlan) -> str:
-    """Return the `campaign.toml` of a plan.
-
-    Examples
-    --------
-    >>> from ropefric.rig.prth_bench import prth_bench_plan
-    >>> campaign_text(prth_bench_plan()).splitlines()[2]
-    'name = "prth-bench (simulated)"'
-    """
+    """Return the `campaign.toml` of a plan."""
     bench = plan.bench
     radii = {c.wheel: c.wheel_radius_m for c in sorted(plan.conditions, key=_radius)}
     lines = [

@@ -15,8 +15,6 @@ from ropefric.rig.protocols import RIG_PROTOCOLS
 from ropefric.rig.settings import Bench
 from ropefric.traces.trace import FloatArray
 
-__all__ = ["DEFAULT_FAULTS", "CampaignPlan", "RigCondition"]
-
 DEFAULT_FAULTS: dict[str, float] = {fault.name: fault.rate for fault in FAULTS.values()}
 """Fraction of recordings each fault befalls in an ordinary campaign."""
 _MOST_TRIALS = 100_000
@@ -24,22 +22,7 @@ _MOST_TRIALS = 100_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigCondition:
-    """One condition: a wheel, a wrap, a weight.
-
-    Attributes
-    ----------
-    wheel_radius_m : float
-        Wheel radius R_w [m], positive.
-    wrap_angle_rad : float
-        Wrap angle φ [rad], positive.
-    end_tension_N : float
-        End tension F_B of the slack side [N], positive.
-
-    Examples
-    --------
-    >>> RigCondition(wheel_radius_m=0.04, wrap_angle_rad=math.radians(540), end_tension_N=60.0).wheel
-    'W40'
-    """
+    """One condition: a wheel, a wrap, a weight."""
 
     wheel_radius_m: float
     wrap_angle_rad: float
@@ -53,43 +36,7 @@ class RigCondition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignPlan:
-    """A campaign to simulate.
-
-    Attributes
-    ----------
-    name : str
-        Name of the campaign; its files say beside it that it is simulated.
-    law : str
-        Name of the friction law that is true, in `ALL_LAWS`.
-    parameters : mapping of str to float
-        Its true parameters, all of them.
-    rope_diameter_m : float
-        Rope diameter [m].
-    rope_linear_density_kg_m : float
-        Mass per length of the rope [kg/m].
-    conditions : tuple of RigCondition
-        What is measured.
-    design : RigCondition
-        The wheel whose lift force the campaign is to predict.
-    unseen : tuple of RigCondition
-        Further conditions that are not measured, whose true lift force goes into the truth file.
-    repeats : int
-        Recordings per condition, each with a new rope.
-    faults : mapping of str to float
-        Fraction of recordings each fault befalls.
-    bench : Bench
-        The rig.
-    protocol : str
-        A name in `RIG_PROTOCOLS`.
-
-    Raises
-    ------
-    InputError
-        If there is no condition or repeat, a rate is not between 0 and 1, a parameter is missing, or the law
-        has no answer for a condition.
-    UnknownNameError
-        If law, parameter, fault or protocol is unknown.
-    """
+    """A campaign to simulate."""
 
     name: str
     law: str

@@ -12,8 +12,6 @@ from ropefric.rig.story import BreakawayStory, RecordingTruth, Snap, Teeth, lay_
 from ropefric.traces.breakaway import Phase, Status
 from ropefric.traces.trace import FloatArray
 
-__all__ = ["RIG_PROTOCOLS", "RigProtocol", "Story", "draw_breakaway", "draw_teeth"]
-
 
 class Story(TypingProtocol):
     """What happens in one recording."""
@@ -34,21 +32,7 @@ class Story(TypingProtocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigProtocol:
-    """A way of running the rig.
-
-    Attributes
-    ----------
-    name : str
-        The name campaigns use.
-    meaning : str
-        One line for people.
-    scatters_inside : bool
-        Whether one recording holds several trials, each with its own scatter.
-    measures_lift : bool
-        Whether the cell is on the tight side, so that the largest force is F_A.
-    draw : callable
-        (bench, lift_force_N, end_tension_N, rng) -> Story.
-    """
+    """A way of running the rig."""
 
     name: str
     meaning: str
@@ -60,26 +44,7 @@ class RigProtocol:
 def draw_teeth(
     rng: np.random.Generator, *, drop_N: float, height_N: float, rate_Hz: float, lasting_s: float
 ) -> Teeth:
-    """Return jittered teeth of a mean height and rate that last at least some time.
-
-    Parameters
-    ----------
-    rng : Generator
-        Source of the jitter.
-    drop_N : float
-        Break-away force above the kinetic level [N].
-    height_N, rate_Hz : float
-        Mean height of the teeth [N] and their number per second.
-    lasting_s : float
-        Time to fill [s].
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(1)
-    >>> teeth = draw_teeth(rng, drop_N=60.0, height_N=20.0, rate_Hz=10.0, lasting_s=1.0)
-    >>> teeth.time_s[-1] > 1.0, float(teeth.top_N[0])
-    (np.True_, 60.0)
-    """
+    """Return jittered teeth of a mean height and rate that last at least some time."""
     n = int(2.0 * lasting_s * rate_Hz) + 4
     half_N = 0.5 * height_N
     top_N = half_N * rng.uniform(0.5, 1.5, n)
@@ -91,14 +56,7 @@ def draw_teeth(
 def draw_breakaway(
     bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
 ) -> BreakawayStory:
-    """Return what happens in one recording, drawn from the bench; it breaks away at exactly `lift_force_N`.
-
-    Examples
-    --------
-    >>> story = draw_breakaway(Bench(), 320.7, 80.0, np.random.default_rng(1))
-    >>> story.force_N(np.array([0.0, story.breakaway_s])).round(6).tolist()
-    [0.0, 320.7]
-    """
+    """Return what happens in one recording, drawn from the bench; it breaks away at exactly `lift_force_N`."""
     hang_s = rng.uniform(*bench.idle_s)
     settle_s = hang_s + rng.uniform(*bench.hang_s)
     dwell_s = rng.uniform(*bench.dwell_s)
@@ -191,23 +149,7 @@ _JERKS = 5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeldStory:
-    """One recording of a spring scale on the slack side: pulled in jerks, held, let go, several times.
-
-    Attributes
-    ----------
-    knot_s, knot_N : ndarray, shape (m,)
-        Corners of the pull and release, joined by straight lines.
-    hold_s : ndarray, shape (cycles, 2)
-        When each plateau starts and ends [s].
-    creep_N, creep_s : ndarray, shape (cycles,)
-        Excess at the start of each plateau [N] and the time in which it dies away [s].
-    plateau_N : ndarray, shape (cycles,)
-        Force each plateau settles to [N].
-    lift_force_N : float
-        The weight on the tight side [N].
-    end_s : float
-        The end [s].
-    """
+    """One recording of a spring scale on the slack side: pulled in jerks, held, let go, several times."""
 
     knot_s: FloatArray
     knot_N: FloatArray

@@ -5,8 +5,6 @@ import math
 from ropefric.rig.plan import CampaignPlan, RigCondition
 from ropefric.rig.settings import Bench
 
-__all__ = ["PRTH_SEED", "prth_bench_plan"]
-
 PRTH_SEED = 20260
 """The seed `data/prth-bench` was written with."""
 
@@ -49,12 +47,6 @@ def prth_bench_plan() -> CampaignPlan:
 
     The paper prints no fitted parameter; these were chosen so that the average μ runs from 0.20 to 0.10 and
     F_A/F_B from 1.3 to about 16.
-
-    Examples
-    --------
-    >>> plan = prth_bench_plan()
-    >>> len(plan.conditions), plan.n_trials
-    (36, 432)
     """
     radius, wrap, load = _CENTRE
     points = [

@@ -8,8 +8,6 @@ from ropefric.rig.settings import Bench
 from ropefric.traces.chain import Adc, ForceCell
 from ropefric.traces.trace import FloatArray
 
-__all__ = ["Sensor", "draw_sensor"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
@@ -17,23 +15,6 @@ class Sensor:
 
     Written on its own, as the physics goes, so that it can test `ropefric.traces.calibration`, which goes the
     other way.
-
-    Attributes
-    ----------
-    cell, adc
-        Force cell and converter.
-    zero_counts, drift_counts, noise_counts, hum_counts : float
-        Zero offset, zero drift by the end, standard deviation of white noise, amplitude of hum [counts].
-    hum_Hz, hum_phase_rad : float
-        Frequency [Hz] and phase of the hum.
-    gain_error : float
-        Relative gain error of the transmitter.
-
-    Examples
-    --------
-    >>> sensor = Sensor(cell=ForceCell(name="K1", full_scale_N=1000.0), adc=Adc())
-    >>> sensor.ideal_counts(np.array([500.0]), np.array([0.0])).tolist()
-    [511.5]
     """
 
     cell: ForceCell
@@ -72,14 +53,7 @@ class Sensor:
 
 
 def draw_sensor(bench: Bench, cell: ForceCell, rng: np.random.Generator) -> Sensor:
-    """Return the chain of one recording, drawn from the bench.
-
-    Examples
-    --------
-    >>> sensor = draw_sensor(Bench(), Bench().cells[0], np.random.default_rng(1))
-    >>> 6.0 <= sensor.zero_counts <= 15.0
-    True
-    """
+    """Return the chain of one recording, drawn from the bench."""
     return Sensor(
         cell=cell,
         adc=bench.adc,

@@ -7,8 +7,6 @@ from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.traces.chain import Adc, ForceCell
 
-__all__ = ["HELD_BENCH", "Bench", "Range"]
-
 Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
 
@@ -18,58 +16,6 @@ class Bench:
     """The PRTH test bench: load cell at the rope's fixed end, weights at the other, a motor on the wheel.
 
     A pair is a range; each recording draws its own value from it, uniformly.
-
-    Attributes
-    ----------
-    sampling_rate_Hz : float
-        Samples per second.
-    adc : Adc
-        The converter.
-    cells : tuple of ForceCell
-        The force cells at hand, smallest first.
-    cell_use : float
-        A cell is used up to this fraction of its full scale; beyond it the next larger one is taken.
-    rope_stiffness_N_m, cell_stiffness_N_m : float
-        Stiffness of the free rope and of the smallest cell [N/m]; they act in series.
-    moving_mass_kg : float
-        Mass that snaps back at break-away [kg].
-    stiffness_factor, damping_ratio : Range
-        Free rope lengths differ: factor on the stiffness [-]. Damping ratio of the snap [-].
-    trial_scatter, condition_scatter : float
-        Relative standard deviation of the static friction from trial to trial, and from condition to
-        condition [-].
-    idle_s, hang_s, dwell_s, load_s, slide_s, off_s, release_s : Range
-        Duration [s] of: unloaded idle, hanging of the weights, dwell, motor ramp, sliding, the end after the
-        motor is off, and the time constant of its release.
-    pretension, bounce, bounce_Hz : Range
-        Force after hanging the weights as a fraction of the end tension; overshoot as a fraction of that;
-        frequency of the bounce [Hz].
-    soft_start, micro_slip, micro_slip_loss : Range
-        Fraction of the ramp with a soft start; fraction at its end in which the slip arc grows; fraction of
-        the slope lost there.
-    kinetic_ratio, tooth_height, tooth_Hz : Range
-        Kinetic over static force; height of a stick-slip tooth as a fraction of the drop from static to
-        kinetic; teeth per second.
-    kinetic_drift : float
-        Largest relative drift of the kinetic level while sliding, either way.
-    zero_counts, noise_counts : Range
-        Zero offset of the unloaded cell and standard deviation of white noise [counts].
-    zero_drift_counts, hum_counts, hum_Hz : float
-        Zero drift over the recording, either way, and amplitude of mains hum [counts]; its frequency [Hz].
-    gain_error : float
-        Relative gain error of the transmitter, the same in every recording.
-
-    Raises
-    ------
-    InputError
-        If a range is reversed or negative, or a rate, stiffness or mass is not positive.
-
-    Examples
-    --------
-    >>> Bench().cell_for(300.0).name, Bench().cell_for(900.0).name
-    ('K1', 'K5')
-    >>> round(Bench().natural_frequency_Hz(1.0))
-    145
     """
 
     sampling_rate_Hz: float = 3000.0
@@ -137,13 +83,7 @@ class Bench:
         return self.cells[-1]
 
     def cell_named(self, name: str) -> ForceCell:
-        """Return the cell of that name.
-
-        Raises
-        ------
-        UnknownNameError
-            If the bench has none such.
-        """
+        """Return the cell of that name."""
         return Registry("force cell", self.cells)[name]
 
     def natural_frequency_Hz(self, stiffness_factor: float) -> float:

@@ -9,50 +9,10 @@ import numpy as np
 from ropefric.traces.breakaway import Phase, Status
 from ropefric.traces.trace import FloatArray, frozen_array
 
-__all__ = [
-    "BreakawayStory",
-    "RecordingTruth",
-    "SimulatedRecording",
-    "Snap",
-    "Teeth",
-    "draw_wander",
-    "lay_teeth",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingTruth:
-    """What is true of one simulated recording, before noise, conversion and damage; NaN where nothing is.
-
-    Attributes
-    ----------
-    status : Status
-        What an honest reading of the recording must end in.
-    lift_force_N : float
-        Static friction F_A [N]. Also given where the recording cannot show it: `no-breakaway` (never reached),
-        `saturated` (above the ceiling), `no-peak` (the level it slides at).
-    breakaway_time_s : float
-        When the rope breaks away [s].
-    kinetic_N : float
-        Mean force while sliding [N], from 30 ms after break-away until the motor is off.
-    faults : tuple of str
-        Names of the faults put in.
-    cell : str
-        The force cell used.
-    dwell_s : float
-        Time under load before the pull [s].
-    tooth_tops_N, tooth_times_s : tuple of float
-        Top [N] and time [s] of every stick-slip tooth; the first is the break-away.
-    plateaus_N : tuple of float
-        Protocol `held`: the force each plateau settles to [N].
-    phases : tuple of Phase
-        What happens when.
-
-    Examples
-    --------
-    >>> RecordingTruth(status=Status.OK, lift_force_N=320.7).faults
-    ()
-    """
+    """What is true of one simulated recording, before noise, conversion and damage; NaN where nothing is."""
 
     status: Status
     lift_force_N: float
@@ -69,19 +29,7 @@ class RecordingTruth:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SimulatedRecording:
-    """One recording of the virtual rig.
-
-    Attributes
-    ----------
-    time_s : ndarray, shape (n,)
-        Time stamps [s] as the logger wrote them; a fault may make them repeat.
-    counts : ndarray, shape (n,)
-        ADC counts, whole numbers as float64; NaN where a sample is missing.
-    true_time_s, true_force_N : ndarray, shape (m,)
-        The force on the rope before sensor and damage [N], on the undamaged clock [s].
-    truth : RecordingTruth
-        What is true of it.
-    """
+    """One recording of the virtual rig."""
 
     time_s: FloatArray
     counts: FloatArray
@@ -101,13 +49,7 @@ BAND_HZ = (3.0, 15.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Wander:
-    """A sum of tones that sets in with sliding.
-
-    Attributes
-    ----------
-    amplitude_N, frequency_Hz, phase_rad : ndarray, shape (k,)
-        The tones; none for perfectly smooth sliding.
-    """
+    """A sum of tones that sets in with sliding."""
 
     amplitude_N: FloatArray
     frequency_Hz: FloatArray
@@ -123,14 +65,7 @@ NO_WANDER = Wander(amplitude_N=np.empty(0), frequency_Hz=np.empty(0), phase_rad=
 
 
 def draw_wander(rng: np.random.Generator, std_N: float) -> Wander:
-    """Return tones between 3 and 15 Hz whose sum has a standard deviation of `std_N` [N].
-
-    Examples
-    --------
-    >>> wander = draw_wander(np.random.default_rng(0), 2.0)
-    >>> bool(abs(wander.force_N(np.arange(1.0, 60.0, 1e-3)).std() - 2.0) < 0.1)
-    True
-    """
+    """Return tones between 3 and 15 Hz whose sum has a standard deviation of `std_N` [N]."""
     share = rng.dirichlet(np.full(TONES, 3.0))
     return Wander(
         amplitude_N=std_N * np.sqrt(2.0 * share),
@@ -141,20 +76,7 @@ def draw_wander(rng: np.random.Generator, std_N: float) -> Wander:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Snap:
-    """How the force falls when the rope slips: a mass on a spring, released.
-
-    Attributes
-    ----------
-    natural_Hz : float
-        Undamped natural frequency [Hz].
-    damping_ratio : float
-        Damping ratio [-], below 1.
-
-    Examples
-    --------
-    >>> Snap(natural_Hz=100.0, damping_ratio=0.3).remaining(np.array([0.0, 0.005])).round(3).tolist()
-    [1.0, -0.368]
-    """
+    """How the force falls when the rope slips: a mass on a spring, released."""
 
     natural_Hz: float
     damping_ratio: float
@@ -177,19 +99,6 @@ class Teeth:
     """Stick-slip teeth after break-away, as deviations from the kinetic level.
 
     Tooth 0 is the break-away itself: its top is reached by the loading, not by a reload.
-
-    Attributes
-    ----------
-    time_s : ndarray, shape (n,)
-        When each top is reached [s] after break-away; the first is 0.
-    top_N, bottom_N : ndarray, shape (n,)
-        The top of each tooth and the level it slips back to, as deviations from the kinetic level [N].
-
-    Examples
-    --------
-    >>> teeth = lay_teeth(top_N=np.array([9.0, 1, 2]), bottom_N=np.array([-1.0, -1, -1]), reload_N_s=20.0)
-    >>> teeth.force_N(np.array([0.0, 0.1, 0.25]), Snap(natural_Hz=100.0, damping_ratio=0.3)).round(6).tolist()
-    [9.0, 1.0, 2.0]
     """
 
     time_s: FloatArray
@@ -200,13 +109,6 @@ class Teeth:
         """Return the deviation from the kinetic level at times after break-away [N].
 
         Continuous: what an earlier snap still rings with when the next top is due is taken off the reload.
-
-        Parameters
-        ----------
-        elapsed_s : ndarray, shape (m,)
-            Times after break-away [s], from 0 to the last tooth.
-        snap : Snap
-            How each slip falls.
         """
         period_s = np.diff(self.time_s)
         fall_N = (self.top_N - self.bottom_N)[:-1]
@@ -221,20 +123,7 @@ class Teeth:
 
 
 def lay_teeth(*, top_N: FloatArray, bottom_N: FloatArray, reload_N_s: float) -> Teeth:
-    """Return teeth that follow each other as the reload allows: stiffness times speed, the same for all.
-
-    Parameters
-    ----------
-    top_N, bottom_N : ndarray, shape (n,)
-        Tops and bottoms as deviations from the kinetic level [N], n >= 2.
-    reload_N_s : float
-        Rate at which the force rises between slips [N/s].
-
-    Examples
-    --------
-    >>> lay_teeth(top_N=np.array([9.0, 1, 2]), bottom_N=np.array([-1.0, -1, -1]), reload_N_s=20.0).time_s
-    array([0.  , 0.1 , 0.25])
-    """
+    """Return teeth that follow each other as the reload allows: stiffness times speed, the same for all."""
     period_s = (top_N[1:] - bottom_N[:-1]) / reload_N_s
     return Teeth(time_s=np.concatenate(([0.0], np.cumsum(period_s))), top_N=top_N, bottom_N=bottom_N)
 
@@ -245,40 +134,7 @@ RELAXATION_S = 0.4  # in which a held rope relaxes
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BreakawayStory:
-    """One recording of the PRTH bench: idle, weights hung, dwell, motor ramp, break-away, sliding, motor off.
-
-    Attributes
-    ----------
-    hang_s, settle_s, ramp_s, breakaway_s, off_s, end_s : float
-        When the weights are hung, when they hang, when the motor ramp starts, when the rope breaks away (or
-        the ramp stops), when the motor goes off, and the end [s].
-    pretension_N : float
-        Force the cell reads once the weights hang [N].
-    bounce_N, bounce_Hz, bounce_decay_s : float
-        Amplitude, frequency and decay time of their bounce.
-    lift_force_N : float
-        Static friction: the force at which the rope breaks away [N].
-    ramp_top_N : float
-        Force at the end of the ramp [N]; below `lift_force_N` the rope never breaks away.
-    soft_start, micro_slip, micro_slip_loss : float
-        Shape of the ramp, see `Bench`.
-    kinetic_N : float
-        Kinetic level right after break-away [N].
-    drift : float
-        Relative drift of that level by the time the motor goes off.
-    teeth : Teeth
-        Stick-slip teeth on that level.
-    snap : Snap
-        How the force falls at each slip.
-    holding_N, release_s : float
-        Force the standing wheel holds after the motor is off [N], and how fast it is reached [s].
-    wander : Wander
-        Roughness of sliding beside the teeth.
-    hold_loss : float
-        Part of `ramp_top_N` the rope relaxes by where the ramp stops short of break-away.
-    has_peak : bool
-        False where the rope slides without a static peak.
-    """
+    """One recording of the PRTH bench: idle, weights hung, dwell, motor ramp, break-away, sliding, motor off."""
 
     hang_s: float
     settle_s: float
@@ -311,13 +167,7 @@ class BreakawayStory:
         return self.ramp_top_N >= self.lift_force_N
 
     def force_N(self, time_s: FloatArray) -> FloatArray:
-        """Return the true force at increasing times [N].
-
-        Parameters
-        ----------
-        time_s : ndarray, shape (n,)
-            Times from 0 to `end_s` [s], increasing.
-        """
+        """Return the true force at increasing times [N]."""
         limits = (self.hang_s, self.settle_s, self.ramp_s, self.breakaway_s, self.off_s)
         cuts = np.searchsorted(time_s, limits, side="left").tolist()
         hang, settle, ramp, slip, off = cuts

@@ -13,8 +13,6 @@ from ropefric.registry import did_you_mean
 from ropefric.scenes.scene import Scene, read_scene
 from ropefric.trials.toml_document import TomlDocument
 
-__all__ = ["MOST_POINTS", "Axis", "parse_axis", "replaced", "scalar_keys"]
-
 MOST_POINTS = 10_000_000
 """Of an axis, and of a whole grid: some 2.5 GB."""
 _NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
@@ -22,24 +20,7 @@ _NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Axis:
-    """A key of a scene and its values.
-
-    Attributes
-    ----------
-    key : str
-        The TOML key with its tables: "wheel.wrap".
-    values : ndarray, shape (n,)
-        In SI units.
-    unit : str
-        The unit in which they were written; "" for a bare number.
-    factor : float
-        SI value of one such unit.
-
-    Examples
-    --------
-    >>> Axis(key="friction.mu", values=np.array([0.1, 0.2]), unit="", factor=1.0).values.size
-    2
-    """
+    """A key of a scene and its values."""
 
     key: str
     values: FloatArray
@@ -48,33 +29,7 @@ class Axis:
 
 
 def parse_axis(scene: Scene, text: str) -> Axis:
-    """Return the axis that "KEY=START:STOP:COUNT" or "KEY=A,B,C" asks for.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene that is swept; it tells what the key holds.
-    text : str
-        "wheel.wrap=90deg:1440deg:50", "wheel.wrap=90deg:1440deg:50:log", "friction.mu=0.1,0.2".
-
-    Raises
-    ------
-    UnknownNameError
-        For a key the scene does not give, or that is no number.
-    InputError
-        For values that are none, or not allowed in this scene.
-
-    Examples
-    --------
-    >>> import math
-    >>> from pathlib import Path
-    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
-    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
-    >>> scene = read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path())
-    >>> axis = parse_axis(scene, "wheel.wrap=90deg:450deg:3")
-    >>> [round(math.degrees(value)) for value in axis.values], axis.unit
-    ([90, 270, 450], 'deg')
-    """
+    """Return the axis that "KEY=START:STOP:COUNT" or "KEY=A,B,C" asks for."""
     key, equals, values = (part.strip() for part in text.partition("="))
     if not equals or not key or not values:
         raise InputError(
@@ -150,16 +105,7 @@ def _unit(text: str, si_value: float) -> tuple[str, float]:
 
 
 def scalar_keys(scene: Scene) -> tuple[str, ...]:
-    """Return the keys of a scene that hold a number, with or without unit.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
-    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
-    >>> scalar_keys(read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path()))
-    ('wheel.radius', 'wheel.wrap', 'rope.diameter', 'load.end_tension', 'friction.mu')
-    """
+    """Return the keys of a scene that hold a number, with or without unit."""
     return tuple(
         key
         for key, _ in _leaves(scene.document.data)
@@ -192,14 +138,7 @@ def _with(tree: Any, key: str, value: Any) -> dict[str, Any]:
 
 
 def replaced(table: Any, key: str, value: float) -> Any:
-    """Return a checked table with another SI value at a key; the value itself is not checked again.
-
-    Examples
-    --------
-    >>> from ropefric.scenes.schema import ReferenceTable
-    >>> replaced(ReferenceTable(wrap="90 deg"), "wrap", 3.0).wrap
-    3.0
-    """
+    """Return a checked table with another SI value at a key; the value itself is not checked again."""
     name, _, rest = key.partition(".")
     if isinstance(table, dict):
         return {**table, name: replaced(table[name], rest, value) if rest else value}

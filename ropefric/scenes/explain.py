@@ -13,23 +13,12 @@ from ropefric.scenes.plan import Decision, Plan, make_plan
 from ropefric.scenes.scene import Scene, placed
 from ropefric.systems.effect import Effect, assemble
 
-__all__ = ["EffectWorth", "Explanation", "explain_scene"]
-
 _REPEATS = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EffectWorth:
-    """What one effect turned out to be worth.
-
-    Attributes
-    ----------
-    worth : float
-        Relative change of the answer when the effect is taken out of the plan, or put into it; NaN where it could
-        not be tried.
-    time_share : float
-        Share of the solution's time that the effect takes; NaN where it is not simulated. Taken from a clock.
-    """
+    """What one effect turned out to be worth."""
 
     worth: float = math.nan
     time_share: float = math.nan
@@ -103,33 +92,7 @@ def _effect_tree(decision: Decision, effect: Effect[Any, Any], worth: EffectWort
 def explain_scene(
     scene: Scene, *, measure: bool = False, clock: Callable[[], float] = time.perf_counter
 ) -> Explanation:
-    """Return why a scene is solved the way it is.
-
-    Parameters
-    ----------
-    scene : Scene
-        From `load_scene`.
-    measure : bool
-        Solve with and without each effect, to say what it is worth and what it costs.
-    clock : callable
-        Returns a time in seconds.
-
-    Raises
-    ------
-    DataError
-        Where the scene cannot be planned or, with `measure`, has no answer.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from ropefric.scenes.scene import read_scene
-    >>> from ropefric.trials.toml_document import TomlDocument
-    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
-    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
-    >>> told = explain_scene(read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path()))
-    >>> told.plan.decisions[3].name, told.plan.decisions[3].why
-    ('rope-weight', 'the scene does not give rope.linear_density and rope.hanging_length')
-    """
+    """Return why a scene is solved the way it is."""
     system = scene.kind.system
     try:
         plan, _ = make_plan(

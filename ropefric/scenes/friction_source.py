@@ -17,36 +17,13 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.schema import FrictionTable, ReferenceTable
 from ropefric.systems.friction import ScaleTo, WrapFriction
 
-__all__ = ["FrictionSource", "friction_source"]
-
 _HALF_A_TURN = math.pi
 _USUAL_TENSION_N = 100.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FrictionSource:
-    """A friction law as a scene uses it, and how well it is known.
-
-    Attributes
-    ----------
-    friction : WrapFriction
-        The law, its parameters and its reference.
-    origin : str
-        In words, for people.
-    covariance : ndarray, shape (p, p), or None
-        Of the parameters, where they were fitted.
-    dof : float
-        Degrees of freedom of that covariance.
-    tested : mapping
-        Lowest and highest tested value of each regressor; empty where nothing was tested.
-    warnings : tuple of str
-        What the fit itself has to say against its use.
-
-    Examples
-    --------
-    >>> FrictionSource(friction=WrapFriction.constant(0.2), origin="mu = 0.2").covariance is None
-    True
-    """
+    """A friction law as a scene uses it, and how well it is known."""
 
     friction: WrapFriction
     origin: str
@@ -63,30 +40,7 @@ class FrictionSource:
 def friction_source(
     table: FrictionTable, folder: Path, *, wheel_radius_m: float, rope_radius_m: float
 ) -> FrictionSource:
-    """Return the friction that a scene's `[friction]` names.
-
-    Parameters
-    ----------
-    table : FrictionTable
-        The table.
-    folder : Path
-        Of the scene file; a fit is looked for there, then where the command was called.
-    wheel_radius_m, rope_radius_m : float
-        The scene's own wheel and rope, the reference of a law that was not fitted and names none.
-
-    Raises
-    ------
-    DataError
-        If the fit cannot be read.
-    InputError
-        If the law does not have these parameters, or no answer at the reference.
-
-    Examples
-    --------
-    >>> source = friction_source(FrictionTable(mu=0.2), Path(), wheel_radius_m=0.04, rope_radius_m=0.005)
-    >>> source.origin
-    'mu = 0.2'
-    """
+    """Return the friction that a scene's `[friction]` names."""
     scale_to = (
         None if table.scale_to is None else ScaleTo(mu=table.scale_to.mu, wrap_angle_rad=table.scale_to.wrap)
     )

@@ -7,18 +7,11 @@ import numpy as np
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.press.transient.result import StartUp
 
-__all__ = ["start_up_columns"]
-
 
 def start_up_columns(found: StartUp) -> dict[str, FloatArray]:
     """Return the histories of a start-up by column name, each of shape (n,).
 
     Columns of a span, roller or tensioner end in its name: `tension_N.8`, `utilisation.2`, `travel_m.3`.
-
-    Parameters
-    ----------
-    found : StartUp
-        The start-up.
     """
     spans = [span.name for span in found.press.spans]
     rollers = [roller.name for roller in found.press.rollers]

@@ -12,27 +12,10 @@ from ropefric.scenes.schema import SceneTable
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
 
-__all__ = ["Failure", "Kind", "Quantity", "SweepField"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Quantity:
-    """One number of an answer that people read, and that friction may make uncertain.
-
-    Attributes
-    ----------
-    name : str
-        Glossary name, with the unit.
-    value : ndarray
-        One value a case of a sweep; shape (1,) for a single scene.
-    positive : bool
-        Whether its interval is taken in the logarithm, as for forces.
-
-    Examples
-    --------
-    >>> Quantity(name="lift_force_N", value=np.array([323.9]), positive=True).name
-    'lift_force_N'
-    """
+    """One number of an answer that people read, and that friction may make uncertain."""
 
     name: str
     value: FloatArray
@@ -41,25 +24,7 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Failure:
-    """A way in which a machine does not do what it is for, however well that is known.
-
-    Attributes
-    ----------
-    words : str
-        What it does not do.
-    measure : str
-        The number that shows it, in words.
-    value : ndarray, shape (n,)
-        That number, for each case.
-    fails : ndarray of bool, shape (n,)
-        Which cases fail.
-
-    Examples
-    --------
-    >>> Failure(words="the hoist does not lift", measure="lift margin", value=np.array([0.67]),
-    ...     fails=np.array([True])).text()
-    'the hoist does not lift: lift margin 0.67'
-    """
+    """A way in which a machine does not do what it is for, however well that is known."""
 
     words: str
     measure: str
@@ -73,20 +38,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepField:
-    """A key of the scene that takes many values in one call.
-
-    Attributes
-    ----------
-    field : str
-        The attribute of the problem that it sets.
-    factor : float
-        What the key's SI value is multiplied with to give the attribute.
-
-    Examples
-    --------
-    >>> SweepField(field="rope_radius_m", factor=0.5).factor
-    0.5
-    """
+    """A key of the scene that takes many values in one call."""
 
     field: str
     factor: float = 1.0

@@ -7,8 +7,6 @@ from typing import Any, Literal, TypeVar
 from ropefric.errors import InputError
 from ropefric.systems.effect import Effect, Method, System, assemble
 
-__all__ = ["Decision", "Plan", "make_plan"]
-
 P = TypeVar("P")
 M = TypeVar("M")
 A = TypeVar("A")
@@ -21,22 +19,7 @@ Fate = Literal["simulated", "left out", "not applicable"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Decision:
-    """What became of one effect, and why.
-
-    Attributes
-    ----------
-    name : str
-        The effect.
-    fate : {"simulated", "left out", "not applicable"}
-        Whether it is in the model.
-    bound : float
-        Relative change of the answer that leaving it out makes at most; `inf` where no bound is known, NaN where
-        it was not looked for.
-    why : str
-        In words.
-    missing : tuple of str
-        Scene keys it would need.
-    """
+    """What became of one effect, and why."""
 
     name: str
     fate: Fate
@@ -47,19 +30,7 @@ class Decision:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What is simulated, how, and how far that can be from simulating everything.
-
-    Attributes
-    ----------
-    decisions : tuple of Decision
-        One an effect, in the order of the system.
-    method : Method
-        How the model is solved.
-    accuracy : float
-        What was wanted.
-    error_bound : float
-        Relative difference to the answer with all applicable effects, at most; `inf` where no bound is known.
-    """
+    """What is simulated, how, and how far that can be from simulating everything."""
 
     decisions: tuple[Decision, ...]
     method: Method
@@ -94,37 +65,6 @@ def make_plan(
 
     With "auto" the effects with the smallest bounds are left out as long as all bounds together, and the method's
     error, stay within the accuracy. Bounds are of |Δ ln answer|, so they add up.
-
-    Parameters
-    ----------
-    system : System
-        The kind of machine.
-    problem : object
-        What the scene says.
-    accuracy : float
-        Relative error wanted, above 0 and at most 1.
-    effects : "auto", "all" or tuple of str
-        What to simulate.
-    all_bounds : bool
-        Bound the effects that are asked for too, which the plan itself has no need of.
-
-    Raises
-    ------
-    InputError
-        If an effect that is named cannot be simulated; the message names the missing keys.
-    UnknownNameError
-        For a name the system does not have.
-
-    Examples
-    --------
-    >>> from ropefric.systems.friction import WrapFriction
-    >>> from ropefric.systems.hoist.problem import HoistProblem
-    >>> from ropefric.systems.hoist.effects import SYSTEM
-    >>> rope = HoistProblem(friction=WrapFriction.constant(0.2), wheel_radius_m=0.04, rope_radius_m=0.005,
-    ...     wrap_angle_rad=9.42, end_tension_N=80.0, speed_m_s=0.3, linear_density_kg_m=0.062)
-    >>> plan, model = make_plan(SYSTEM, rope, accuracy=0.01, effects="auto")
-    >>> plan.simulated, plan.left_out
-    ((), ('wrap-dependence', 'size', 'end-tension', 'centrifugal'))
     """
     wanted = effects if isinstance(effects, tuple) else None
     missing = {effect.name: effect.needs(problem) for effect in system.effects.values()}

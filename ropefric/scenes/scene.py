@@ -15,8 +15,6 @@ from ropefric.trials.file_kind import is_campaign
 from ropefric.trials.toml_document import TomlDocument, read_toml
 from ropefric.trials.toml_validation import validate_document
 
-__all__ = ["Scene", "check_scene", "load_scene", "placed", "read_scene", "source_of"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
@@ -97,20 +95,7 @@ def check_scene(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
 
 
 def read_scene(document: TomlDocument, folder: Path) -> Scene:
-    """Return the scene of a TOML tree.
-
-    Parameters
-    ----------
-    document : TomlDocument
-        The tree.
-    folder : Path
-        Where a fit that the scene names is looked for first.
-
-    Raises
-    ------
-    DataError
-        With everything that is wrong in `.problems`.
-    """
+    """Return the scene of a TOML tree."""
     kind = _kind(document)
     table, problems = validate_document(kind.schema, document)
     raise_problems(sorted((*problems, *_unknown_effects(kind, document)), key=lambda one: one.line or 0))

@@ -14,7 +14,6 @@ from ropefric.registry import did_you_mean
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
-__all__ = ["scene_names", "scene_text", "write_scenes"]
 
 # Where the bundled scenes find their fits, seen from data/scenes; elsewhere the fit stands in the scene's own folder.
 _FIT = re.compile(r'"(fits/[\w-]+\.json)"')
@@ -22,35 +21,13 @@ _BUNDLED_FIT = re.compile(r'"\.\./\.\./(fits/[\w-]+\.json)"')
 
 
 def scene_names() -> tuple[str, ...]:
-    """Return the names of the scenes that can be written, in alphabetical order.
-
-    Examples
-    --------
-    >>> "hoist" in scene_names()
-    True
-    """
+    """Return the names of the scenes that can be written, in alphabetical order."""
     found = (Path(entry.name) for entry in _folder().iterdir())
     return tuple(sorted(path.stem for path in found if path.suffix == ".toml"))
 
 
 def scene_text(name: str) -> str:
-    """Return a scene as `write_scenes` writes it: a fit that it names stands in `fits/` beside it.
-
-    Parameters
-    ----------
-    name : str
-        One of `scene_names()`.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such scene.
-
-    Examples
-    --------
-    >>> [line for line in scene_text("hoist").splitlines() if line.startswith("system")]
-    ['system   = "hoist"']
-    """
+    """Return a scene as `write_scenes` writes it: a fit that it names stands in `fits/` beside it."""
     known = scene_names()
     if name not in known:
         raise UnknownNameError(f"unknown scene {name!r}", key="--scene", fix=did_you_mean(name, known))

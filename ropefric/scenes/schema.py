@@ -8,17 +8,9 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.quantities import LARGEST, SMALLEST, in_range
 from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, text
 
-__all__ = ["FrictionTable", "ReferenceTable", "ScaleTable", "SceneTable", "number", "optional", "positive"]
-
 
 def number(value: object) -> float:
-    """Return a bare finite number.
-
-    Examples
-    --------
-    >>> number(2)
-    2.0
-    """
+    """Return a bare finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < float("inf"):
         fix = "write it without quotes and without unit" if isinstance(value, str) else ""
         reject("RF110", f"expected a number, got {got(value)}", fix=fix)
@@ -33,13 +25,7 @@ def number(value: object) -> float:
 
 
 def positive(value: object) -> float:
-    """Return a bare number above zero.
-
-    Examples
-    --------
-    >>> positive(0.2)
-    0.2
-    """
+    """Return a bare number above zero."""
     found = number(value)
     if not found > 0.0:
         reject("RF110", f"{got(value)} is not more than 0", fix="give a positive number")

@@ -13,8 +13,6 @@ from ropefric.scenes.scene import Scene, placed
 from ropefric.scenes.uncertainty import Uncertain, carry_through, known
 from ropefric.systems.effect import assemble
 
-__all__ = ["Solution", "solve_scene"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
@@ -110,33 +108,7 @@ def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
 
 
 def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
-    """Return the answer to a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        From `load_scene`.
-    level : float
-        Of the intervals.
-
-    Raises
-    ------
-    DataError
-        Where the scene has no answer, or an effect it names cannot be simulated; with the line of the key.
-    InputError
-        If the level is not between 0 and 1.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from ropefric.scenes.scene import read_scene
-    >>> from ropefric.trials.toml_document import TomlDocument
-    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
-    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
-    >>> solution = solve_scene(read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path()))
-    >>> solution.quantities[0].value.round(1).tolist(), solution.plan.simulated
-    ([526.9], ())
-    """
+    """Return the answer to a scene."""
     if not 0.0 < level < 1.0:
         raise InputError(
             f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"

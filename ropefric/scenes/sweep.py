@@ -16,8 +16,6 @@ from ropefric.scenes.kind import Quantity
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene import Scene, source_of
 
-__all__ = ["Sweep", "sweep_scene"]
-
 _BLOCK = 50_000
 _PLANNED_POINTS = 1000
 """Up to here a grid gets a plan of its own; beyond, bounding the effects would cost more than simulating them."""
@@ -81,34 +79,7 @@ class Sweep:
 
 
 def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | None = None) -> Sweep:
-    """Return the numbers of a scene's answer over the grid of all axes.
-
-    Parameters
-    ----------
-    scene : Scene
-        What stays the same.
-    axes : tuple of Axis
-        What changes; at least one, no key twice.
-    progress : callable, optional
-        Called with points done, points in all and what was done.
-
-    Raises
-    ------
-    InputError
-        If a key is swept twice, or no point of the grid has an answer.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from ropefric.scenes.axis import parse_axis
-    >>> from ropefric.scenes.scene import read_scene
-    >>> from ropefric.trials.toml_document import TomlDocument
-    >>> data = {"system": "hoist", "wheel": {"radius": "40 mm", "wrap": "540 deg"}, "rope": {"diameter": "9.8 mm"},
-    ...     "load": {"end_tension": "80 N"}, "friction": {"mu": 0.2}}
-    >>> scene = read_scene(TomlDocument(path="scene.toml", data=data, lines={}), Path())
-    >>> sweep_scene(scene, (parse_axis(scene, "wheel.wrap=0.5turn,1turn"),)).columns["lift_force_N"].round(1).tolist()
-    [150.0, 281.1]
-    """
+    """Return the numbers of a scene's answer over the grid of all axes."""
     keys = [axis.key for axis in axes]
     if not keys or len(set(keys)) < len(keys):
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")

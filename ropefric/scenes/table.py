@@ -13,8 +13,6 @@ from ropefric.files.plain_text import to_spreadsheet
 from ropefric.friction.condition import FloatArray
 from ropefric.scenes.sweep import Sweep
 
-__all__ = ["columns_text", "header_of", "write_sweep"]
-
 _BLOCK = 50_000
 
 
@@ -28,20 +26,6 @@ def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
     """Write a sweep as CSV, one row a point, the last axis fastest; return the path.
 
     Swept values stand in the unit in which they were asked for; a point without an answer has empty cells.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        What to write.
-    folder : Folder
-        Where to.
-    name : str
-        Of the file.
-
-    Raises
-    ------
-    DataError
-        If it cannot be written.
     """
     # An axis has few values, so each is put into words once.
     words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in sweep.axes]

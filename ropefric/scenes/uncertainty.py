@@ -12,33 +12,13 @@ from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.kind import Quantity
 from ropefric.systems.friction import WrapFriction
 
-__all__ = ["Uncertain", "carry_through", "known"]
-
 _STEP = 1e-3
 """Of a standard error, for the derivative along a direction: its square is the error of a central difference."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Uncertain:
-    """A number of an answer with its uncertainty.
-
-    Attributes
-    ----------
-    name : str
-        Glossary name, with the unit.
-    value : ndarray, shape (n,)
-        The number, one a case.
-    std : ndarray, shape (n,)
-        Standard uncertainty; zero where it does not depend on a fit, NaN where the fit has no covariance.
-    interval : ndarray, shape (n, 2)
-        Of `level`, by Student's t.
-
-    Examples
-    --------
-    >>> one = known(Quantity(name="lift_force_N", value=np.array([323.9])))
-    >>> one.std.tolist(), one.interval.tolist()
-    ([0.0], [[323.9, 323.9]])
-    """
+    """A number of an answer with its uncertainty."""
 
     name: str
     value: FloatArray
@@ -67,17 +47,6 @@ def carry_through(
 
     The gradient is taken along the principal directions of the covariance, by central differences: two solutions
     a parameter. Forces and coefficients are taken in their logarithm.
-
-    Parameters
-    ----------
-    source : FrictionSource
-        The friction and its covariance.
-    solve : callable
-        `solve(friction)` returns the numbers for another friction, by the same plan.
-    nominal : tuple of Quantity
-        The numbers of the answer itself.
-    level : float
-        Of the intervals.
     """
     if source.covariance is None:
         return tuple(known(quantity) for quantity in nominal)

@@ -9,8 +9,6 @@ import numpy as np
 from ropefric.errors import RopefricError
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["worst_case"]
-
 P = TypeVar("P")
 
 
@@ -20,24 +18,7 @@ def worst_case(
     rounding: float,
     possible: Callable[[P], bool] = lambda problem: True,  # noqa: ARG005  (every problem)
 ) -> Callable[[P], float]:
-    """Return an `influence`: the largest bound of all cases, `inf` where there is none.
-
-    Parameters
-    ----------
-    bound : callable
-        `bound(problem)` returns a bound of |Δ ln answer| for each case.
-    rounding : float
-        Relative and absolute error of computing it, which is added.
-    possible : callable
-        `possible(problem)` returns whether the problem has an answer with all effects in; where it has none,
-        nothing may be left out.
-
-    Examples
-    --------
-    >>> influence = worst_case(lambda problem: np.array([0.1, problem]), rounding=0.0)
-    >>> influence(0.2), influence(float("nan"))
-    (0.2, inf)
-    """
+    """Return an `influence`: the largest bound of all cases, `inf` where there is none."""
 
     def influence(problem: P) -> float:
         if not possible(problem):

@@ -7,8 +7,6 @@ from typing import Generic, TypeVar
 
 from ropefric.registry import Registry
 
-__all__ = ["Effect", "Method", "System", "assemble"]
-
 P = TypeVar("P")
 """A problem: everything a scene says about its parts."""
 M = TypeVar("M")
@@ -58,24 +56,7 @@ class Effect(Generic[P, M]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Method:
-    """How a model is solved.
-
-    Attributes
-    ----------
-    name : str
-        "closed form", "spectral", …
-    settings : mapping
-        What the method was told: an order, a step, a tolerance.
-    error : float
-        Upper bound of the relative error it makes.
-    why : str
-        Why this one is enough.
-
-    Examples
-    --------
-    >>> Method(name="closed form", error=1e-13, why="it has no setting to save time with").settings
-    mappingproxy({})
-    """
+    """How a model is solved."""
 
     name: str
     settings: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
@@ -85,23 +66,7 @@ class Method:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System(Generic[P, M, A]):
-    """A kind of machine: its bare model, the effects it may have, how it is solved.
-
-    Attributes
-    ----------
-    name : str
-        Its name in scenes.
-    effects : Registry of Effect
-        In the order in which they are applied.
-    bare : callable
-        `bare(problem)` returns the model without any effect.
-    method : callable
-        `method(model, budget)` returns the cheapest method whose relative error stays below `budget`.
-    solve : callable
-        `solve(model, method)` returns the answer.
-    distance : callable
-        `distance(answer, reference)` returns the largest relative difference of two answers.
-    """
+    """A kind of machine: its bare model, the effects it may have, how it is solved."""
 
     name: str
     effects: Registry[Effect[P, M]]
@@ -112,33 +77,7 @@ class System(Generic[P, M, A]):
 
 
 def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:
-    """Return the model of a problem with the named effects in it and no others.
-
-    Parameters
-    ----------
-    system : System
-        The kind of machine.
-    problem : object
-        What the scene says.
-    simulated : iterable of str
-        Names of effects, in any order.
-
-    Raises
-    ------
-    UnknownNameError
-        For a name the system does not have.
-
-    Examples
-    --------
-    >>> def double(model, problem):
-    ...     return 2.0 * model
-    >>> effect = Effect(name="double", adds="", instead="", cost=0.1, needs=lambda problem: (),
-    ...     influence=lambda problem: 0.7, apply=double)
-    >>> toy = System(name="toy", effects=Registry("effect", [effect]), bare=lambda problem: problem,
-    ...     method=lambda model, budget: None, solve=lambda model, method: model, distance=lambda a, b: abs(a - b))
-    >>> assemble(toy, 3.0, ["double"]), assemble(toy, 3.0, [])
-    (6.0, 3.0)
-    """
+    """Return the model of a problem with the named effects in it and no others."""
     wanted = {system.effects[name].name for name in simulated}
     model = system.bare(problem)
     for effect in system.effects.values():

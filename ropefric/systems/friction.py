@@ -12,28 +12,13 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.friction.parameter import columns_of
 from ropefric.friction.physics import refusals_of
 
-__all__ = ["EVERYTHING", "ScaleTo", "WrapFriction"]
-
 EVERYTHING = frozenset({"wrap", "end-tension", "size"})
 """What of a contact a law may be told: how far the rope wraps, how tight it is, how large the wheel is."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScaleTo:
-    """A coefficient that a law is scaled to.
-
-    Attributes
-    ----------
-    mu : float
-        Average coefficient, positive.
-    wrap_angle_rad : float
-        Over which wrap [rad], at the reference wheel, rope and end tension.
-
-    Examples
-    --------
-    >>> ScaleTo(mu=1.2, wrap_angle_rad=3.14).mu
-    1.2
-    """
+    """A coefficient that a law is scaled to."""
 
     mu: float
     wrap_angle_rad: float
@@ -47,27 +32,7 @@ class ScaleTo:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WrapFriction:
-    """A friction law with parameters, as a machine uses it.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        The law.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    reference : Conditions
-        One condition: what stands in for whatever of a contact the law is not told. A law fitted to tests has its
-        reference amid the tests.
-    scale_to : ScaleTo, optional
-        Where the law gives only the shape and the size comes from elsewhere.
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> belt = WrapFriction.constant(1.2)
-    >>> float(belt.exponent(wheel_radius_m=0.1, rope_radius_m=0.0025, wrap_angle_rad=2.0, slack_tension_N=900.0))
-    2.4
-    """
+    """A friction law with parameters, as a machine uses it."""
 
     law: FrictionLaw
     theta: FloatArray
@@ -76,13 +41,7 @@ class WrapFriction:
 
     @classmethod
     def constant(cls, mu: float) -> "WrapFriction":
-        """Return a coefficient that is the same everywhere.
-
-        Examples
-        --------
-        >>> WrapFriction.constant(0.2).law.name
-        'constant'
-        """
+        """Return a coefficient that is the same everywhere."""
         from ropefric.friction.laws import LAWS  # noqa: PLC0415  (thirty laws, for callers that bring none)
 
         anywhere = one_condition(1.0, 0.1, np.pi, 100.0)
@@ -90,13 +49,7 @@ class WrapFriction:
 
     @cached_property
     def scale(self) -> float:
-        """Return the factor on every coefficient of the law; 1 unless it is scaled.
-
-        Raises
-        ------
-        InputError
-            If the law has no answer, or no friction, at the reference.
-        """
+        """Return the factor on every coefficient of the law; 1 unless it is scaled."""
         if self.scale_to is None:
             return 1.0
         at = Conditions(
@@ -123,41 +76,7 @@ class WrapFriction:
         slack_tension_N: npt.ArrayLike,
         told: frozenset[str] = EVERYTHING,
     ) -> FloatArray:
-        """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17).
-
-        Parameters
-        ----------
-        wheel_radius_m, rope_radius_m : array_like
-            R_w and R_r [m]; for a belt R_r is half its thickness.
-        wrap_angle_rad : array_like
-            φ [rad], zero or more.
-        slack_tension_N : array_like
-            F_B [N] on the slack side, without its centrifugal part.
-        told : frozenset of str
-            Members of `EVERYTHING`; for the others the law sees the reference, and the coefficient it gives there
-            counts over the whole wrap.
-
-        Returns
-        -------
-        ndarray
-            M [-], of the shape the arguments broadcast to.
-
-        Raises
-        ------
-        InputError
-            Where the law has no answer, or a negative coefficient.
-
-        Examples
-        --------
-        >>> from ropefric.friction.laws import LAWS
-        >>> rope = WrapFriction(law=LAWS["wrap-power"], theta=np.array([0.2, -0.5, 0.1]),
-        ...     reference=one_condition(0.05, 0.005, 3.14, 20.0))
-        >>> contact = dict(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[0.0, 10.0], slack_tension_N=20)
-        >>> rope.exponent(**contact).round(4).tolist()
-        [0.0, 1.455]
-        >>> rope.exponent(**contact, told=frozenset()).round(4).tolist()
-        [0.0, 1.4972]
-        """
+        """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17)."""
         own = {
             "wheel_radius_m": wheel_radius_m,
             "rope_radius_m": rope_radius_m,
@@ -186,18 +105,7 @@ class WrapFriction:
         wrap_angle_rad: FloatArray,
         slack_tension_N: FloatArray,
     ) -> npt.NDArray[np.bool_]:
-        """Return for which of n contacts, arrays of shape (n,) in their valid range, `exponent` has an answer.
-
-        Examples
-        --------
-        >>> from ropefric.friction.laws import LAWS
-        >>> rope = WrapFriction(law=LAWS["wrap-power"], theta=np.array([0.2, -0.5, 0.1]),
-        ...     reference=one_condition(0.05, 0.005, 3.14, 20.0))
-        >>> here = np.ones(2)
-        >>> rope.has_answer(wheel_radius_m=0.04 * here, rope_radius_m=0.005 * here, wrap_angle_rad=3.0 * here,
-        ...     slack_tension_N=np.array([0.5, 20.0])).tolist()
-        [False, True]
-        """
+        """Return for which of n contacts, arrays of shape (n,) in their valid range, `exponent` has an answer."""
         contacts = Conditions(
             wheel_radius_m=wheel_radius_m,
             rope_radius_m=rope_radius_m,

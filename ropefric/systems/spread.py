@@ -9,34 +9,13 @@ import numpy.typing as npt
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["Rule", "spread"]
-
 Rule = Literal["positive", "zero or more", "any"]
 
 _LOWEST = {"positive": np.nextafter(0.0, 1.0), "zero or more": 0.0, "any": -np.inf}
 
 
 def spread(values: Mapping[str, npt.ArrayLike | None], rules: Mapping[str, Rule]) -> dict[str, FloatArray]:
-    """Return the values that are given as arrays of one length.
-
-    Parameters
-    ----------
-    values : mapping of str to array_like or None
-        By name; None where a value is not given.
-    rules : mapping of str to str
-        What each may be, beside finite: "positive", "zero or more" or "any".
-
-    Raises
-    ------
-    InputError
-        If the lengths disagree, or a number breaks its rule; the message names the first one.
-
-    Examples
-    --------
-    >>> found = spread({"a_m": 1.0, "b_N": [2.0, 3.0], "c": None}, {"a_m": "positive", "b_N": "any"})
-    >>> {name: array.tolist() for name, array in found.items()}
-    {'a_m': [1.0, 1.0], 'b_N': [2.0, 3.0]}
-    """
+    """Return the values that are given as arrays of one length."""
     given = {
         name: np.atleast_1d(np.asarray(value, dtype=np.float64))
         for name, value in values.items()

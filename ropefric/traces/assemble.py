@@ -18,7 +18,6 @@ from ropefric.traces.trace import ForceTrace
 if TYPE_CHECKING:
     from ropefric.traces.calibration import Calibration
 
-__all__ = ["assemble_trace", "si_factor"]
 
 _FIXED = {"time": "s", "force": "N"}
 _EXAMPLE = {"time": "ms", "force": "kN"}
@@ -29,29 +28,6 @@ def si_factor(channel: str, unit: str, *, path: str = "") -> float:
 
     `time` comes to seconds, `force` to newtons, `counts` stays as it is; any other channel comes to the SI
     unit of its own dimension, and is taken as a bare number where it has no unit.
-
-    Parameters
-    ----------
-    channel : str
-        Name of the channel.
-    unit : str
-        Its unit as file or profile give it.
-    path : str
-        The recording, for messages.
-
-    Raises
-    ------
-    DataError
-        RF106, if the unit is missing or of another kind than time or force need, or is not known.
-
-    Examples
-    --------
-    >>> si_factor("time", "ms"), si_factor("pressure", "bar"), si_factor("area", "mm^2")
-    (0.001, 100000.0, 1e-06)
-    >>> si_factor("time", "")
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: [import.channels] time: the time has no unit...
     """
     fixed = _FIXED.get(channel)
     if channel == "counts" or unit == fixed or (fixed is None and not unit):
@@ -81,43 +57,7 @@ def _unit_error(channel: str, reason: str, path: str, hint: str = "") -> DataErr
 def assemble_trace(
     raw: RawRecording, profile: ImportProfile, *, calibration: "Calibration | None" = None
 ) -> ForceTrace:
-    """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated.
-
-    Parameters
-    ----------
-    raw : RawRecording
-        What a reader found.
-    profile : ImportProfile
-        For the derived channels, the constants, and the sampling rate where there is no time channel.
-    calibration : Calibration, optional
-        Turns channel `counts` into force where there is no channel `force`; its raw counts stay with the
-        trace, −1 where a sample is missing.
-
-    Returns
-    -------
-    ForceTrace
-        Force [N] over time [s], NaN where a sample is missing; `notes` say what was mended.
-
-    Raises
-    ------
-    DataError
-        RF105 without a time or a force, RF106 for units, RF109 for formulas, RF201 and RF202 for an empty
-        recording or a clock beyond mending, RF210 for counts without calibration, RF211 for counts that are
-        no counts.
-
-    Examples
-    --------
-    >>> raw = RawRecording(
-    ...     name="run07.csv",
-    ...     source="run07.csv",
-    ...     sample="",
-    ...     columns={"time": np.array([0.0, 10.0]), "force": np.array([0.5, 0.75])},
-    ...     units={"time": "ms", "force": "kN"},
-    ... )
-    >>> trace = assemble_trace(raw, ImportProfile())
-    >>> trace.time_s, trace.force_N
-    (array([0.  , 0.01]), array([500., 750.]))
-    """
+    """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated."""
     channels = _to_si(raw)
     if profile.derived:
         channels = evaluate_derived(profile.derived, channels, profile.constants, path=raw.source)

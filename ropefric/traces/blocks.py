@@ -7,29 +7,13 @@ import numpy as np
 from ropefric.traces.arrays import FloatArray
 from ropefric.traces.noise import noise_std, resolution
 
-__all__ = ["BLOCK_S", "Glance", "glance"]
-
 BLOCK_S = 0.004
 """Length of a block [s]: a fifth of the shortest stick-slip tooth of such rigs, long enough to average noise."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Glance:
-    """Block means of a recording.
-
-    Attributes
-    ----------
-    force_N : ndarray, shape (m,)
-        Mean of each block [N].
-    time_s : ndarray, shape (m,)
-        Time of the first sample of each block [s].
-    size : int
-        Samples per block; the last block may hold up to twice as many.
-    noise_N : float
-        Standard deviation of the noise of a block mean [N].
-    resolution_N : float
-        Smallest step between samples [N]: one count of the converter.
-    """
+    """Block means of a recording."""
 
     force_N: FloatArray
     time_s: FloatArray
@@ -51,19 +35,7 @@ class Glance:
 
 
 def glance(time_s: FloatArray, force_N: FloatArray) -> Glance:
-    """Return the block means of a recording without gaps in its samples.
-
-    Parameters
-    ----------
-    time_s, force_N : ndarray, shape (n,)
-        Samples, finite, n ≥ 1.
-
-    Examples
-    --------
-    >>> view = glance(np.arange(48) * 0.002, np.arange(48.0))
-    >>> view.size, view.force_N[:3].tolist()
-    (2, [0.5, 2.5, 4.5])
-    """
+    """Return the block means of a recording without gaps in its samples."""
     n = force_N.size
     span_s = float(time_s[-1] - time_s[0])
     size = int(np.clip(round(BLOCK_S * (n - 1) / span_s), 1, max(1, n // 16))) if span_s > 0 else 1

@@ -4,8 +4,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from math import nan
 
-__all__ = ["ADVICE", "Breakaway", "Phase", "Status"]
-
 
 class Status(StrEnum):
     """What became of a recording."""
@@ -41,15 +39,7 @@ ADVICE: dict[Status, str] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Phase:
-    """A stretch of a recording: idle, loading, break-away, sliding, held or unloading.
-
-    Attributes
-    ----------
-    name : str
-        What happens in it.
-    start_s, end_s : float
-        Its limits [s].
-    """
+    """A stretch of a recording: idle, loading, break-away, sliding, held or unloading."""
 
     name: str
     start_s: float

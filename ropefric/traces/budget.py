@@ -16,42 +16,13 @@ import numpy.typing as npt
 from ropefric.errors import InputError
 from ropefric.traces.calibration import Calibration
 
-__all__ = ["Component", "ErrorBudget", "combined_std_N", "end_tension_std_N", "force_budget"]
-
 SCHEMA = "ropefric.budget/1"
 _RECTANGULAR = math.sqrt(3.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Component:
-    """One line of an uncertainty budget.
-
-    Attributes
-    ----------
-    name : str
-        Where it comes from.
-    estimate_N : float
-        Limit of error (half width) of a rectangular component, standard deviation of a normal one [N].
-    standard_uncertainty_N : float
-        `estimate_N` / `divisor` [N].
-    type : {"A", "B"}
-        A: from repeated readings; B: from a data sheet or the construction.
-    distribution : {"rectangular", "normal"}
-        Its distribution.
-    divisor : float
-        √3 for rectangular, 1 for normal.
-    sensitivity : float
-        ∂F_A/∂x [-].
-    dof : float
-        Degrees of freedom; infinite where none are known.
-    assumed : str
-        The key that would state it, where nobody has and the limit is assumed; "" where it is stated.
-
-    Examples
-    --------
-    >>> round(_limit("linearity", 0.2).standard_uncertainty_N, 4)
-    0.1155
-    """
+    """One line of an uncertainty budget."""
 
     name: str
     estimate_N: float
@@ -71,22 +42,7 @@ class Component:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorBudget:
-    """What makes up the uncertainty of one force.
-
-    Attributes
-    ----------
-    force_N : float
-        The force [N].
-    components : tuple of Component
-        Its contributions, taken as uncorrelated.
-
-    Examples
-    --------
-    >>> from ropefric.traces.calibration import ForceCell
-    >>> budget = force_budget(300.0, Calibration(cell=ForceCell(name="small", full_scale_N=1000.0)))
-    >>> round(budget.combined_N, 3), round(budget.worst_case_N, 3)
-    (0.673, 2.089)
-    """
+    """What makes up the uncertainty of one force."""
 
     force_N: float
     components: tuple[Component, ...]
@@ -182,27 +138,6 @@ def force_budget(
     Linearity, hysteresis, repeatability, transmitter: limits as fractions of full scale, divisor √3.
     Quantisation: LSB/√12, not reduced by smoothing. Calibration line: scatter of three or more calibration
     points about it, n − 2 degrees of freedom; two points tell nothing of it. Tare and picking: as given.
-
-    Parameters
-    ----------
-    force_N : float
-        The force [N], finite.
-    calibration : Calibration or None
-        The chain; None for a recording in newtons whose chain is unknown: then tare and picking stand alone.
-    picking_std_N : float
-        Standard uncertainty of picking the peak [N], `Breakaway.peak_std_N`.
-    tare_std_N : float, optional
-        Standard uncertainty of the tare [N]; by default the calibration's own.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, or an uncertainty negative.
-
-    Examples
-    --------
-    >>> [c.name for c in force_budget(300.0, None, picking_std_N=0.4).components]
-    ['tare', 'picking']
     """
     if not math.isfinite(force_N):
         raise InputError(f"no budget for a force of {force_N} N", code="RF214", key="force_N")
@@ -227,25 +162,7 @@ def combined_std_N(
     picking_std_N: npt.ArrayLike = 0.0,
     tare_std_N: npt.ArrayLike | None = None,
 ) -> npt.NDArray[np.float64]:
-    """Return the combined standard uncertainty [N] of many forces: `force_budget(...).combined_N` for each.
-
-    Parameters
-    ----------
-    force_N : array_like, shape (n,)
-        Forces [N]; NaN, a trial without a peak, gives NaN.
-    calibration, picking_std_N, tare_std_N
-        See `force_budget`; the uncertainties may be arrays of shape (n,), NaN where the force is.
-
-    Raises
-    ------
-    InputError
-        If an uncertainty is negative or infinite, or missing for a force that is there.
-
-    Examples
-    --------
-    >>> combined_std_N([300.0, float("nan")], None, picking_std_N=[3.0, 1.0], tare_std_N=4.0)
-    array([ 5., nan])
-    """
+    """Return the combined standard uncertainty [N] of many forces: `force_budget(...).combined_N` for each."""
     force_N = np.atleast_1d(np.asarray(force_N, dtype=np.float64))
     present = np.isfinite(force_N)
     if tare_std_N is None:
@@ -268,25 +185,7 @@ def combined_std_N(
 
 
 def end_tension_std_N(end_tension_N: float, weights: float = 0.0005) -> float:
-    """Return the standard uncertainty [N] of an end tension made by dead weights, F_B·weights/√3.
-
-    Parameters
-    ----------
-    end_tension_N : float
-        F_B [N], not negative.
-    weights : float
-        Limit of error of the weights as a fraction of their mass [-]; 0.05 % by default.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite.
-
-    Examples
-    --------
-    >>> round(end_tension_std_N(100.0), 5)
-    0.02887
-    """
+    """Return the standard uncertainty [N] of an end tension made by dead weights, F_B·weights/√3."""
     _check_std("end_tension_N", end_tension_N)
     _check_std("weights", weights)
     return float(end_tension_N) * weights / _RECTANGULAR

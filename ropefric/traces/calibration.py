@@ -23,26 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """How counts become newtons: converter, cell and tare.
-
-    Attributes
-    ----------
-    cell : ForceCell
-        The force cell with its transmitter.
-    adc : Adc
-        The converter.
-    tare_N : float
-        Reading of the unloaded rig [N], taken off every reading.
-    tare_std_N : float
-        Its standard uncertainty [N].
-
-    Examples
-    --------
-    >>> calibration = Calibration(cell=ForceCell(name="small", full_scale_N=1000.0))
-    >>> force_N, saturation = calibration.apply([0, 341, 1023, -1])
-    >>> force_N.round(3).tolist()
-    [0.0, 333.333, 1000.0, nan]
-    """
+    """How counts become newtons: converter, cell and tare."""
 
     cell: ForceCell
     adc: Adc = field(default_factory=Adc)
@@ -77,26 +58,7 @@ class Calibration:
         return self.adc.lsb_V * line.gain_N_V, (self.adc.low_V - line.zero_V) * line.gain_N_V - self.tare_N
 
     def apply(self, counts: Any) -> tuple[NDArray[np.float64], Saturation]:
-        """Return the forces of raw counts, and where the converter sat at its limits.
-
-        Parameters
-        ----------
-        counts : array_like of int, shape (n,)
-            Raw counts from 0 to `adc.max_count`; a negative count marks a missing sample. Floats are read by
-            `as_counts`.
-
-        Returns
-        -------
-        force_N : ndarray, shape (n,)
-            Forces [N], tare taken off; NaN where a sample is missing.
-        saturation : Saturation
-            Runs at the ceiling and at the floor; empty ones where there are none.
-
-        Raises
-        ------
-        DataError
-            RF211 if a count is above `adc.max_count`.
-        """
+        """Return the forces of raw counts, and where the converter sat at its limits."""
         counts = as_counts(counts)
         gain_N, offset_N = self._gain_and_offset()
         max_count = self.adc.max_count
@@ -118,22 +80,7 @@ class Calibration:
         return force_N, find_saturation(counts, max_count)
 
     def with_tare(self, counts: Any, interval: NDArray[np.bool_]) -> "Calibration":
-        """Return this calibration with the tare that makes the mean force over an idle interval zero.
-
-        Parameters
-        ----------
-        counts : array_like of int, shape (n,)
-            Raw counts of the recording.
-        interval : ndarray of bool, shape (n,)
-            True where the rig is known to be unloaded.
-
-        Raises
-        ------
-        InputError
-            If the mask has another shape than the counts.
-        DataError
-            RF212 if the interval holds too few samples or reaches the ceiling; RF211 for impossible counts.
-        """
+        """Return this calibration with the tare that makes the mean force over an idle interval zero."""
         tare = self.tare_of(counts, interval)
         return replace(self, tare_N=tare.force_N, tare_std_N=tare.std_N)
 
@@ -167,15 +114,7 @@ class Calibration:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> "Calibration":
-        """Return the calibration that `to_dict` described.
-
-        Raises
-        ------
-        DataError
-            If the schema is another one.
-        InputError, UnknownNameError
-            If a value is missing or impossible, or a key unknown.
-        """
+        """Return the calibration that `to_dict` described."""
         rest = dict(data)
         schema = rest.pop("schema", None)
         if schema != SCHEMA:
@@ -188,41 +127,7 @@ class Calibration:
 def tare_from_interval(
     time_s: NDArray[np.float64], counts: Any, calibration: Calibration, start_s: float, end_s: float
 ) -> tuple[Calibration, tuple[Problem, ...]]:
-    """Return the calibration with the tare of an idle interval, and what is doubtful about it.
-
-    Parameters
-    ----------
-    time_s : ndarray, shape (n,)
-        Time stamps [s].
-    counts : array_like of int, shape (n,)
-        Raw counts.
-    calibration : Calibration
-        Converter and cell; a tare it already has is replaced.
-    start_s, end_s : float
-        Limits of the idle interval [s], both included. It may stick out of the recording by a tenth of its
-        length.
-
-    Returns
-    -------
-    calibration : Calibration
-        With `tare_N` and `tare_std_N`.
-    problems : tuple of Problem
-        Warnings RF212: the force is not constant there, or the converter sat at its floor.
-
-    Raises
-    ------
-    InputError
-        If the interval is empty.
-    DataError
-        RF212 if the interval lies outside the recording, holds too few samples or reaches the ceiling.
-
-    Examples
-    --------
-    >>> calibration = Calibration(cell=ForceCell(name="small", full_scale_N=1023.0))
-    >>> tared, problems = tare_from_interval(np.arange(20.0), np.full(20, 7), calibration, 0.0, 15.0)
-    >>> round(tared.tare_N, 9), problems
-    (7.0, ())
-    """
+    """Return the calibration with the tare of an idle interval, and what is doubtful about it."""
     if not start_s < end_s:
         raise InputError(
             f"the tare interval from {start_s:g} s to {end_s:g} s is empty",

@@ -9,20 +9,12 @@ from typing import Any, NamedTuple
 
 from ropefric.errors import InputError
 
-__all__ = ["ASSUMED_LIMITS", "Adc", "ForceCell", "Line", "require_floats"]
-
 _LARGEST_FRACTION = 0.1  # no force cell is sold with 10 % of error: such a number is a percentage by mistake
 _OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyond it is a slip of the unit
 
 
 def require_floats(owner: Any, what: str) -> None:
-    """Turn every float field of a dataclass into a float, so that equal objects are equal in JSON too.
-
-    Raises
-    ------
-    InputError
-        RF210 if one is no finite number.
-    """
+    """Turn every float field of a dataclass into a float, so that equal objects are equal in JSON too."""
     for item in fields(owner):
         if item.type is not float:
             continue
@@ -39,26 +31,7 @@ def require_floats(owner: Any, what: str) -> None:
 
 
 class Line(NamedTuple):
-    """A straight line force = `gain_N_V` · (voltage − `zero_V`) and how well it is known.
-
-    Attributes
-    ----------
-    gain_N_V : float
-        Force per volt [N/V].
-    zero_V : float
-        Voltage at zero force [V].
-    scatter_N : float
-        Residual standard deviation of the calibration points about the line [N], divisor n − 2; 0 for two
-        points and for a nominal line, which have no residuals.
-    dof : float
-        n − 2; infinite for a nominal line.
-    n : int
-        Number of calibration points, 0 for a nominal line.
-    mean_N : float
-        Mean force of the points [N].
-    spread_N2 : float
-        Sum of squared deviations of their forces [N²].
-    """
+    """A straight line force = `gain_N_V` · (voltage − `zero_V`) and how well it is known."""
 
     gain_N_V: float
     zero_V: float
@@ -75,23 +48,6 @@ class Adc:
 
     Count 0 stands for `low_V` and the largest count, 2^bits − 1, for `high_V`; one count is therefore
     (high − low)/(2^bits − 1), 1 kN/1023 = 0.978 N for a 10-bit converter behind a 1 kN cell.
-
-    Attributes
-    ----------
-    bits : int
-        Resolution, 1 to 32.
-    low_V, high_V : float
-        Voltages at the ends of its range [V].
-
-    Raises
-    ------
-    InputError
-        If a value is outside its range.
-
-    Examples
-    --------
-    >>> Adc().max_count
-    1023
     """
 
     bits: int = 10
@@ -134,39 +90,7 @@ ASSUMED_LIMITS = {"linearity": 0.0002, "hysteresis": 0.0002, "repeatability": 0.
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceCell:
-    """A force cell and its transmitter.
-
-    Attributes
-    ----------
-    name : str
-        What the campaign calls it.
-    full_scale_N : float
-        Nominal capacity [N], positive.
-    zero_V, full_scale_V : float
-        Transmitter output at no load and at full scale [V]; the nominal line runs through both.
-    linearity, hysteresis, repeatability, transmitter : float
-        Limits of error, as fractions of full scale [-]: ±0.02 %FS is 0.0002. One that is not given is assumed, as
-        `ASSUMED_LIMITS` has it, and named in `assumed`.
-    points : tuple of (force_N, voltage_V)
-        Calibration points, both strictly increasing. None, or at least two; then the least-squares line
-        through them replaces the nominal line.
-    serial, calibrated : str
-        Serial number, and date of calibration as ISO text.
-    assumed : tuple of str
-        Which limits of error were not given.
-
-    Raises
-    ------
-    InputError
-        If a value is outside its range.
-
-    Examples
-    --------
-    >>> ForceCell(name="small", full_scale_N=1000.0).line.gain_N_V
-    200.0
-    >>> ForceCell(name="small", full_scale_N=1000.0, points=((0.0, 0.1), (500.0, 2.6))).line.gain_N_V
-    200.0
-    """
+    """A force cell and its transmitter."""
 
     name: str
     full_scale_N: float

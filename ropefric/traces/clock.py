@@ -7,8 +7,6 @@ import numpy as np
 from ropefric.errors import DataError
 from ropefric.traces.trace import BoolArray, FloatArray
 
-__all__ = ["GAP_STEPS", "MAX_REPEATED_SHARE", "mend_clock"]
-
 GAP_STEPS = 5.0
 """A step longer than this many median steps is a gap [-]."""
 
@@ -47,38 +45,6 @@ def mend_clock(
 
     Jitter is left as it is, and so is the time of the first sample. Steps above five median steps are noted
     as gaps.
-
-    Parameters
-    ----------
-    time_s : ndarray, shape (n,)
-        Time stamps [s] as recorded.
-    others : sequence of ndarray, shape (n,)
-        The recording's other channels, needed to tell empty and repeated rows.
-    name, source, first_line
-        What messages call the recording, its file, and the file line of the first sample (0: unknown).
-
-    Returns
-    -------
-    keep : slice or ndarray of bool, shape (n,)
-        Samples to keep; `slice(None)` for all.
-    time_s : ndarray, shape (m,)
-        Their time [s], strictly increasing.
-    notes : tuple of str
-        What was mended; empty for a clean clock.
-
-    Raises
-    ------
-    DataError
-        RF202, naming the first sample that breaks the rule, its line and times; RF201 if no row has a value.
-
-    Examples
-    --------
-    >>> keep, time_s, notes = mend_clock(np.array([0.0, 0.1, 0.2, 0.3]))
-    >>> keep, notes
-    (slice(None, None, None), ())
-    >>> keep, time_s, notes = mend_clock(np.array([0.0, 0.0, 0.1, 0.1, 0.2, 0.2]))
-    >>> time_s
-    array([0.  , 0.05, 0.1 , 0.15, 0.2 , 0.25])
     """
     steps_s = np.diff(time_s)
     # Where all steps are positive, only the ends can be anything but finite.

@@ -7,30 +7,9 @@ from numpy.typing import NDArray
 
 from ropefric.errors import DataError, InputError
 
-__all__ = ["as_counts"]
-
 
 def as_counts(values: Any) -> NDArray[np.int64]:
-    """Return raw counts as integers, with −1 where a float is NaN.
-
-    Parameters
-    ----------
-    values : array_like, shape (n,)
-        Integers, passed on as they are; or floats from a text file: whole numbers from 0, NaN for a missing
-        cell.
-
-    Raises
-    ------
-    InputError
-        If the values are not a row of numbers.
-    DataError
-        RF211 for a float that is no whole number from 0.
-
-    Examples
-    --------
-    >>> as_counts([3.0, float("nan")]).tolist()
-    [3, -1]
-    """
+    """Return raw counts as integers, with −1 where a float is NaN."""
     array = np.asarray(values)
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iuf"):
         raise InputError(

@@ -6,24 +6,12 @@ import numpy as np
 
 from ropefric.traces.arrays import FloatArray
 
-__all__ = ["Climb", "climb_to", "flattened"]
-
 STILL_CLIMBING = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Climb:
-    """The way up to a block.
-
-    Attributes
-    ----------
-    base_N : float
-        Lowest force before it [N]: the idle level.
-    start : int
-        First block of the last climb through half the height.
-    top : int
-        The block itself.
-    """
+    """The way up to a block."""
 
     base_N: float
     start: int
@@ -31,20 +19,7 @@ class Climb:
 
 
 def climb_to(force_N: FloatArray, block: int) -> Climb:
-    """Return how the force climbed to a block.
-
-    Parameters
-    ----------
-    force_N : ndarray, shape (m,)
-        Block means [N].
-    block : int
-        The block reached.
-
-    Examples
-    --------
-    >>> climb_to(np.array([0.0, 1.0, 0.0, 4.0, 8.0, 9.0]), 5)
-    Climb(base_N=0.0, start=4, top=5)
-    """
+    """Return how the force climbed to a block."""
     before = force_N[: block + 1]
     base_N = float(before.min())
     below = np.flatnonzero(before < 0.5 * (base_N + float(force_N[block])))
@@ -56,12 +31,6 @@ def flattened(force_N: FloatArray, climb: Climb) -> bool:
     """Return whether the force had stopped climbing well before the block was reached.
 
     True if the slope over the last quarter of the climb is below a tenth of its average.
-
-    Examples
-    --------
-    >>> F = np.array([0, 2, 4, 6, 8, 10] + [10] * 20, dtype=float)
-    >>> flattened(F, climb_to(F, 25)), flattened(F, climb_to(F, 5))
-    (True, False)
     """
     late = climb.start + 3 * (climb.top - climb.start) // 4
     if climb.top - late < 3:

@@ -6,8 +6,6 @@ import numpy as np
 
 from ropefric.traces.arrays import FloatArray, IntArray, median
 
-__all__ = ["Cleaned", "noise_std", "remove_spikes", "resolution"]
-
 MAX_SAMPLES_FOR_NOISE = 4096
 MAX_SPIKE_SAMPLES = 2
 MAX_DROPOUT_SAMPLES = 40
@@ -31,11 +29,6 @@ def resolution(values: FloatArray) -> float:
     """Return the smallest step between neighbouring samples, 0 for a constant signal.
 
     For a converter's output this is the force of one count.
-
-    Examples
-    --------
-    >>> resolution(np.array([0.0, 0.5, 0.5, 2.0]))
-    0.5
     """
     first = values[:MAX_SAMPLES_FOR_NOISE]
     if first.size < 2:
@@ -53,17 +46,6 @@ def noise_std(values: FloatArray) -> float:
     From the median of the absolute second differences, which straight lines do not touch and a few corners, slips
     and spikes do not move: σ = 1.4826 median|x_{i-1} − 2 x_i + x_{i+1}| / √6. A coarse converter hides noise
     smaller than its step, so the result is never below step/√12.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Finite samples.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(1)
-    >>> bool(abs(noise_std(np.linspace(0, 50, 5000) + rng.normal(0, 0.2, 5000)) / 0.2 - 1) < 0.05)
-    True
     """
     if values.size < 4:
         return 0.0
@@ -73,15 +55,7 @@ def noise_std(values: FloatArray) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cleaned:
-    """A signal without its isolated spikes and frozen stretches.
-
-    Attributes
-    ----------
-    values : ndarray, shape (n,)
-        The signal, bad samples replaced by the straight line between their good neighbours.
-    bad : ndarray of int
-        Indices of the samples that were replaced.
-    """
+    """A signal without its isolated spikes and frozen stretches."""
 
     values: FloatArray
     bad: IntArray
@@ -94,18 +68,6 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
     went on; its step is larger than eight times the noise and larger than four times any step before it.
     A narrow static peak, climbed in several steps, is none. A dropout is a stretch of up to 40 identical samples that
     leaves and rejoins the signal the same way.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Finite samples.
-    noise : float
-        Standard deviation of the noise, same unit.
-
-    Examples
-    --------
-    >>> remove_spikes(np.array([0.0, 0.1, 0.0, 50.0, 0.1, 0.0, 0.1, 0.0]), 0.1).bad.tolist()
-    [3]
     """
     steps = np.diff(values)
     bad: list[int] = []

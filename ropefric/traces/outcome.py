@@ -9,8 +9,6 @@ from ropefric.traces.settings import PickSettings
 from ropefric.traces.sliding import Sliding
 from ropefric.traces.slips import DROP_SIGMAS
 
-__all__ = ["kinetic", "peak_between", "peak_result", "phases_of"]
-
 WIDE_GAP = 5.0
 
 
@@ -23,17 +21,7 @@ def kinetic(prepared: Prepared, sliding: Sliding | None) -> tuple[float, float]:
 
 
 def peak_between(prepared: Prepared, settings: PickSettings, *, climb: int, block: int, fallen: int) -> Peak:
-    """Return the peak at a block, measured on its samples.
-
-    Parameters
-    ----------
-    prepared : Prepared
-        The recording.
-    settings : PickSettings
-        For the window.
-    climb, block, fallen : int
-        Block from which the force climbs steadily, block of the peak, block at which the force has dropped.
-    """
+    """Return the peak at a block, measured on its samples."""
     view, n = prepared.view, prepared.force_N.size
     where = Neighbourhood(
         loading=view.first_sample(climb),

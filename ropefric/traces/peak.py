@@ -9,8 +9,6 @@ from ropefric.traces.arrays import FloatArray
 from ropefric.traces.smoothing import average_over_samples, window_samples
 from ropefric.traces.window import choose_window, peak_uncertainty_N, window_bias_N
 
-__all__ = ["Neighbourhood", "Peak", "measure_peak"]
-
 LONGEST_WINDOW_S = 0.02
 """A window longer than a tooth is short would smooth the peak itself away [s]."""
 
@@ -23,17 +21,7 @@ NOISE_ABOVE_MEAN = 4.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Neighbourhood:
-    """Where a peak lies, in samples, as the glance at the whole recording found it.
-
-    Attributes
-    ----------
-    loading : int
-        A sample from which the force climbs steadily to the peak.
-    first, stop : int
-        The peak lies in `first <= i < stop`.
-    fallen : int
-        A sample at which the force has dropped; `fallen >= stop - 1`.
-    """
+    """Where a peak lies, in samples, as the glance at the whole recording found it."""
 
     loading: int
     first: int
@@ -63,28 +51,7 @@ def measure_peak(
     noise_std_N: float,
     window_s: float | None = None,
 ) -> Peak:
-    """Return the height of a static peak three ways: raw, smoothed, and as the corner of two lines.
-
-    Parameters
-    ----------
-    time_s, force_N : ndarray, shape (n,)
-        Samples of the recording, spikes removed.
-    where : Neighbourhood
-        Where the peak lies.
-    noise_std_N : float
-        Standard deviation of one sample [N].
-    window_s : float, optional
-        Smoothing window [s]; None chooses it from loading rate and noise.
-
-    Examples
-    --------
-    >>> t = np.arange(200) / 1000
-    >>> F = np.where(t <= 0.1, 1000 * t, np.maximum(80.0, 100 - 5000 * (t - 0.1)))
-    >>> where = Neighbourhood(loading=50, first=90, stop=110, fallen=106)
-    >>> peak = measure_peak(t, F, where, noise_std_N=0.01, window_s=0.005)
-    >>> round(peak.peak_N, 3), round(peak.peak_raw_N, 3), round(peak.bias_N, 3), round(peak.two_line_N, 3)
-    (98.0, 100.0, -2.0, 100.0)
-    """
+    """Return the height of a static peak three ways: raw, smoothed, and as the corner of two lines."""
     step_s = _step_s(time_s, where)
     force_N = _without_outliers_at_the_top(time_s, force_N, where, noise_std_N)
     rate_N_s = _loading_rate_N_s(time_s, force_N, where)

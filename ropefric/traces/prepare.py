@@ -12,31 +12,13 @@ from ropefric.traces.saturation import find_stuck
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 
-__all__ = ["Prepared", "failed", "prepare", "too_short"]
-
 MIN_SAMPLES = 50
 """Fewer samples cannot show idle, loading, a peak and sliding."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prepared:
-    """Samples to pick from.
-
-    Attributes
-    ----------
-    time_s, force_N : ndarray, shape (n,)
-        Finite samples of the part wanted; spikes replaced by the line between their neighbours.
-    noise_N : float
-        Standard deviation of the noise of one sample [N].
-    view : Glance
-        Their block means.
-    bad : ndarray of int
-        Which samples were replaced.
-    stuck : ndarray of int, shape (k, 2)
-        Stretches in which the converter or the sensor stuck: first sample, and one past the last.
-    notes : tuple of str
-        What was met on the way.
-    """
+    """Samples to pick from."""
 
     time_s: FloatArray
     force_N: FloatArray
@@ -48,14 +30,7 @@ class Prepared:
 
 
 def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
-    """Return the samples to pick from, or None if there are too few.
-
-    Examples
-    --------
-    >>> trace = ForceTrace(time_s=np.arange(9.0), force_N=np.zeros(9))
-    >>> prepare(trace, PickSettings()) is None
-    True
-    """
+    """Return the samples to pick from, or None if there are too few."""
     time_s, force_N = trace.time_s, trace.force_N
     if settings.start_s is not None or settings.stop_s is not None:
         start = 0 if settings.start_s is None else int(np.searchsorted(time_s, settings.start_s, side="left"))
@@ -109,13 +84,7 @@ def _stuck_note(time_s: FloatArray, force_N: FloatArray, start: int, stop: int) 
 
 
 def failed(status: Status, detail: str, prepared: Prepared | None = None) -> Breakaway:
-    """Return a result without a force, with the reason.
-
-    Examples
-    --------
-    >>> failed(Status.TOO_SHORT, "7 samples").detail
-    '7 samples'
-    """
+    """Return a result without a force, with the reason."""
     if prepared is None:
         return Breakaway(status=status, detail=detail)
     return Breakaway(status=status, detail=detail, noise_std_N=prepared.noise_N, notes=prepared.notes)

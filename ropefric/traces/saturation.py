@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Saturation", "find_saturation", "find_stuck"]
-
 # As many as a dropout that is mended, `noise.MAX_DROPOUT_SAMPLES`.
 _FEWEST = 40
 _LEAST = 8
@@ -35,17 +33,6 @@ class Saturation:
 
     At the ceiling the force is at least that high and unknown. At the floor it need not be a fault: an
     unloaded cell with 0 V at zero reads count 0.
-
-    Attributes
-    ----------
-    high_runs, low_runs : ndarray of int64, shape (k, 2)
-        Runs of samples at the ceiling and at the floor: index of the first sample, and one past the last.
-
-    Examples
-    --------
-    >>> saturation = find_saturation(np.array([0, 9, 1023, 1023]), 1023)
-    >>> saturation.high, saturation.n_high, saturation.n_low
-    (True, 2, 1)
     """
 
     high_runs: NDArray[np.int64]
@@ -82,13 +69,7 @@ class Saturation:
         return int((self.high_runs[:, 1] - self.high_runs[:, 0]).max(initial=0))
 
     def longest_high_s(self, time_s: NDArray[np.float64]) -> float:
-        """Return how long the longest run at the ceiling lasted [s]: first to last sample and one step more.
-
-        Parameters
-        ----------
-        time_s : ndarray, shape (n,)
-            Time stamps of the recording [s].
-        """
+        """Return how long the longest run at the ceiling lasted [s]: first to last sample and one step more."""
         if not self.high:
             return 0.0
         step_s = float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.0
@@ -96,15 +77,7 @@ class Saturation:
         return float(lasted_s.max()) + step_s
 
     def describe(self, time_s: NDArray[np.float64], *, ceiling_N: float) -> str:
-        """Return what sat at the ceiling, for how long and what it means; empty if nothing did.
-
-        Parameters
-        ----------
-        time_s : ndarray, shape (n,)
-            Time stamps of the recording [s].
-        ceiling_N : float
-            Force at the ceiling [N], `Calibration.ceiling_N`.
-        """
+        """Return what sat at the ceiling, for how long and what it means; empty if nothing did."""
         if not self.high:
             return ""
         return (
@@ -114,37 +87,13 @@ class Saturation:
 
 
 def find_saturation(counts: NDArray[np.int64], max_count: int) -> Saturation:
-    """Return the runs of samples at count 0 and at `max_count`.
-
-    Parameters
-    ----------
-    counts : ndarray of int, shape (n,)
-        Raw counts; negative ones, missing samples, are at neither limit and end a run.
-    max_count : int
-        Count at the ceiling.
-
-    Examples
-    --------
-    >>> find_saturation(np.array([7, 15, 15, 3]), 15).high_runs.tolist()
-    [[1, 3]]
-    """
+    """Return the runs of samples at count 0 and at `max_count`."""
     return Saturation(high_runs=_runs(counts == max_count), low_runs=_runs(counts == 0))
 
 
 def find_stuck(values: NDArray[np.float64], step: float, noise: float) -> NDArray[np.int64]:
     """Return the stretches in which a live signal reads exactly the same: start and stop of each, shape (k, 2).
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Finite samples.
-    step : float
-        Smallest step between samples, as of the converter.
-    noise : float
-        Standard deviation of the noise of a sample.
-
-    Notes
-    -----
     The recording itself says what is live. Where around the stretch a share p of the samples differs from the one
     before and the changes go to and fro, at rest if not on a ramp, the noise spans the converter's steps, and n equal
     samples have a probability below (1 − p²)ⁿ: p² and not p, for between two steps the noise changes less than on an
@@ -152,13 +101,6 @@ def find_stuck(values: NDArray[np.float64], step: float, noise: float) -> NDArra
     A converter coarser than its noise may well repeat itself, q/r seconds long on a ramp of rate r. There a
     stretch is stuck if it is three times as long as any other around it and the signal then jumps: it went on
     unseen. A signal without noise is never called stuck: it may have been computed, or held.
-
-    Examples
-    --------
-    >>> force = np.arange(400) * 0.1 + np.tile([0.0, 0.3, -0.2, 0.1], 100)
-    >>> force[200:260] = force[200]
-    >>> find_stuck(force, 0.1, 0.2).tolist()
-    [[200, 260]]
     """
     same = _runs(values[1:] == values[:-1])
     runs = np.asarray(same + np.array([0, 1]), dtype=np.int64)

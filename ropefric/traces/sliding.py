@@ -8,8 +8,6 @@ from ropefric.traces.arrays import FloatArray, median
 from ropefric.traces.blocks import Glance
 from ropefric.traces.loading import climb_to
 
-__all__ = ["PIECE_BLOCKS", "Sliding", "roughness_N", "sliding_after"]
-
 SHORTEST_BLOCKS = 4
 FEW_PIECES = 4
 PIECE_BLOCKS = 25
@@ -18,19 +16,7 @@ PIECE_BLOCKS = 25
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sliding:
-    """The stretch after a break in which the rope slides.
-
-    Attributes
-    ----------
-    first, stop : int
-        Its blocks.
-    level_N : float
-        Median force [N].
-    onset_N : float
-        Median force of its first part [N], before it drifts.
-    spread_N : float
-        Robust standard deviation around a straight line [N].
-    """
+    """The stretch after a break in which the rope slides."""
 
     first: int
     stop: int
@@ -81,11 +67,6 @@ def roughness_N(stretch: FloatArray) -> float:
     """Return the standard deviation around a straight line within pieces of 25 blocks [N].
 
     The median of the pieces counts, of four or fewer the quietest.
-
-    Examples
-    --------
-    >>> roughness_N(np.linspace(0.0, 9.0, 100)) < 1e-12
-    True
     """
     length = min(PIECE_BLOCKS, stretch.size)
     n_pieces = stretch.size // length

@@ -9,8 +9,6 @@ import numpy as np
 from ropefric.traces.arrays import FloatArray
 from ropefric.traces.blocks import Glance
 
-__all__ = ["DROP_SIGMAS", "FAST_BLOCKS", "SLIP_SIGMAS", "breaks", "fast_drop_N", "is_slip", "slips"]
-
 DROP_SIGMAS = 6.0
 """A drop of fewer noise standard deviations is noise."""
 SLIP_SIGMAS = 8.0
@@ -21,25 +19,7 @@ FAST_BLOCKS = 6
 
 
 def breaks(force_N: FloatArray, drop_N: float) -> list[tuple[int, int]]:
-    """Return each record that is followed by a drop of more than `drop_N` before the next one, with that drop.
-
-    Parameters
-    ----------
-    force_N : ndarray, shape (m,)
-        Block means [N].
-    drop_N : float
-        Smallest drop that counts [N].
-
-    Returns
-    -------
-    list of (int, int)
-        Block of the record, and the first block more than `drop_N` below it.
-
-    Examples
-    --------
-    >>> breaks(np.array([0.0, 5.0, 2.0, 8.0, 9.0, 8.5, 6.0, 9.5]), 2.0)
-    [(1, 2), (4, 6)]
-    """
+    """Return each record that is followed by a drop of more than `drop_N` before the next one, with that drop."""
     highest = np.maximum.accumulate(force_N)
     dropped = highest - force_N > drop_N
     drops = np.flatnonzero(dropped & ~np.concatenate(([False], dropped[:-1])))
@@ -49,13 +29,7 @@ def breaks(force_N: FloatArray, drop_N: float) -> list[tuple[int, int]]:
 
 
 def fast_drop_N(force_N: FloatArray, block: int) -> float:
-    """Return how far the force falls within a few blocks after `block` [N].
-
-    Examples
-    --------
-    >>> fast_drop_N(np.array([9.0, 8.0, 5.0, 6.0, 7.0, 7.0, 7.0, 0.0]), 0)
-    4.0
-    """
+    """Return how far the force falls within a few blocks after `block` [N]."""
     return float(force_N[block] - force_N[block : block + FAST_BLOCKS + 1].min())
 
 
@@ -63,13 +37,6 @@ def is_slip(view: Glance, block: int) -> bool:
     """Return whether the force drops after `block` as when a rope slips: far beyond the noise, within two blocks.
 
     A bounce of the weights or a motor that is switched off takes longer.
-
-    Examples
-    --------
-    >>> from ropefric.traces.blocks import glance
-    >>> F = np.concatenate((np.arange(30.0), [20, 21, 20, 21, 20, 21, 20, 21, 20, 21]))
-    >>> is_slip(glance(np.arange(40.0), F), 29)
-    True
     """
     ahead = view.force_N[block : block + 3 * FAST_BLOCKS]
     if ahead.size < 3:
@@ -82,23 +49,7 @@ def is_slip(view: Glance, block: int) -> bool:
 
 
 def slips(stretch: FloatArray, noise_N: float, *, most: int) -> list[tuple[int, float]]:
-    """Return the sudden falls of a sliding force, largest first: block before the fall, and its height [N].
-
-    Parameters
-    ----------
-    stretch : ndarray, shape (m,)
-        Block means while sliding [N].
-    noise_N : float
-        Noise of a block mean [N]; smaller falls than six times that do not count.
-    most : int
-        Not more than this many.
-
-    Examples
-    --------
-    >>> teeth = np.tile(np.arange(8.0), 4)
-    >>> slips(teeth, 0.1, most=9)
-    [(7, 7.0), (15, 7.0), (23, 7.0)]
-    """
+    """Return the sudden falls of a sliding force, largest first: block before the fall, and its height [N]."""
     if stretch.size <= FAST_BLOCKS:
         return []
     lowest = np.lib.stride_tricks.sliding_window_view(stretch, FAST_BLOCKS + 1).min(axis=1)

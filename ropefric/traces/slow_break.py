@@ -11,8 +11,6 @@ from ropefric.traces.loading import Climb, climb_to
 from ropefric.traces.sliding import Sliding, sliding_after
 from ropefric.traces.slips import FAST_BLOCKS
 
-__all__ = ["SlowBreak", "slow_break"]
-
 LEAST_SHARE = 0.55
 """Part of the peak that the force keeps; a load let down to half is not sliding."""
 FALL_BLOCKS = 75
@@ -36,21 +34,7 @@ SHORTEST_LINE = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlowBreak:
-    """A fall of the force that is slower than a slip and still a break-away.
-
-    Attributes
-    ----------
-    fall_s : float
-        How long the force falls [s].
-    drop_N : float
-        By how much [N].
-    share : float
-        Part of the peak, counted from the idle level, that stays.
-    sliding : Sliding
-        The stretch after it.
-    outlasts_slip : bool
-        Whether the fall is clearly longer than that of a slip.
-    """
+    """A fall of the force that is slower than a slip and still a break-away."""
 
     fall_s: float
     drop_N: float
@@ -66,24 +50,6 @@ def slow_break(view: Glance, block: int) -> SlowBreak | None:
     and then stays, steady, at more than 55 % of the peak. A motor that is stopped or reversed holds the force for a
     moment first, or lets it down slowly, or far, or further and further. One that is reversed at once, quickly and
     by little leaves the same recording as a slow break-away.
-
-    Parameters
-    ----------
-    view : Glance
-        The recording.
-    block : int
-        Block of the highest force before the fall.
-
-    Examples
-    --------
-    >>> from ropefric.traces.blocks import glance
-    >>> t = np.arange(1000) * 0.004
-    >>> found = slow_break(glance(t, np.interp(t, [0.0, 2.0, 2.1, 4.0], [0.0, 15.0, 12.0, 12.0])), 500)
-    >>> round(found.fall_s, 1), round(found.drop_N, 1), round(found.share, 1)
-    (0.1, 2.9, 0.8)
-    >>> held = np.interp(t, [0.0, 2.0, 2.1, 2.2, 4.0], [0.0, 15.0, 15.0, 12.0, 12.0])
-    >>> slow_break(glance(t, held), 525) is None
-    True
     """
     force_N = view.force_N
     climb = climb_to(force_N, block)

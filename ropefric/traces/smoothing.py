@@ -14,8 +14,6 @@ from ropefric.errors import InputError
 from ropefric.traces.arrays import FloatArray, frozen_array
 from ropefric.traces.trace import ForceTrace
 
-__all__ = ["SmoothedForce", "average_over_samples", "average_over_time", "smooth", "window_samples"]
-
 _LARGEST = 1e290
 """The sum of 10^18 such numbers is still a float."""
 _MOST_SAMPLES = 2**52
@@ -43,18 +41,7 @@ class SmoothedForce:
 
 
 def window_samples(window_s: float, step_s: float) -> int:
-    """Return the odd number of samples that lie within half a window of their middle.
-
-    Parameters
-    ----------
-    window_s, step_s : float
-        Window and sampling step [s].
-
-    Examples
-    --------
-    >>> window_samples(0.010, 1 / 3000)
-    31
-    """
+    """Return the odd number of samples that lie within half a window of their middle."""
     _refuse_window(window_s, step_s)
     n_half = float(window_s) / float(step_s) / 2 if step_s >= 1e-300 else np.inf
     if not n_half < _MOST_SAMPLES:
@@ -71,31 +58,6 @@ def average_over_samples(values: npt.ArrayLike, n_window: int) -> FloatArray:
 
     Near the ends the window shrinks on both sides alike, so a straight line stays a straight line up to its last
     sample; nothing is padded. Missing samples (NaN) are left out of the means.
-
-    Parameters
-    ----------
-    values : array_like, shape (n,)
-        Samples; NaN = missing.
-    n_window : int
-        Odd number of samples; may exceed n.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Means; NaN where a window holds no sample. Their rounding errors are relative to the largest distance of a
-        sample from the first one, not to the mean itself: the sum runs along.
-
-    Raises
-    ------
-    InputError
-        If the window is not odd and positive, or a value is infinite or above 1e290, so that sums overflow.
-
-    Examples
-    --------
-    >>> average_over_samples([0, 1, 2, 3, 4], 3).tolist()
-    [0.0, 1.0, 2.0, 3.0, 4.0]
-    >>> average_over_samples([0, 0, 9, 0, 0], 3).tolist()
-    [0.0, 3.0, 3.0, 3.0, 0.0]
     """
     values = np.asarray(values, dtype=np.float64)
     if n_window < 1 or n_window % 2 == 0:
@@ -148,29 +110,6 @@ def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: fl
     """Return the centred mean over a time window, for samples at irregular times.
 
     A window that would reach beyond the first or last sample shrinks on both sides alike.
-
-    Parameters
-    ----------
-    time_s, values : array_like, shape (n,)
-        Increasing times [s] and samples; NaN = missing.
-    window_s : float
-        Full width of the window [s].
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Means over the samples with |t - t_i| <= window/2; NaN where there is none.
-
-    Raises
-    ------
-    InputError
-        If times and samples differ in number, the times do not increase, or a number is infinite or so large that
-        sums overflow.
-
-    Examples
-    --------
-    >>> average_over_time([0.0, 1.0, 2.0, 10.0], [0.0, 3.0, 6.0, 7.0], 2.0).tolist()
-    [0.0, 3.0, 4.5, 7.0]
     """
     time_s = np.asarray(time_s, dtype=np.float64)
     values = np.asarray(values, dtype=np.float64)
@@ -196,28 +135,7 @@ def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: fl
 
 
 def smooth(trace: ForceTrace, window_s: float) -> SmoothedForce:
-    """Return a trace's force under a centred moving average.
-
-    Parameters
-    ----------
-    trace : ForceTrace
-        The recording; its own arrays stay as they are.
-    window_s : float
-        Full width of the window [s]; one sampling step or less leaves the samples as they are. To have it chosen
-        from the trace, see `ropefric.traces.window.choose_window`.
-
-    Returns
-    -------
-    SmoothedForce
-        On the trace's own time stamps. Uniform clocks use a window of an odd number of samples, others a window
-        in time, so that samples across a gap never mix.
-
-    Examples
-    --------
-    >>> trace = ForceTrace(time_s=[0, 1, 2, 3, 4], force_N=[0, 0, 9, 0, 0])
-    >>> smooth(trace, 3.0).force_N.tolist()
-    [0.0, 3.0, 3.0, 3.0, 0.0]
-    """
+    """Return a trace's force under a centred moving average."""
     n_missing = int(np.isnan(trace.force_N).sum())
     rate_Hz = trace.sampling_rate_Hz
     n_window = window_samples(window_s, 1.0 / rate_Hz) if rate_Hz else 1
@@ -233,13 +151,7 @@ def smooth(trace: ForceTrace, window_s: float) -> SmoothedForce:
 
 
 def is_uniform(time_s: FloatArray) -> bool:
-    """Return whether no time step differs from the mean step by more than half of it.
-
-    Examples
-    --------
-    >>> is_uniform(np.array([0.0, 1.0, 2.1])), is_uniform(np.array([0.0, 1.0, 9.0]))
-    (True, False)
-    """
+    """Return whether no time step differs from the mean step by more than half of it."""
     if time_s.size < 3:
         return True
     steps_s = np.diff(time_s)

@@ -9,8 +9,6 @@ from ropefric.traces.blocks import Glance
 from ropefric.traces.sliding import sliding_after
 from ropefric.traces.slips import breaks, is_slip
 
-__all__ = ["first_static_break"]
-
 GROWTH = 1.15
 SLIP_GROWTH = 1.3
 """A slip, or any other break, after which the force still grows by more than this was a jolt of the loading."""
@@ -25,13 +23,6 @@ def first_static_break(view: Glance, drop_N: float) -> int | None:
     stays within 15 % of the largest force and is not followed by a higher level; an earlier jolt, as when the
     weights bounce, is followed by a climb well above it. A recording that goes back and forth is judged by its first
     cycle. Wiggles below 30 % of the largest force do not count.
-
-    Examples
-    --------
-    >>> from ropefric.traces.blocks import glance
-    >>> F = np.array([0, 5, 4, 10, 20, 30, 25, 26, 31, 25, 26, 25, 26, 25, 26, 25.0])
-    >>> first_static_break(glance(np.arange(16.0), F), 0.5)
-    5
     """
     force_N = view.force_N
     idle_N = float(force_N[: int(np.argmax(force_N)) + 1].min())

@@ -10,8 +10,6 @@ from ropefric.errors import DataError, Problem
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std, remove_spikes
 from ropefric.traces.saturation import Saturation
 
-__all__ = ["MIN_TARE_SAMPLES", "Tare", "measure_tare"]
-
 MIN_TARE_SAMPLES = 10
 _BLOCKS = 8
 _RESTLESS = 4.0  # block means of white noise spread by 1 of this unit; 4 is out of reach of chance
@@ -21,19 +19,7 @@ _DITHERED = 0.5  # in counts: noise this strong leaves less than 0.01 count of q
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tare:
-    """Mean reading of the unloaded rig.
-
-    Attributes
-    ----------
-    force_N : float
-        The mean [N].
-    std_N : float
-        Its standard uncertainty [N]: noise, also slow noise, and quantisation where no noise dithers it.
-    n : int
-        Samples used.
-    problems : tuple of Problem
-        Warnings RF212.
-    """
+    """Mean reading of the unloaded rig."""
 
     force_N: float
     std_N: float
@@ -47,27 +33,6 @@ def measure_tare(force_N: NDArray[np.float64], saturation: Saturation, *, lsb_N:
     The uncertainty comes from the scatter of the means of 8 blocks as well as from that of single samples,
     and the larger counts: hum and drift, whose samples are not independent, are not averaged away on paper.
     Isolated spikes are left out.
-
-    Parameters
-    ----------
-    force_N : ndarray, shape (n,)
-        Untared forces of the interval [N]; NaN where missing.
-    saturation : Saturation
-        Where these samples are at the converter's limits.
-    lsb_N : float
-        Force of one count [N].
-
-    Raises
-    ------
-    DataError
-        RF212 if fewer than 10 samples or less than half of them are usable, or any is at the ceiling.
-
-    Examples
-    --------
-    >>> nowhere = Saturation(high_runs=np.empty((0, 2), int), low_runs=np.empty((0, 2), int))
-    >>> tare = measure_tare(np.full(40, 12.0), nowhere, lsb_N=1.0)
-    >>> tare.force_N, round(tare.std_N, 4)
-    (12.0, 0.2887)
     """
     present_N = force_N[np.isfinite(force_N)]
     if present_N.size:

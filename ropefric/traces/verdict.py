@@ -12,15 +12,6 @@ from ropefric.traces.sliding import PIECE_BLOCKS, Sliding, roughness_N
 from ropefric.traces.slips import SLIP_SIGMAS, fast_drop_N, is_slip, slips
 from ropefric.traces.trace import ForceTrace
 
-__all__ = [
-    "is_quiet",
-    "saturation_detail",
-    "stuck_detail",
-    "unresolved_detail",
-    "was_let_down",
-    "without_break",
-]
-
 SATURATED_SAMPLES = 3
 """A run at the converter's limit longer than any spike."""
 RESOLVED_SIGMAS = 4.0

@@ -5,39 +5,19 @@ import math
 from ropefric.errors import InputError
 from ropefric.traces.smoothing import window_samples
 
-__all__ = ["choose_window", "peak_uncertainty_N", "window_bias_N"]
-
 
 def window_bias_N(loading_rate_N_s: float, window_s: float, step_s: float) -> float:
     """Return by how much a centred window lowers the top of a ramp that ends in a sudden drop [N].
 
     The window that lies wholly on the ramp and ends at its top has its mean half a window earlier:
     −rate (w − step)/2, to first order. Zero for a window of one sample.
-
-    Parameters
-    ----------
-    loading_rate_N_s : float
-        Slope of the loading [N/s].
-    window_s, step_s : float
-        Window and sampling step [s].
-
-    Examples
-    --------
-    >>> round(window_bias_N(200.0, 301 / 3000, 1 / 3000), 3)
-    -10.0
     """
     rate, beyond_s = max(float(loading_rate_N_s), 0.0), max(float(window_s) - float(step_s), 0.0)
     return _finite(-rate * (beyond_s / 2.0), "bias", rate, beyond_s)
 
 
 def peak_uncertainty_N(loading_rate_N_s: float, noise_std_N: float, window_s: float, step_s: float) -> float:
-    """Return the standard uncertainty of a smoothed peak: noise that is left, and the window's bias [N].
-
-    Examples
-    --------
-    >>> round(peak_uncertainty_N(0.0, 1.0, 0.010, 0.001), 3)
-    0.316
-    """
+    """Return the standard uncertainty of a smoothed peak: noise that is left, and the window's bias [N]."""
     _check(noise_std_N, step_s)
     n_window = max(float(window_s) / float(step_s), 1.0)
     bias_N = window_bias_N(loading_rate_N_s, window_s, step_s)
@@ -48,32 +28,6 @@ def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *,
     """Return the window with the smallest uncertainty of the peak [s].
 
     Minimises (rate·w/2)² + σ²·step/w, whose minimum is at w³ = 2 σ² step / rate².
-
-    Parameters
-    ----------
-    loading_rate_N_s : float
-        Slope of the loading just before the peak [N/s].
-    noise_std_N : float
-        Standard deviation of one sample [N].
-    step_s : float
-        Sampling step [s].
-    longest_s : float
-        Not longer than this [s]; it decides for a flat top, which smoothing cannot bias.
-
-    Returns
-    -------
-    float
-        An odd multiple of the step, at least one.
-
-    Raises
-    ------
-    InputError
-        If the step is not positive or the noise negative.
-
-    Examples
-    --------
-    >>> round(1000 * choose_window(200.0, 0.5, 1 / 3000, longest_s=0.05), 2)
-    1.67
     """
     _check(noise_std_N, step_s)
     rate = max(float(loading_rate_N_s), 0.0)

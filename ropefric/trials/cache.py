@@ -25,8 +25,6 @@ from ropefric.traces.calibration import Calibration
 from ropefric.trials.result import Outline, TrialResult
 from ropefric.trials.trial_spec import TrialSpec
 
-__all__ = ["ResultCache"]
-
 SCHEMA = "ropefric.extraction-cache/3"
 """Raise the number when the form of an entry changes."""
 MADE_BY = ("errors.py", "quantities.py", "registry.py", "files", "traces", "trials")
@@ -46,20 +44,7 @@ def hash_sources() -> str:
 
 
 class ResultCache:
-    """Results of recordings in a folder, one small file each.
-
-    Parameters
-    ----------
-    folder : Path
-        Made when the first result is stored.
-    settings : str
-        Fingerprint of everything a result depends on beside the recording and its rows.
-
-    Examples
-    --------
-    >>> ResultCache(Path("nowhere"), "settings").load((), "0" * 64) is None
-    True
-    """
+    """Results of recordings in a folder, one small file each."""
 
     def __init__(self, folder: Path, settings: str) -> None:
         self._folder = folder

@@ -27,8 +27,6 @@ from ropefric.trials.trial_files import MISSING_RECORDING
 from ropefric.trials.trial_list import TrialContext, read_trials
 from ropefric.trials.trial_spec import TrialSpec
 
-__all__ = ["check_campaign", "load_campaign"]
-
 MISSING_WAYS = ("error", "flag")
 
 
@@ -78,19 +76,7 @@ def load_campaign(
 
 
 def check_campaign(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
-    """Return everything that is wrong or doubtful: the campaign file's by line, then the trial list's.
-
-    Parameters
-    ----------
-    path : path-like
-        The campaign.toml. That it is missing or no TOML is a problem among others, not an exception.
-
-    Examples
-    --------
-    >>> print(*check_campaign("nowhere.toml"))
-    error RF101 nowhere.toml  there is no such campaign file
-      fix: check the path
-    """
+    """Return everything that is wrong or doubtful: the campaign file's by line, then the trial list's."""
     return _read(path)[1]
 
 

@@ -12,8 +12,6 @@ from ropefric.trials.campaign_schema import CampaignFile
 from ropefric.trials.toml_document import TomlDocument
 from ropefric.trials.trial_advice import radius_doubt
 
-__all__ = ["check_settings"]
-
 _NAME = re.compile(r"\w+")
 _SET_BY_TRIAL = {
     "end_tension": "end_tension_N",
@@ -24,21 +22,7 @@ _SET_BY_TRIAL = {
 
 
 def check_settings(document: TomlDocument, model: CampaignFile | None) -> tuple[Problem, ...]:
-    """Return problems between the tables of a campaign file.
-
-    Parameters
-    ----------
-    document : TomlDocument
-        The file.
-    model : CampaignFile, optional
-        The same, checked key by key; None where a key is wrong, which leaves the tree to judge by.
-
-    Examples
-    --------
-    >>> data = {"import": {"channels": {"counts": 2}}, "cells": {"K1": {}}}
-    >>> check_settings(TomlDocument(path="campaign.toml", data=data, lines={}), None)[0].message
-    'recordings in counts need the table [adc]'
-    """
+    """Return problems between the tables of a campaign file."""
     problems = _converter(document) + _formulas(document) + _folder(document)
     if model is not None:
         problems += _sampling(document, model) + _idle_keys(document, model) + _wheels(document, model)

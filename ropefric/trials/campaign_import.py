@@ -19,8 +19,6 @@ from ropefric.trials.toml_fields import (
     whole_number,
 )
 
-__all__ = ["ImportTable"]
-
 Text = Annotated[str, PlainValidator(text)]
 Row = Annotated[int, PlainValidator(whole_number(0))]
 SI_UNITS = {"time": "s", "force": "N"}

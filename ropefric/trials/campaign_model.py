@@ -14,8 +14,6 @@ from ropefric.traces.readers.profile import ImportProfile
 from ropefric.trials.trial_spec import TrialSpec
 from ropefric.trials.workers import Limits
 
-__all__ = ["SCHEMA", "Campaign", "DesignSpec", "ProtocolSpec", "RopeSpec", "SmoothingSpec", "WheelSpec"]
-
 SCHEMA = "ropefric.campaign/1"
 
 
@@ -38,21 +36,7 @@ class WheelSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtocolSpec:
-    """What happens in a recording.
-
-    Attributes
-    ----------
-    name : str
-        "breakaway", "stick-slip" or "held".
-    start_s, stop_s : float, optional
-        The part of every recording to look at [s]; a trial may have its own.
-    min_step_N : float, optional
-        Smallest static peak above the kinetic force that counts [N]; None lets the noise decide.
-    side : str
-        `held` only: the sensor measures the "slack" or the "tight" side.
-    ending : str
-        What follows a peak: "sliding" or "separation".
-    """
+    """What happens in a recording."""
 
     name: str = "breakaway"
     start_s: float | None = None
@@ -69,17 +53,7 @@ class ProtocolSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SmoothingSpec:
-    """How recordings are smoothed.
-
-    Attributes
-    ----------
-    mode : {"auto", "fixed", "none"}
-        Who chooses the window.
-    window_s : float, optional
-        The window [s]; None for "auto", 0 for "none".
-    peak : {"smoothed", "two-line"}
-        Which estimate of the static peak counts.
-    """
+    """How recordings are smoothed."""
 
     mode: str = "auto"
     window_s: float | None = None

@@ -23,8 +23,6 @@ from ropefric.trials.toml_fields import (
 )
 from ropefric.trials.workers import Limits
 
-__all__ = ["CampaignFile", "protocol_names"]
-
 Text = Annotated[str, PlainValidator(text)]
 Length = Annotated[float | None, PlainValidator(quantity("m", "40 mm", above=0))]
 Force = Annotated[float, PlainValidator(quantity("N", "60 N", above=0))]

@@ -11,8 +11,6 @@ from ropefric.friction.condition import condition_groups
 from ropefric.trials.repeatability import summarise
 from ropefric.trials.result import ConditionSummary, TrialResult
 
-__all__ = ["summarise_conditions"]
-
 
 def summarise_conditions(
     trials: Sequence[TrialResult], rule: str
@@ -22,22 +20,6 @@ def summarise_conditions(
     A condition is a wheel radius, rope radius, wrap angle and known tension, grouped by
     `condition_groups`. The rule runs once over the measured forces of the usable trials of a condition; nothing is
     deleted.
-
-    Parameters
-    ----------
-    trials : sequence of TrialResult
-        In the order of the trial list.
-    rule : str
-        Name of an outlier rule.
-
-    Returns
-    -------
-    trials : tuple of TrialResult
-        In the same order, `kept` and `rejected_by` set.
-    conditions : tuple of ConditionSummary
-        By wheel radius, rope radius, wrap angle and tension.
-    problems : tuple of Problem
-        RF310 where so few trials are left that the rule cannot reject anything.
     """
     keys = [_key(trial) for trial in trials]
     numbers = condition_groups(*zip(*keys, strict=True)) if keys else ()

@@ -40,27 +40,6 @@ def extract_campaign(
 
     One bad recording never ends the run: it gives a trial with a status and a problem. Results do not depend on
     `executor`, `jobs` or what is in the cache.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        From `load_campaign`.
-    executor : concurrent.futures.Executor, optional
-        Runs the recordings; any will do, processes, threads or a cluster's. It is not shut down.
-    jobs : int
-        Without an executor: number of processes, no more than there are recordings and cores. Each may take the time
-        and memory that `campaign.limits` allows; a recording that takes more, or that crashes its reader, is
-        `unreadable`, and the others are not touched by it. An executor's work is not limited.
-    cache_dir : Path, optional
-        Where results are kept, so that unchanged recordings are not extracted again; every result is stored as soon
-        as it is there, so an interrupted run goes on where it stopped.
-    progress : callable, optional
-        Called with recordings done, recordings in all, and "name status" of the last one.
-
-    Raises
-    ------
-    InputError
-        If `jobs` is not positive.
     """
     if jobs < 1:
         raise InputError(f"{jobs} processes cannot work", code="RF110", key="jobs", fix="use 1 or more")

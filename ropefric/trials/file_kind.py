@@ -3,31 +3,17 @@
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["is_campaign", "is_scene"]
-
 # None of these is a key of any scene.
 _OF_CAMPAIGNS = ("trials", "wheels", "cells", "protocol", "rejection", "import")
 
 
 def is_scene(data: Mapping[str, Any]) -> bool:
-    """Return whether a TOML tree says of which system it is, as every scene does and no campaign.
-
-    Examples
-    --------
-    >>> is_scene({"system": "hoist"}), is_scene({"trials": "trials.csv"})
-    (True, False)
-    """
+    """Return whether a TOML tree says of which system it is, as every scene does and no campaign."""
     return "system" in data
 
 
 def is_campaign(data: Mapping[str, Any]) -> bool:
-    """Return whether a TOML tree has what only campaigns have, and names no system.
-
-    Examples
-    --------
-    >>> is_campaign({"schema": "ropefric.campaign/1"}), is_campaign({"wheels": {}}), is_campaign({"rope": {}})
-    (True, True, False)
-    """
+    """Return whether a TOML tree has what only campaigns have, and names no system."""
     schema = str(data.get("schema", ""))
     named = schema.startswith("ropefric.campaign") or any(key in data for key in _OF_CAMPAIGNS)
     return named and not is_scene(data)

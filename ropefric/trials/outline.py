@@ -5,8 +5,6 @@ import numpy as np
 from ropefric.traces.trace import FloatArray, ForceTrace
 from ropefric.trials.result import Outline
 
-__all__ = ["BINS", "draw_outline"]
-
 BINS = 300
 DIGITS = 6
 
@@ -15,12 +13,6 @@ def draw_outline(trace: ForceTrace) -> Outline | None:
     """Return the min-max envelope and the means of about 300 bins; None where no sample is there.
 
     Numbers are rounded to six digits: no eye sees more, and a stored outline is a third as long.
-
-    Examples
-    --------
-    >>> outline = draw_outline(ForceTrace(time_s=np.arange(900.0), force_N=np.arange(900.0)))
-    >>> outline.high_N[:3].tolist(), outline.smoothed_N[:2].tolist()
-    ([2.0, 5.0, 8.0], [1.0, 4.0])
     """
     time_s, force_N = trace.time_s, trace.force_N
     present = np.isfinite(force_N)

@@ -22,8 +22,6 @@ from ropefric.trials.result import TrialResult
 from ropefric.trials.tared import tared_trace
 from ropefric.trials.trial_spec import TrialSpec
 
-__all__ = ["blocks_of", "extract_recording", "unreadable"]
-
 STATUS_CODES = {
     Status.SATURATED: "RF230",
     Status.NO_BREAKAWAY: "RF231",
@@ -36,28 +34,7 @@ RATE_TOLERANCE = 0.01
 def extract_recording(
     campaign: Campaign, specs: Sequence[TrialSpec], *, file: InputFile | None = None
 ) -> tuple[tuple[TrialResult, ...], ...]:
-    """Return the results of all trials that one file holds, row by row; a bad file gives results, not an exception.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        How to read, calibrate and pick.
-    specs : sequence of TrialSpec
-        The rows of the trial list that name this file, at least one.
-    file : InputFile, optional
-        The file, where it is open already.
-
-    Returns
-    -------
-    tuple of tuple of TrialResult
-        Of each row at least one: one per block for sample "*", one per tooth or plateau for those protocols. Status
-        `unreadable`, with the problem, where the file or block cannot be used.
-
-    Raises
-    ------
-    FileChangedError
-        If it was written to while it was read.
-    """
+    """Return the results of all trials that one file holds, row by row; a bad file gives results, not an exception."""
     first, sha256 = specs[0], ""
     try:
         with open_file(first.path, shown=first.file) if file is None else nullcontext(file) as opened:
@@ -92,13 +69,7 @@ def _extract_row(
 
 
 def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:
-    """Return the recordings of a file that a row of the trial list names.
-
-    Raises
-    ------
-    DataError
-        RF123 if the file has no such recording, or several and the row names none.
-    """
+    """Return the recordings of a file that a row of the trial list names."""
     if spec.sample == "*":
         return raws
     if not spec.sample and len(raws) == 1:

@@ -10,22 +10,10 @@ from ropefric.errors import InputError, Problem
 from ropefric.trials.outliers import RULES, OutlierRule
 from ropefric.trials.outliers.rule import scaled
 
-__all__ = ["Repeatability", "Trimming", "summarise", "trimming_bias"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trimming:
-    """What a rule does to clean normal series of n values.
-
-    Attributes
-    ----------
-    ratio : float
-        Expected sample standard deviation of the kept values over σ [-].
-    bias : float
-        The same relative to that of untrimmed series, minus 1 [-]: −0.07 reads 7 % low.
-    share : float
-        Share of series that lose at least one good value [-].
-    """
+    """What a rule does to clean normal series of n values."""
 
     ratio: float
     bias: float
@@ -73,28 +61,7 @@ class Repeatability:
 
 
 def summarise(values: npt.ArrayLike, rule: OutlierRule | str = "two-sigma") -> Repeatability:
-    """Return mean and scatter of a series, with and without the values that a rule rejects in one pass.
-
-    Parameters
-    ----------
-    values : array_like, shape (n,)
-        Finite values of one condition, usually break-away forces [N].
-    rule : OutlierRule or str
-        The rule, or its name.
-
-    Raises
-    ------
-    InputError
-        RF311 if a value is not finite.
-    UnknownNameError
-        If no rule has that name.
-
-    Examples
-    --------
-    >>> series = summarise([7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30])
-    >>> series.rejected, round(series.mean_all, 3), round(series.mean_kept, 3)
-    ((4,), 7.815, 7.668)
-    """
+    """Return mean and scatter of a series, with and without the values that a rule rejects in one pass."""
     if isinstance(rule, str):
         rule = RULES[rule]
     everything, rejected = scaled(values), rule.flag(values)
@@ -120,24 +87,6 @@ def trimming_bias(n: int, rule: OutlierRule | str = "two-sigma") -> Trimming:
 
     Interpolated in 1/n from the rule's table of simulated values, which holds 3 to 100 values; above 100 the last
     entry stands.
-
-    Parameters
-    ----------
-    n : int
-        Number of values, at least 2.
-    rule : OutlierRule or str
-        The rule, or its name.
-
-    Raises
-    ------
-    InputError
-        If n is below 2: one value has no scatter.
-
-    Examples
-    --------
-    >>> two_sigma = trimming_bias(10)
-    >>> round(two_sigma.bias, 2), round(two_sigma.share, 2)
-    (-0.08, 0.23)
     """
     if n < 2:
         raise InputError(f"a series of {n} has no scatter", code="RF313", fix="ask for two values or more")

@@ -12,16 +12,6 @@ from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.trace import FloatArray
 
-__all__ = [
-    "OUTCOMES",
-    "ConditionSummary",
-    "Extraction",
-    "Outline",
-    "TrialResult",
-    "count_trials",
-    "outcome_words",
-]
-
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
 its F_A is not above its F_B; or its recording gave no usable force."""
@@ -37,17 +27,7 @@ _MEANT = frozenset(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outline:
-    """A recording reduced for drawing: no peak is lost, because each bin keeps its smallest and largest sample.
-
-    Attributes
-    ----------
-    time_s : ndarray, shape (k,)
-        Middle of each bin [s].
-    low_N, high_N : ndarray, shape (k,)
-        Smallest and largest sample of each bin [N].
-    smoothed_time_s, smoothed_N : ndarray, shape (k,)
-        Mean of each bin [N].
-    """
+    """A recording reduced for drawing: no peak is lost, because each bin keeps its smallest and largest sample."""
 
     time_s: FloatArray
     low_N: FloatArray
@@ -58,55 +38,7 @@ class Outline:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialResult:
-    """One trial: its condition, what was picked, and whether it counts.
-
-    Attributes
-    ----------
-    trial, file, sample : str
-        Its name, its recording as the trial list names it, the block of a wide file.
-    wheel_radius_m, rope_radius_m, wrap_angle_rad : float
-        Condition.
-    end_tension_N : float
-        Slack-side tension F_B [N]: the weights, or the plateau where the slack side is measured.
-    end_tension_std_N : float
-        Its standard uncertainty [N].
-    peak_N : float
-        Tight-side force F_A [N]: the picked peak, or the known weight where the slack side is measured; NaN where
-        there is none.
-    peak_std_N : float
-        Its combined standard uncertainty [N]: measuring chain, tare, picking.
-    breakaway : Breakaway
-        What was found in the recording.
-    kept : bool
-        True if it counts: status ok, not excluded, not rejected.
-    excluded : str
-        The user's reason for setting it aside.
-    rejected_by : str
-        The rule that set it aside.
-    measures_slack : bool
-        True if the measured force is the end tension.
-    cell, rope_id : str
-        Force cell and rope specimen.
-    dwell_s : float
-        Time under load before the pull [s], NaN where unknown.
-    tare_N : float
-        Reading of the unloaded cell that was taken off [N].
-    saturated_samples : int
-        Samples at the converter's ceiling.
-    sha256 : str
-        Of the recording's bytes; "" where the file could not be read.
-    note : str
-        The user's.
-    own : tuple of (str, str)
-        Headers and cells of the columns that the user added to the trial list.
-    calibration : Calibration, optional
-        How newtons came from the recording's counts, tare included; with the recording, which `sha256` identifies, a
-        better calibration can be applied later (`ropefric.traces.recalibration`).
-    outline : Outline, optional
-        The recording for drawing.
-    problems : tuple of Problem
-        What was wrong or doubtful.
-    """
+    """One trial: its condition, what was picked, and whether it counts."""
 
     trial: str
     file: str
@@ -207,33 +139,7 @@ def _names_of(columns: tuple[str, ...]) -> frozenset[str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConditionSummary:
-    """The repeats of one condition, before and after rejection.
-
-    Attributes
-    ----------
-    wheel_radius_m, rope_radius_m, wrap_angle_rad : float
-        The condition.
-    end_tension_N : float
-        F_B [N]; where the slack side is measured, the mean of the trials kept.
-    lift_force_N : float
-        F_A [N]: the mean of the trials kept, or the known weight where the slack side is measured.
-    n_recorded : int
-        Trials listed.
-    n : int
-        Trials that gave a usable force.
-    n_kept : int
-        Trials kept by the rejection rule.
-    rejected : tuple of str
-        Names of the trials it set aside.
-    mean_all_N, std_all_N, mean_kept_N, std_kept_N : float
-        Mean and sample standard deviation of the measured force over the n and the n_kept trials [N].
-    rule : str
-        The rejection rule.
-    notes : tuple of str
-        What to bear in mind: nothing can be rejected, the scatter reads low after trimming.
-    trials : tuple of str
-        Names of all trials listed.
-    """
+    """The repeats of one condition, before and after rejection."""
 
     wheel_radius_m: float
     rope_radius_m: float
@@ -304,20 +210,7 @@ class Extraction:
 
 
 def count_trials(extraction: Extraction) -> dict[str, Any]:
-    """Return how many trials have each outcome and each status: the one count that everything else says.
-
-    Returns
-    -------
-    dict
-        `n_kept` + `n_rejected` + `n_excluded` + `n_without_force` = `n_trials`; `status` adds up to it too. `n_ok`
-        counts every recording that gave a force, whatever became of it.
-
-    Examples
-    --------
-    >>> counts = count_trials(Extraction(name="", trials=(), conditions=(), problems=()))
-    >>> counts["n_trials"], outcome_words(counts)
-    (0, '0 kept')
-    """
+    """Return how many trials have each outcome and each status: the one count that everything else says."""
     outcomes = [trial.outcome for trial in extraction.trials]
     statuses = [trial.breakaway.status for trial in extraction.trials]
     return {
@@ -330,13 +223,7 @@ def count_trials(extraction: Extraction) -> dict[str, Any]:
 
 
 def outcome_words(counts: Mapping[str, Any]) -> str:
-    """Return in words how many trials of `count_trials` have each outcome; of those that none has, only "kept".
-
-    Examples
-    --------
-    >>> outcome_words({"n_kept": 404, "n_rejected": 13, "n_excluded": 0, "n_without_force": 15})
-    '404 kept, 13 rejected, 15 without a force'
-    """
+    """Return in words how many trials of `count_trials` have each outcome; of those that none has, only "kept"."""
     numbers = {name: counts[f"n_{name.replace(' a ', '_')}"] for name in OUTCOMES}
     return ", ".join(f"{n} {name}" for name, n in numbers.items() if n or name == "kept")
 

@@ -12,8 +12,6 @@ from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import to_spreadsheet
 from ropefric.trials.result import Extraction
 
-__all__ = ["write_tables"]
-
 _PROBLEM_COLUMNS = ("severity", "code", "path", "line", "key", "message", "fix")
 _NAME_SEPARATOR = "; "
 _SETTINGS = frozenset({"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "dwell_s"})
@@ -28,13 +26,6 @@ def write_tables(extraction: Extraction, folder: Folder | str | os.PathLike[str]
     UTF-8, comma, decimal point, one header line with units in the names, empty cells where there is no number;
     what was measured to nine significant digits, so that the same recordings give the same bytes on every machine.
     Files of these names are replaced.
-
-    Parameters
-    ----------
-    extraction : Extraction
-        What to write.
-    folder : Folder or path-like
-        Made where it is missing.
     """
     problems = [
         {

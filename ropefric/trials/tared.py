@@ -15,25 +15,13 @@ from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.trial_spec import TrialSpec
 
-__all__ = ["LARGEST_N", "Tared", "tared_trace"]
-
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tared:
-    """A trace and what was taken off it.
-
-    Attributes
-    ----------
-    trace : ForceTrace
-        The recording.
-    tare_N : float
-        Reading of the idle cell [N]; 0 without a tare, NaN where there are too few samples.
-    problems : tuple of Problem
-        What was doubtful about the tare.
-    """
+    """A trace and what was taken off it."""
 
     trace: ForceTrace
     tare_N: float
@@ -41,22 +29,7 @@ class Tared:
 
 
 def tared_trace(campaign: Campaign, spec: TrialSpec, raw: RawRecording) -> Tared:
-    """Return a recording as a force trace: assembled, calibrated and tared as its campaign says.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Import profile, cells, converter and tare interval.
-    spec : TrialSpec
-        The trial, for its cell.
-    raw : RawRecording
-        What a reader found.
-
-    Raises
-    ------
-    DataError
-        If the recording cannot be understood, or the tare interval holds no sample.
-    """
+    """Return a recording as a force trace: assembled, calibrated and tared as its campaign says."""
     calibration = None
     if spec.cell and campaign.adc is not None:
         calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)

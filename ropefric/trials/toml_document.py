@@ -12,8 +12,6 @@ from ropefric.errors import DataError, Problem
 from ropefric.files.read import kind_of_file, read_file
 from ropefric.trials.toml_lines import KeyPath, endless_key, key_text, toml_lines
 
-__all__ = ["TomlDocument", "read_toml"]
-
 MOST_BYTES = 1_000_000
 """A TOML file larger than this was not written by hand."""
 
@@ -22,23 +20,7 @@ _MAX_PARTS = 32
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TomlDocument:
-    """What a TOML file says, and where.
-
-    Attributes
-    ----------
-    path : str
-        The file, as it is to be named in messages.
-    data : mapping
-        The tree as `tomllib` gives it.
-    lines : mapping of key path to int
-        The 1-based line of every key.
-
-    Examples
-    --------
-    >>> document = TomlDocument(path="a.toml", data={"rope": {"size": 1}}, lines={("rope",): 3, ("rope", "size"): 4})
-    >>> document.line_of(("rope", "size")), document.line_of(("rope", "missing"))
-    (4, 3)
-    """
+    """What a TOML file says, and where."""
 
     path: str
     data: Mapping[str, Any]
@@ -74,30 +56,7 @@ class TomlDocument:
 
 
 def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
-    r"""Return a TOML file's tree with the line of every key.
-
-    Parameters
-    ----------
-    path : path-like
-        The file, in UTF-8, with or without byte-order mark.
-    what : str
-        What it is, for messages: "campaign file".
-
-    Raises
-    ------
-    DataError
-        RF101 if it is missing, is not UTF-8, or is no TOML; with the line.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "a.toml"
-    ...     _ = path.write_text("[rope]\nsize = '9.8 mm'")
-    ...     document = read_toml(path)
-    >>> document.data["rope"]["size"], document.line_of(("rope", "size"))
-    ('9.8 mm', 2)
-    """
+    r"""Return a TOML file's tree with the line of every key."""
     name = _shown(path)
     try:
         content = read_file(path, what, shown=name, limit=MOST_BYTES)

@@ -11,20 +11,6 @@ from ropefric.errors import InputError
 from ropefric.quantities import parse_any_quantity, parse_fraction, parse_quantity
 from ropefric.registry import did_you_mean
 
-__all__ = [
-    "CUSTOM",
-    "StrictTable",
-    "any_quantity",
-    "choice",
-    "date_text",
-    "fraction",
-    "got",
-    "quantity",
-    "reject",
-    "text",
-    "whole_number",
-]
-
 CUSTOM = "ropefric"
 """The pydantic error type under which `reject` carries code, message, fix and key."""
 
@@ -36,31 +22,12 @@ class StrictTable(BaseModel):
 
 
 def reject(code: str, message: str, *, fix: str = "", key: str = "") -> NoReturn:
-    """Refuse a value inside a pydantic validator.
-
-    Raises
-    ------
-    PydanticCustomError
-        Always; its context holds the arguments for `validate_document`.
-
-    Examples
-    --------
-    >>> reject("RF110", "7 is too many")
-    Traceback (most recent call last):
-    ...
-    pydantic_core._pydantic_core.PydanticCustomError: 7 is too many
-    """
+    """Refuse a value inside a pydantic validator."""
     raise PydanticCustomError(CUSTOM, "{message}", {"code": code, "message": message, "fix": fix, "key": key})
 
 
 def got(value: object) -> str:
-    """Return a TOML value as its writer would recognise it.
-
-    Examples
-    --------
-    >>> got(True), got("x"), got({"a": 1})
-    ('true', '"x"', 'a table')
-    """
+    """Return a TOML value as its writer would recognise it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
@@ -74,22 +41,7 @@ def got(value: object) -> str:
 
 
 def quantity(si_unit: str, like: str, *, above: float | None = None) -> Callable[[object], float]:
-    """Return a reader of quantities written with their unit.
-
-    Parameters
-    ----------
-    si_unit : str
-        The SI unit wanted.
-    like : str
-        An example for messages: "40 mm".
-    above : float, optional
-        The SI value must be larger than this.
-
-    Examples
-    --------
-    >>> quantity("m", "40 mm", above=0)("1 cm")
-    0.01
-    """
+    """Return a reader of quantities written with their unit."""
     unit = like.partition(" ")[2]  # of the example, for a bare number's remedy
 
     def read(value: object) -> float:
@@ -106,18 +58,7 @@ def quantity(si_unit: str, like: str, *, above: float | None = None) -> Callable
 
 
 def fraction(like: str) -> Callable[[object], float]:
-    """Return a reader of shares written in per cent, from 0 to below 10 %.
-
-    Parameters
-    ----------
-    like : str
-        An example for messages: "0.02 %FS".
-
-    Examples
-    --------
-    >>> fraction("0.02 %FS")("0.1 %FS")
-    0.001
-    """
+    """Return a reader of shares written in per cent, from 0 to below 10 %."""
 
     def read(value: object) -> float:
         if not isinstance(value, str):
@@ -131,39 +72,21 @@ def fraction(like: str) -> Callable[[object], float]:
 
 
 def any_quantity(value: object) -> float:
-    """Return a quantity of any unit, or a bare number, in SI.
-
-    Examples
-    --------
-    >>> any_quantity("2 bar"), any_quantity(3)
-    (200000.0, 3.0)
-    """
+    """Return a quantity of any unit, or a bare number, in SI."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         reject("RF110", f'expected a number or text like "490.9 mm^2", got {got(value)}')
     return _converted(lambda: parse_any_quantity(got(value).strip('"')), "490.9 mm^2")
 
 
 def text(value: object) -> str:
-    """Return a text, if it is one.
-
-    Examples
-    --------
-    >>> text("aramid")
-    'aramid'
-    """
+    """Return a text, if it is one."""
     if not isinstance(value, str):
         reject("RF110", f"expected text in quotes, got {got(value)}", fix="put it in quotes")
     return value
 
 
 def date_text(value: object) -> str:
-    """Return a TOML date as ISO text.
-
-    Examples
-    --------
-    >>> date_text(dt.date(2026, 1, 15))
-    '2026-01-15'
-    """
+    """Return a TOML date as ISO text."""
     if isinstance(value, dt.datetime):
         return value.date().isoformat()
     if not isinstance(value, dt.date):
@@ -176,13 +99,7 @@ def date_text(value: object) -> str:
 
 
 def choice(names: Callable[[], Collection[str]]) -> Callable[[object], str]:
-    """Return a reader of one word out of `names()`, which is asked only when it is needed.
-
-    Examples
-    --------
-    >>> choice(lambda: ("slack", "tight"))("tight")
-    'tight'
-    """
+    """Return a reader of one word out of `names()`, which is asked only when it is needed."""
 
     def read(value: object) -> str:
         known = names()
@@ -194,13 +111,7 @@ def choice(names: Callable[[], Collection[str]]) -> Callable[[object], str]:
 
 
 def whole_number(lowest: int, highest: int = 2**31 - 1) -> Callable[[object], int]:
-    """Return a reader of whole numbers from `lowest` to `highest`.
-
-    Examples
-    --------
-    >>> whole_number(1, 32)(10)
-    10
-    """
+    """Return a reader of whole numbers from `lowest` to `highest`."""
 
     def read(value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:

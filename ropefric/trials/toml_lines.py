@@ -5,8 +5,6 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-__all__ = ["KeyPath", "endless_key", "key_text", "toml_lines"]
-
 KeyPath = tuple[str | int, ...]
 """A place in a TOML tree: names of keys and 0-based numbers of array elements."""
 
@@ -22,36 +20,14 @@ _TOKEN = re.compile(
 
 
 def toml_lines(text: str) -> dict[KeyPath, int]:
-    r"""Return the 1-based line of every key, table and array element of a TOML text.
-
-    Parameters
-    ----------
-    text : str
-        TOML that `tomllib` accepts; of other text, whatever can be recognised.
-
-    Returns
-    -------
-    dict of tuple to int
-        For a table, the line where it is first named.
-
-    Examples
-    --------
-    >>> toml_lines('a = 1\n[rope]\nsize = { d = "#", e = [1,\n2] }\n')[("rope", "size", "e", 1)]
-    4
-    """
+    r"""Return the 1-based line of every key, table and array element of a TOML text."""
     locator = _Locator([token for token in _tokens(text) if token.kind not in ("comment", "space")])
     locator.run()
     return locator.lines
 
 
 def endless_key(text: str, most: int) -> int | None:
-    r"""Return the line of the first key with more than `most` dotted parts, whose cost grows with their square.
-
-    Examples
-    --------
-    >>> endless_key("a.b = 1\nc.d.e = 1.5", 2), endless_key("a.b = 1", 2)
-    (2, None)
-    """
+    r"""Return the line of the first key with more than `most` dotted parts, whose cost grows with their square."""
     dots = 0
     for token in _tokens(text):
         if token.is_mark("."):
@@ -64,13 +40,7 @@ def endless_key(text: str, most: int) -> int | None:
 
 
 def key_text(path: KeyPath) -> str:
-    """Return a place as people write it.
-
-    Examples
-    --------
-    >>> key_text(("cells", "K 1", "calibration_points", 0, 1))
-    'cells."K 1".calibration_points[0][1]'
-    """
+    """Return a place as people write it."""
     text = ""
     for part in path:
         if isinstance(part, int):

@@ -11,36 +11,11 @@ from ropefric.trials.toml_document import TomlDocument
 from ropefric.trials.toml_fields import CUSTOM, got
 from ropefric.trials.toml_lines import KeyPath, key_text
 
-__all__ = ["validate_document"]
-
 M = TypeVar("M", bound=BaseModel)
 
 
 def validate_document(model: type[M], document: TomlDocument) -> tuple[M | None, tuple[Problem, ...]]:
-    """Return a document as a model, or what is wrong with it.
-
-    Parameters
-    ----------
-    model : type of pydantic.BaseModel
-        Its field aliases are the TOML keys; unknown keys are to be forbidden in its config.
-    document : TomlDocument
-        The file.
-
-    Returns
-    -------
-    model or None
-        None where there is a problem.
-    problems : tuple of Problem
-        All of them, in the order of their lines; empty where there is a model.
-
-    Examples
-    --------
-    >>> from ropefric.trials.campaign_schema import RopeTable
-    >>> document = TomlDocument(path="a.toml", data={"diametre": "9.8 mm"}, lines={("diametre",): 1})
-    >>> print(validate_document(RopeTable, document)[1][0])
-    error RF120 a.toml:1 diametre  unknown key 'diametre'
-      fix: did you mean 'diameter'?
-    """
+    """Return a document as a model, or what is wrong with it."""
     try:
         return model.model_validate(dict(document.data)), ()
     except ValidationError as error:

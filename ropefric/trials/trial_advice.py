@@ -11,8 +11,6 @@ from ropefric.friction.condition import FloatArray, condition_groups, distinct
 from ropefric.glossary import counted
 from ropefric.trials.trial_spec import TrialSpec
 
-__all__ = ["advise", "radius_doubt"]
-
 SMALLEST_RADIUS_M, LARGEST_RADIUS_M = 1e-3, 10.0
 LARGEST_WRAP_TURNS = 100
 SMALLEST_WRAP_DEG = 90
@@ -20,37 +18,14 @@ FEWEST_REPEATS = 6
 
 
 def radius_doubt(radius_m: float) -> str:
-    """Return why a wheel radius is probably in another unit; "" if it is plausible.
-
-    Examples
-    --------
-    >>> radius_doubt(40.0)
-    'a wheel radius of 40 m is outside 1 mm to 10 m, probably in another unit'
-    """
+    """Return why a wheel radius is probably in another unit; "" if it is plausible."""
     if SMALLEST_RADIUS_M <= radius_m <= LARGEST_RADIUS_M:
         return ""
     return f"a wheel radius of {radius_m:g} m is outside 1 mm to 10 m, probably in another unit"
 
 
 def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each: bool) -> tuple[Problem, ...]:
-    """Return warnings about a trial list without errors.
-
-    Parameters
-    ----------
-    trials : sequence of TrialSpec
-        The list.
-    path : str
-        Its file, for messages.
-    rule : str
-        Name of the outlier rule.
-    one_trial_each : bool
-        True if every recording is one trial, so that repeats can be counted.
-
-    Examples
-    --------
-    >>> advise([], "trials.csv", rule="two-sigma", one_trial_each=True)
-    ()
-    """
+    """Return warnings about a trial list without errors."""
     used = [trial for trial in trials if not trial.exclude]
     problems = _doubts(trials) + _unseen_effects(used)
     if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):

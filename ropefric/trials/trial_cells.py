@@ -9,8 +9,6 @@ from ropefric.quantities import parse_quantity
 from ropefric.trials.trial_columns import BoundColumn
 from ropefric.trials.trial_table import CellTable
 
-__all__ = ["NUMBER", "POSITIVE", "Row", "decimal_mark", "read_row"]
-
 NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*+)?")
 _WITH_UNIT = re.compile(rf"({NUMBER.pattern})\s*+[A-Za-z°%]++")
@@ -25,21 +23,7 @@ POSITIVE = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One row of the trial list as far as it can be read.
-
-    Attributes
-    ----------
-    line : int
-        1-based line.
-    texts : dict of str to str
-        Text cells by field, "" where empty.
-    numbers : dict of str to float
-        Numbers in SI by field; empty and unreadable cells are left out.
-    problems : list of Problem
-        What is wrong with the cells.
-    unreadable : frozenset of str
-        Fields whose cells hold something, but no usable number.
-    """
+    """One row of the trial list as far as it can be read."""
 
     line: int
     texts: dict[str, str]
@@ -51,29 +35,7 @@ class Row:
 def read_row(
     cells: tuple[str, ...], line: int, columns: dict[str, BoundColumn], path: str, decimal: str
 ) -> Row:
-    """Return a row's cells as texts and SI numbers.
-
-    Parameters
-    ----------
-    cells : tuple of str
-        The cells.
-    line : int
-        1-based line, for messages.
-    columns : dict
-        From `bind_columns`.
-    path : str
-        The table, for messages.
-    decimal : str
-        The table's decimal mark; numbers with the other one are refused.
-
-    Examples
-    --------
-    >>> from ropefric.trials.trial_columns import bind_columns
-    >>> columns, _, _ = bind_columns(("file", "wrap_turns"), "trials.csv", 1)
-    >>> row = read_row(("a.csv", "1,5 x"), 2, columns, "trials.csv", ",")
-    >>> row.texts, row.numbers, row.problems[0].code
-    ({'file': 'a.csv'}, {}, 'RF102')
-    """
+    """Return a row's cells as texts and SI numbers."""
     texts: dict[str, str] = {}
     numbers: dict[str, float] = {}
     problems: list[Problem] = []

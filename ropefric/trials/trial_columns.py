@@ -8,10 +8,6 @@ from ropefric.errors import InputError, Problem
 from ropefric.quantities import split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 
-__all__ = [
-    "STANDARD_GRAVITY_M_S2", "TEXT_COLUMNS", "BoundColumn", "bind_columns", "bind_header", "near_miss",
-]  # fmt: skip
-
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Weight per mass [m/s²], CGPM 1901; what turns `end_mass_kg` into a tension."""
 
@@ -51,21 +47,7 @@ _KNOWN = (*TEXT_COLUMNS, *(item.example for item in _QUANTITIES.values()))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoundColumn:
-    """A column of the table and what it means.
-
-    Attributes
-    ----------
-    index : int
-        0-based place in the row.
-    header : str
-        As written.
-    field : str
-        The field of `TrialSpec` it gives; "" if it is to be ignored.
-    unit, si_unit : str
-        The unit its numbers are in, and the one they become; "" for text.
-    scale : float
-        Factor beside the unit's: 1/2 for a diameter, g for a mass.
-    """
+    """A column of the table and what it means."""
 
     index: int
     header: str
@@ -82,21 +64,6 @@ def bind_columns(
 
     Columns whose name is empty or starts with "_" are left out. A column that is not known is the user's own and is
     kept; one whose name is nearly that of a known column is doubtful.
-
-    Parameters
-    ----------
-    header : tuple of str
-        Column headers: "file", "wheel_radius_mm", "Wrap angle (deg)".
-    path : str
-        The table, for messages.
-    line : int
-        1-based line of the header.
-
-    Examples
-    --------
-    >>> columns, own, problems = bind_columns(("file", "wrap_turns", "weather"), "trials.csv", 1)
-    >>> columns["wrap_angle_rad"].unit, own, problems
-    ('turn', {'weather': 2}, ())
     """
     bound, others, problems = bind_header(header, path, line, bind=_bind)
     own: dict[str, int] = {}
@@ -110,19 +77,7 @@ def bind_columns(
 def near_miss(
     name: str, known: Iterable[str], stems: Iterable[str], path: str, line: int | None
 ) -> tuple[Problem, ...]:
-    """Return a warning if a column that is not known has nearly the name of one that is.
-
-    Parameters
-    ----------
-    name : str
-        The header.
-    known : iterable of str
-        Headers that are known, for the message.
-    stems : iterable of str
-        The same without their units.
-    path, line
-        Where it stands.
-    """
+    """Return a warning if a column that is not known has nearly the name of one that is."""
     stem = _word(split_unit_suffix(name)[0])
     if not get_close_matches(stem[:80], [*stems], n=1, cutoff=_SLIP):
         return ()
@@ -140,17 +95,7 @@ def bind_header(
     *,
     bind: Callable[[int, str, dict[str, BoundColumn]], BoundColumn | None],
 ) -> tuple[dict[str, BoundColumn], list[str], list[Problem]]:
-    """Return the columns that a table knows, by field, the names it leaves alone, and all that is wrong.
-
-    Parameters
-    ----------
-    header : sequence of str
-        The names.
-    path, line
-        Where they stand, for messages.
-    bind : callable
-        `(index, name, bound so far)` gives a column, None to leave it alone, or raises an `InputError`.
-    """
+    """Return the columns that a table knows, by field, the names it leaves alone, and all that is wrong."""
     bound: dict[str, BoundColumn] = {}
     others: list[str] = []
     problems: list[Problem] = []

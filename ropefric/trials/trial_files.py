@@ -11,8 +11,6 @@ from ropefric.errors import Problem
 from ropefric.files.read import kind_of_file
 from ropefric.trials.trial_cells import Row
 
-__all__ = ["MISSING_RECORDING", "check_files", "check_names"]
-
 MISSING_RECORDING = "RF124"
 """Code of the problem that a recording is not there."""
 
@@ -24,21 +22,6 @@ def check_files(rows: Sequence[Row], folder: Path | None, path: str) -> list[Pro
     """Return problems of recordings: listed twice, or missing.
 
     Parts of one recording that do not overlap in time are different trials.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The list.
-    folder : Path, optional
-        The folder of the recordings; None leaves out the question whether they are there.
-    path : str
-        The list, for messages.
-
-    Examples
-    --------
-    >>> row = Row(line=2, texts={"file": "nowhere.csv"}, numbers={})
-    >>> check_files([row], Path(), "trials.csv")[0].message
-    'the recording nowhere.csv is not there'
     """
     problems = _listed_twice(rows, path)
     if folder is None:
@@ -139,12 +122,6 @@ def check_names(rows: Sequence[Row], path: str) -> tuple[list[str], list[Problem
 
     A row without a name is called after its file, with the block where there is one, and a number where that
     name is taken.
-
-    Examples
-    --------
-    >>> rows = [Row(line=line, texts={"file": "pull.csv.gz"}, numbers={}) for line in (2, 3)]
-    >>> check_names(rows, "trials.csv")[0]
-    ['pull', 'pull-2']
     """
     given = Counter(row.texts["trial"] for row in rows if row.texts.get("trial"))
     first: dict[str, int] = {}

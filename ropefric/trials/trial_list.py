@@ -15,34 +15,12 @@ from ropefric.trials.trial_files import check_files, check_names
 from ropefric.trials.trial_spec import TrialSpec
 from ropefric.trials.trial_table import CellTable, read_cells
 
-__all__ = ["TrialContext", "read_trials"]
-
 _SLIP = 0.75
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialContext:
-    """What the campaign file says that rows depend on; as far as it could be read.
-
-    Attributes
-    ----------
-    folder : Path
-        The folder that the `file` column is relative to.
-    folder_exists : bool
-        False if it is missing, which is said once and not for every recording.
-    wheels : mapping of str to float or None
-        Radius [m] by wheel name; None where it could not be read.
-    cells : tuple of str
-        Names of the force cells.
-    rope_radius_m : float, optional
-        Of rows that do not say; None where it could not be read.
-    needs_lift_force : bool, optional
-        True if rows give the tight side and the sensor measures the slack one; None if that cannot be told.
-    needs_cell : bool
-        True if recordings are in counts.
-    start_s, stop_s : float, optional
-        The interval of rows that do not say [s].
-    """
+    """What the campaign file says that rows depend on; as far as it could be read."""
 
     folder: Path
     folder_exists: bool = True
@@ -58,28 +36,7 @@ class TrialContext:
 def read_trials(
     path: str | os.PathLike[str], context: TrialContext
 ) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
-    """Return the rows that can be used, and all problems of the table.
-
-    Parameters
-    ----------
-    path : path-like
-        The CSV file.
-    context : TrialContext
-        What the campaign file says.
-
-    Returns
-    -------
-    trials : tuple of TrialSpec
-        Only rows without an error of their own.
-    problems : tuple of Problem
-        By line.
-
-    Examples
-    --------
-    >>> trials, problems = read_trials("nowhere.csv", TrialContext(folder=Path(), wheels={}))
-    >>> problems[0].message
-    'there is no such file'
-    """
+    """Return the rows that can be used, and all problems of the table."""
     try:
         table, problems_of_rows = read_cells(path)
     except DataError as error:

@@ -11,26 +11,10 @@ from ropefric.files.read import use_file
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.text import load_text
 
-__all__ = ["CellTable", "read_cells"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellTable:
-    """The cells of a table, without blanks around them.
-
-    Attributes
-    ----------
-    path : str
-        The file, as it is to be named in messages.
-    separator : str
-        Between cells.
-    header : tuple of str
-        Column headers.
-    header_line : int
-        1-based line of the header.
-    rows : tuple of (line, cells)
-        All other rows with as many cells as the header.
-    """
+    """The cells of a table, without blanks around them."""
 
     path: str
     separator: str
@@ -44,21 +28,6 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
 
     Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row;
     empty lines and lines that start with "#" are left out.
-
-    Raises
-    ------
-    DataError
-        RF101 if the file is missing, is no text, or has no header. Rows with a wrong number of cells are RF103.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "trials.csv"
-    ...     _ = path.write_text("# mine\nfile;note\na.csv;x, y\nb.csv\n")
-    ...     table, problems = read_cells(path)
-    >>> table.rows, problems[0].line
-    (((3, ('a.csv', 'x, y')),), 4)
     """
     shown = Path(path).as_posix()
     try:

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from multiprocessing.context import BaseContext
     from multiprocessing.process import BaseProcess
 
-__all__ = ["Limits", "Lost", "become_expendable", "guarded", "usable_cores"]
 
 T = TypeVar("T")
 
@@ -48,28 +47,14 @@ _READY, _DONE, _RAISED, _NO_MEMORY = range(4)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """What one recording may take.
-
-    Attributes
-    ----------
-    memory_bytes : float
-        Memory, on top of what a process that reads nothing has. Held on Linux only; elsewhere not limited.
-    time_s : float
-        Time on the clock.
-    """
+    """What one recording may take."""
 
     memory_bytes: float = 2e9
     time_s: float = 120.0
 
     @property
     def memory(self) -> str:
-        """Return the memory in words.
-
-        Examples
-        --------
-        >>> Limits(memory_bytes=2e9).memory, Limits(memory_bytes=5e7).memory
-        ('2 GB', '50 MB')
-        """
+        """Return the memory in words."""
         return (
             f"{self.memory_bytes / 1e9:.4g} GB"
             if self.memory_bytes >= 1e9
@@ -98,22 +83,6 @@ def guarded(
     """Give number and result of each of `n` pieces of work, in the order they are finished.
 
     What `work` raises is raised here; close the iterator to end the processes early.
-
-    Parameters
-    ----------
-    work : callable
-        Takes a number from 0; picklable, as its results are.
-    n : int
-        Pieces.
-    jobs : int
-        Processes; no more than there are pieces and cores.
-    limits : Limits, optional
-        Of one piece.
-
-    Examples
-    --------
-    >>> sorted(guarded(float, 3))
-    [(0, 0.0), (1, 1.0), (2, 2.0)]
     """
     import multiprocessing  # noqa: PLC0415  (these: quick start-up)
     from multiprocessing.connection import wait  # noqa: PLC0415

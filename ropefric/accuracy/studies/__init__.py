@@ -13,8 +13,6 @@ from ropefric.accuracy.studies import (
 from ropefric.accuracy.study import Study
 from ropefric.registry import Registry
 
-__all__ = ["STUDIES"]
-
 STUDIES: Registry[Study] = Registry(
     "study",
     [

@@ -13,8 +13,6 @@ from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
 from ropefric.systems.bandsaw.ends import CLAMPED
 from ropefric.systems.bandsaw.galerkin import ScaledBeam, free_freedoms, galerkin_frequencies, widths_for
 
-__all__ = ["FREQUENCIES", "SPEED", "STUDY", "string_frequencies"]
-
 SPEED = 0.5
 """V = v/c."""
 
@@ -31,13 +29,7 @@ _QUICK_ORDERS = {8, 12, 16, 24, 32}
 
 
 def string_frequencies(speed: float, n_modes: int) -> FloatArray:
-    """Return the scaled frequencies ω_n = nπ (1 − V²) of a string without stiffness, eq. (8).
-
-    Examples
-    --------
-    >>> string_frequencies(0.5, 1).round(6).tolist()
-    [2.356194]
-    """
+    """Return the scaled frequencies ω_n = nπ (1 − V²) of a string without stiffness, eq. (8)."""
     return np.asarray(math.pi * (1.0 - speed) * (1.0 + speed) * np.arange(1.0, n_modes + 1.0))
 
 

@@ -12,8 +12,6 @@ from ropefric.accuracy.study import Case, Outcome, Setting, Study
 from ropefric.friction.condition import FloatArray
 from ropefric.friction.end_tension import exponential_start_rad, power_log_start
 
-__all__ = ["STUDY", "bisection", "log_newton", "newton", "omega"]
-
 Values = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """G − y and its slope μ at angles."""
 
@@ -49,22 +47,7 @@ _QUICK_STEPS = {2, 4, 8}
 
 
 def bisection(values: Values, upper: FloatArray, n: int) -> FloatArray:
-    """Return ln φ0 after n halvings of [0, upper]: one bit a step, and none of a φ0 far below the bracket.
-
-    Parameters
-    ----------
-    values : callable
-        G − y and its slope at angles, shape (k,).
-    upper : ndarray, shape (k,)
-        Angles [rad] where G is at least y.
-    n : int
-        Number of halvings.
-
-    Examples
-    --------
-    >>> bisection(lambda phi: (phi - 1.0, phi), np.array([4.0]), 50).round(9).tolist()
-    [0.0]
-    """
+    """Return ln φ0 after n halvings of [0, upper]: one bit a step, and none of a φ0 far below the bracket."""
     low, high = np.zeros_like(upper), upper
     for _ in range(n):
         middle = 0.5 * (low + high)
@@ -77,11 +60,6 @@ def newton(values: Values, upper: FloatArray, n: int) -> FloatArray:
     """Return ln φ0 after n Newton steps in φ from `upper`, halved where a step would leave the positive angles.
 
     G is concave, so that the first step may overshoot to the left and all later ones rise to the root.
-
-    Examples
-    --------
-    >>> newton(lambda phi: (phi**2 - 1.0, 2.0 * phi), np.array([4.0]), 8).round(9).tolist()
-    [0.0]
     """
     phi = upper
     for _ in range(n):
@@ -92,13 +70,7 @@ def newton(values: Values, upper: FloatArray, n: int) -> FloatArray:
 
 
 def log_newton(y: FloatArray, b: float, n: int) -> FloatArray:
-    """Return ln φ0 of μ = 0.2 φ^b + 0.1 after n Newton steps on ln G in u = ln φ: convex, so the steps only descend.
-
-    Examples
-    --------
-    >>> log_newton(np.array([1.0]), -0.5, 8).round(9).tolist()
-    [1.109674362]
-    """
+    """Return ln φ0 of μ = 0.2 φ^b + 0.1 after n Newton steps on ln G in u = ln φ: convex, so the steps only descend."""
     u = _log_start(y, b)
     for _ in range(n):
         u = u - _log_step(u, y, b)
@@ -127,13 +99,7 @@ def _steps_to_stop(y: FloatArray, b: float) -> float:
 
 
 def omega(y: FloatArray) -> FloatArray:
-    """Return ln φ0 of μ = 0.1 e^{−0.5 φ} + 0.2 by Wright's omega function, without a step of iteration.
-
-    Examples
-    --------
-    >>> omega(np.array([3.0])).round(9).tolist()
-    [2.639122432]
-    """
+    """Return ln φ0 of μ = 0.1 e^{−0.5 φ} + 0.2 by Wright's omega function, without a step of iteration."""
     shifted = y + A_EXP / B_EXP
     argument = B_EXP * shifted / C_EXP + np.log(A_EXP / C_EXP)
     return _log(shifted / C_EXP - wrightomega(argument) / B_EXP)

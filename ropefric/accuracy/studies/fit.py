@@ -15,8 +15,6 @@ from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.laws import ALL_LAWS
 
-__all__ = ["BEST", "STUDY", "fitting_problem"]
-
 TRUTH = (0.2, -0.5, 0.1)
 START = (0.4, -0.3, 0.05)
 SCATTER = 0.005
@@ -36,13 +34,7 @@ _QUICK_TOLERANCES = {1e-3, 1e-6, 1e-12}
 
 @cache
 def fitting_problem(case: str) -> FitProblem:
-    """Return twelve pulls of wrap-power, counted from φ = 0, with a scatter of half a per cent.
-
-    Examples
-    --------
-    >>> fitting_problem("wide").n_varying
-    3
-    """
+    """Return twelve pulls of wrap-power, counted from φ = 0, with a scatter of half a per cent."""
     law = ALL_LAWS["wrap-power-from-zero"]
     low, high = _WRAPS_RAD[case]
     pulls = Conditions(

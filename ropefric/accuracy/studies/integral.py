@@ -18,17 +18,6 @@ from ropefric.friction.condition import FloatArray
 from ropefric.friction.integral import power_integral
 from ropefric.friction.power_span import power_span
 
-__all__ = [
-    "CLOSED",
-    "STUDY",
-    "adaptive",
-    "gauss_legendre",
-    "integral_findings",
-    "segment_sum",
-    "simpson",
-    "trapezoid",
-]
-
 CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 """The library's function, its formula without the checks of its input, and the difference of two powers."""
 
@@ -39,13 +28,7 @@ _MANY = 10_000
 
 
 def integral_findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    """Return whether a closed form is the fastest at every accuracy from 1e-6 down, case by case, and what else is.
-
-    Examples
-    --------
-    >>> integral_findings(())
-    ()
-    """
+    """Whether a closed form is the fastest at every accuracy from 1e-6 down, case by case, and what else is."""
     cases = [case for case in dict.fromkeys(point.case for point in points) if _closed(in_case(points, case))]
     sentences = tuple(_of_case(case, in_case(points, case)) for case in cases)
     return (*sentences, *_where_textbook_fails(points), *_one_against_many(points), *_of_the_hoist(points))
@@ -166,20 +149,6 @@ def segment_sum(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> Fl
 
     Second order where μ is smooth; order b + 1 where the wrap starts at φ = 0, since the first sub-angle alone then
     misses a part of φ^{b+1}, its own share of the integral.
-
-    Parameters
-    ----------
-    mu : callable
-        Local coefficient at angles [rad].
-    start, wrap : ndarray, shape (k,)
-        p and δ [rad].
-    n : int
-        Number of sub-angles.
-
-    Examples
-    --------
-    >>> segment_sum(lambda phi: phi, np.array([0.0]), np.array([2.0]), 4).tolist()
-    [2.0]
     """
     middles = (np.arange(n) + 0.5)[:, np.newaxis] / n
     return np.asarray(wrap * mu(start + wrap * middles).mean(axis=0))
@@ -190,24 +159,13 @@ def trapezoid(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> Floa
 
     Second order where μ is smooth. Near φ = 0 its end point counts with h/2 · p^b, so it looks first order until the
     interval h is as short as p, and there is no answer at p = 0.
-
-    Examples
-    --------
-    >>> trapezoid(lambda phi: phi, np.array([0.0]), np.array([2.0]), 4).tolist()
-    [2.0]
     """
     values = mu(start + wrap * (np.arange(n + 1)[:, np.newaxis] / n))
     return np.asarray(wrap / n * (values[1:-1].sum(axis=0) + 0.5 * (values[0] + values[-1])))
 
 
 def simpson(mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
-    """Return Simpson's sum over n intervals, n even; fourth order where μ is smooth, arguments as in `segment_sum`.
-
-    Examples
-    --------
-    >>> simpson(lambda phi: phi**3, np.array([0.0]), np.array([2.0]), 2).round(12).tolist()
-    [4.0]
-    """
+    """Return Simpson's sum over n intervals, n even; fourth order where μ is smooth, arguments as in `segment_sum`."""
     values = mu(start + wrap * (np.arange(n + 1)[:, np.newaxis] / n))
     inner = 4.0 * values[1:-1:2].sum(axis=0) + 2.0 * values[2:-1:2].sum(axis=0)
     return np.asarray(wrap / (3 * n) * (inner + values[0] + values[-1]))
@@ -217,11 +175,6 @@ def gauss_legendre(mu: Function, start: FloatArray, wrap: FloatArray, n: int) ->
     """Return Gauss-Legendre's sum of n points; its error falls geometrically with n where μ is smooth.
 
     The nodes are computed once and kept. Arguments as in `segment_sum`.
-
-    Examples
-    --------
-    >>> gauss_legendre(lambda phi: phi**3, np.array([0.0]), np.array([2.0]), 2).round(12).tolist()
-    [4.0]
     """
     nodes, weights = _legendre(n)
     return np.asarray(wrap * (weights @ mu(start + wrap * nodes)))
@@ -236,13 +189,7 @@ def _legendre(n: int) -> tuple[FloatArray, FloatArray]:
 def adaptive(
     mu: Callable[[float], float], start: FloatArray, wrap: FloatArray, tolerance: float
 ) -> FloatArray:
-    """Return scipy's adaptive Gauss-Kronrod quadrature, condition by condition, to a relative tolerance.
-
-    Examples
-    --------
-    >>> adaptive(lambda phi: phi**3, np.array([0.0]), np.array([2.0]), 1e-8).round(12).tolist()
-    [4.0]
-    """
+    """Return scipy's adaptive Gauss-Kronrod quadrature, condition by condition, to a relative tolerance."""
     ends = zip(start.tolist(), (start + wrap).tolist(), strict=True)
     # With full_output a missed tolerance is a message and not a warning; the error shows it anyway.
     return np.array(

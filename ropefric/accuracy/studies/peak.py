@@ -16,8 +16,6 @@ from ropefric.traces.settings import PickSettings
 from ropefric.traces.smoothing import average_over_samples
 from ropefric.traces.trace import ForceTrace
 
-__all__ = ["STUDY", "highest_average", "recordings"]
-
 LIFT_N, END_N = 320.0, 80.0
 N_RECORDINGS = 40
 IDLE_S = 0.25
@@ -30,18 +28,7 @@ _QUICK_SAMPLES = {5, 15, 31, 121}
 
 @cache
 def recordings(noise_counts: tuple[float, float]) -> tuple[ForceTrace, ...]:
-    """Return calibrated recordings of the virtual rig, all of which break away at exactly 320 N.
-
-    Parameters
-    ----------
-    noise_counts : tuple of float
-        Range of the standard deviation of the noise [counts]; one count is 0.98 N.
-
-    Examples
-    --------
-    >>> recordings((0.3, 1.0))[0].sampling_rate_Hz.__round__()
-    3000
-    """
+    """Return calibrated recordings of the virtual rig, all of which break away at exactly 320 N."""
     bench = Bench(noise_counts=noise_counts)
     return tuple(_recording(bench, seed) for seed in range(N_RECORDINGS))
 
@@ -57,14 +44,7 @@ def _recording(bench: Bench, seed: int) -> ForceTrace:
 
 
 def highest_average(trace: ForceTrace, n_window: int) -> float:
-    """Return the maximum of the moving average over the whole recording [N], the way of the paper.
-
-    Examples
-    --------
-    >>> trace = ForceTrace(time_s=np.arange(5.0), force_N=np.array([0.0, 1.0, 5.0, 1.0, 0.0]))
-    >>> round(highest_average(trace, 3), 6)
-    2.333333
-    """
+    """Return the maximum of the moving average over the whole recording [N], the way of the paper."""
     return float(average_over_samples(trace.force_N, n_window).max())
 
 

@@ -19,8 +19,6 @@ from ropefric.systems.press.transient.model import elastic_press
 from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.spectrum import rk4_limit_s
 
-__all__ = ["BELTS", "STUDY", "TENSIONS_N", "TIMES_S", "machine", "start_up", "tensions_N"]
-
 TIMES_S = (0.1, 0.2, 0.4)
 SPEED_M_S, RUN_UP_S = 0.916, 0.3
 BELTS = {"pliant": (2e6, 1e-3), "stiff": (1e7, 1e-2)}
@@ -97,35 +95,14 @@ def machine(stiffness_N: float, damping_s: float) -> Press:
 
 @cache
 def start_up(case: str) -> LinearStartUp:
-    """Return the start-up of a case: a smooth run-up in 0.3 s, the loads in proportion to the speed.
-
-    Examples
-    --------
-    >>> start_up("pliant").n_state
-    8
-    """
+    """Return the start-up of a case: a smooth run-up in 0.3 s, the loads in proportion to the speed."""
     model = elastic_press(machine(*BELTS[case]))
     speed = DRIVE_LAWS["s-curve"].speed(speed_m_s=SPEED_M_S, duration_s=RUN_UP_S)
     return LinearStartUp(model=model, inputs=press_inputs(model, speed, "with-speed"))
 
 
 def tensions_N(problem: LinearStartUp, integrator: str, settings: Settings) -> FloatArray:
-    """Return the tensions of all spans at `TIMES_S`, shape (3, 4) [N].
-
-    Parameters
-    ----------
-    problem : LinearStartUp
-        The start-up.
-    integrator : str
-        A name in `INTEGRATORS`.
-    settings : Settings
-        Its step or tolerance.
-
-    Examples
-    --------
-    >>> tensions_N(start_up("pliant"), "exact", Settings()).shape
-    (3, 4)
-    """
+    """Return the tensions of all spans at `TIMES_S`, shape (3, 4) [N]."""
     times_s = np.array(TIMES_S)
     states = INTEGRATORS[integrator].solve(problem, times_s, settings)[:, : problem.n_state]
     rows = np.hstack([states, problem.inputs.at(times_s)])

@@ -25,25 +25,13 @@ from ropefric.systems.hoist.problem import HoistProblem
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 
-__all__ = ["ACCURACIES_WANTED", "N_SWEEP", "PROBLEMS", "STUDY", "Planned", "planned"]
-
 N_SWEEP = 8
 """Preloads of the sweep."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Planned:
-    """A machine to be planned and solved.
-
-    Attributes
-    ----------
-    title : str
-        What it is, with its numbers.
-    system : System
-        Its kind.
-    problem : callable
-        Returns what its scene says.
-    """
+    """A machine to be planned and solved."""
 
     title: str
     system: System[Any, Any, Any]
@@ -134,22 +122,7 @@ _PLAN, _KEPT, _ALL, _NONE = "plan and solve", "plan at hand", "all effects", "no
 
 @cache
 def planned(case: str, accuracy: float, effects: str = "auto") -> tuple[Plan, Any]:
-    """Return the plan of a case and the model assembled to it.
-
-    Parameters
-    ----------
-    case : str
-        A name in `PROBLEMS`.
-    accuracy : float
-        Relative error wanted.
-    effects : {"auto", "all"}
-        What to simulate.
-
-    Examples
-    --------
-    >>> planned("saw", 0.1)[0].simulated
-    ('travel',)
-    """
+    """Return the plan of a case and the model assembled to it."""
     return make_plan(PROBLEMS[case].system, _problem(case), accuracy=accuracy, effects=effects)
 
 

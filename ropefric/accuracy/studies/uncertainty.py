@@ -20,8 +20,6 @@ from ropefric.fitting.propagation import LiftModel, drawn_range
 from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.laws import LAWS
 
-__all__ = ["STUDY", "exact_interval", "interval_problem", "mu_of_exponent"]
-
 SIZE_SHARE = 0.25
 """A = R_r/(R_w + R_r) of the wheel of both cases."""
 
@@ -39,11 +37,6 @@ def mu_of_exponent(law: str, exponent: npt.ArrayLike) -> FloatArray:
     """Return the coefficient for an exponent per radian λ: μ = λ, or λ/(1 − A − A λ²) for a thick rope.
 
     The second solves λ = [−1 + √(1 + 4Aμ²(1 − A))]/(2Aμ) for μ.
-
-    Examples
-    --------
-    >>> mu_of_exponent("constant", 0.2).tolist(), mu_of_exponent("thickness", 0.5).round(6).tolist()
-    (0.2, 0.727273)
     """
     found = np.asarray(exponent, dtype=np.float64)
     if law == "constant":
@@ -53,13 +46,7 @@ def mu_of_exponent(law: str, exponent: npt.ArrayLike) -> FloatArray:
 
 @cache
 def interval_problem(law: str) -> FitProblem:
-    """Return six pulls of known scatter with residuals that are fixed, so that the estimate is not the truth.
-
-    Examples
-    --------
-    >>> interval_problem("constant").n_points
-    6
-    """
+    """Return six pulls of known scatter with residuals that are fixed, so that the estimate is not the truth."""
     chosen, n = LAWS[law], len(WRAPS_RAD)
     pulls = Conditions(
         wheel_radius_m=np.full(n, 0.03),
@@ -87,11 +74,6 @@ def exact_interval(law: str) -> tuple[float, float, float]:
 
     ln(F_A/F_B) = λφ is linear in λ, whose interval is therefore Σφy/Σφ² ± 1.96 σ/√Σφ²; μ(λ) is increasing, so the
     ends of the interval of μ are those of λ, seen through it.
-
-    Examples
-    --------
-    >>> [round(value, 4) for value in exact_interval("constant")]
-    [0.1987, 0.1904, 0.2069]
     """
     problem, phi = interval_problem(law), np.array(WRAPS_RAD)
     rise = problem.log_lift - np.log(problem.conditions.end_tension_N)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.gum.measured import MeasuredCondition
     from ropefric.fitting.gum.statement import Statement
 
-__all__ = ["COMMAND"]
 
 Source = Annotated[
     Path | None,

@@ -8,8 +8,6 @@ from ropefric.cli import commands
 from ropefric.cli.command import Command
 from ropefric.registry import Registry
 
-__all__ = ["find_commands"]
-
 
 @cache
 def find_commands() -> Registry[Command]:

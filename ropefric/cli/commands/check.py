@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from ropefric.errors import Problem
 
-__all__ = ["COMMAND"]
-
 
 CheckedFile = Annotated[
     Path,

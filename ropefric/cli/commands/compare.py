@@ -9,8 +9,6 @@ from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table
 from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 
-__all__ = ["COMMAND"]
-
 Laws = Annotated[
     list[str] | None,
     typer.Option("--laws", metavar="NAME[,NAME…]", help="Laws to compare, all by default; repeatable."),

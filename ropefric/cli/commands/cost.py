@@ -14,7 +14,6 @@ from ropefric.cli.progress import Progress
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["COMMAND"]
 
 Names = Annotated[
     list[str] | None, typer.Argument(metavar="[STUDY …]", help="Studies to measure, all by default.")

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.result import FitResult
     from ropefric.report.section import Section
 
-__all__ = ["COMMAND"]
 
 Lift = Annotated[str, typer.Option("--lift", metavar="FORCE", help='The load, such as "900 N".')]
 SolveFor = Annotated[

@@ -4,8 +4,6 @@ from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
 from ropefric.cli.output import Output
 
-__all__ = ["COMMAND"]
-
 
 def diagnose(out: Output, trials: TableArgument) -> Answer:
     """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, no gross slip.

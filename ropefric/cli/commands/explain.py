@@ -9,8 +9,6 @@ from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import show_sections
 from ropefric.cli.output import Output
 
-__all__ = ["COMMAND"]
-
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="What to explain.")]
 Measure = Annotated[
     bool, typer.Option("--measure", help="Solve with and without each effect, for its worth and its time.")

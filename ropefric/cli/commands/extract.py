@@ -19,7 +19,6 @@ from ropefric.traces.breakaway import Status
 if TYPE_CHECKING:
     from ropefric.trials.result import Extraction
 
-__all__ = ["COMMAND"]
 
 OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where tables and figures go.")]
 Jobs = Annotated[

@@ -14,8 +14,6 @@ from ropefric.cli.output import Output
 from ropefric.cli.progress import Progress
 from ropefric.cli.spans import parse_spans
 
-__all__ = ["COMMAND"]
-
 _LARGE = 5_000_000
 """Bytes of a table that takes seconds."""
 

@@ -11,7 +11,6 @@ from ropefric.cli.output import Output
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["COMMAND"]
 
 Folder = Annotated[Path, typer.Argument(help="Where to write them; made where it is missing.")]
 Scenes = Annotated[bool, typer.Option("--scenes", help="Write all scenes instead of a campaign.")]

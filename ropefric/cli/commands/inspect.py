@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from ropefric.traces.readers.profile import ImportProfile
     from ropefric.trials.workers import Limits
 
-__all__ = ["COMMAND"]
 
 RecordingFile = Annotated[Path, typer.Argument(metavar="FILE", help="A recording.")]
 Format = Annotated[

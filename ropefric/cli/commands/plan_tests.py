@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ropefric.fitting.planning.exchange import Criterion
     from ropefric.fitting.planning.precision import PlannedLaw
 
-__all__ = ["COMMAND"]
 
 Wheels = Annotated[str, typer.Option(metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".')]
 Wraps = Annotated[str, typer.Option(metavar="ANGLES", help='A list, or a range: "90 deg .. 1080 deg".')]

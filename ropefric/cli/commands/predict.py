@@ -12,7 +12,6 @@ from ropefric.cli.quantity_option import read_quantity
 if TYPE_CHECKING:
     from ropefric.fitting.prediction import Method
 
-__all__ = ["COMMAND"]
 
 WheelRadius = Annotated[str, typer.Option("--wheel-radius", metavar="LENGTH", help='R_w, such as "35 mm".')]
 Wrap = Annotated[str, typer.Option("--wrap", metavar="ANGLE", help='φ, such as "400 deg" or "1.5 turn".')]

@@ -11,8 +11,6 @@ from ropefric.cli.jobs import parse_jobs
 from ropefric.cli.out_folder import Force, folder_option
 from ropefric.cli.output import Output
 
-__all__ = ["COMMAND"]
-
 Source = Annotated[
     Path,
     typer.Argument(

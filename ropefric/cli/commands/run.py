@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from ropefric.trials.campaign_model import Campaign
     from ropefric.trials.result import Extraction
 
-__all__ = ["COMMAND", "work_through"]
 
 OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where everything is written.")]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins.")]

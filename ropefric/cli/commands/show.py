@@ -9,8 +9,6 @@ from ropefric.cli.command import Answer, Command
 from ropefric.cli.fitting_options import exit_code_of, read_fit, show_sections
 from ropefric.cli.output import Output
 
-__all__ = ["COMMAND"]
-
 FitFile = Annotated[Path, typer.Argument(metavar="FIT.json", help="A stored fit.")]
 
 

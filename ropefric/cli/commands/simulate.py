@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from ropefric.rig.plan import CampaignPlan
 
-__all__ = ["COMMAND"]
 
 Folder = Annotated[Path, typer.Argument(help="A new or empty folder.")]
 Seed = Annotated[

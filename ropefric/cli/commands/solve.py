@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ropefric.scenes.solve import Solution
     from ropefric.scenes.sweep import Sweep
 
-__all__ = ["COMMAND"]
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="What to solve.")]
 SweepOption = Annotated[

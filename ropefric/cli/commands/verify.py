@@ -14,7 +14,6 @@ from ropefric.cli.tables import make_table, number
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["COMMAND"]
 
 FitFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of the stored fits.")]
 

@@ -12,8 +12,6 @@ from ropefric.fitting.gum.statement import BudgetStatus, Statement, state_uncert
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 
-__all__ = ["MeasuredQuantity", "state_condition", "state_lift"]
-
 MeasuredQuantity = Literal["force", "mu"]
 """The force that was measured, or μ̄ = ln(F_A/F_B)/φ."""
 
@@ -28,38 +26,7 @@ def state_condition(
     draws: int = 200_000,
     seed: int = 0,
 ) -> Statement:
-    """Return the uncertainty of what was measured at one condition.
-
-    Parameters
-    ----------
-    condition : MeasuredCondition
-        The condition, its forces taken apart.
-    quantity : {"force", "mu"}
-        What the budget is of.
-    u_wrap_angle_rad : float, optional
-        Standard uncertainty of the wrap [rad]; by default what the condition says.
-    gain_limit : float
-        Limit of error of the gain, common to both sides [-].
-    level, draws, seed
-        As `state_uncertainty`.
-
-    Raises
-    ------
-    InputError
-        If the quantity is neither, or an argument is out of range.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.from_table import conditions_of_table
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=("a", "b", "c"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0, end_tension_N=20,
-    ...     peak_N=[36.0, 36.8, 36.3],
-    ... )
-    >>> stated = state_condition(conditions_of_table(table)[0], "mu", u_wrap_angle_rad=0.03, draws=20_000)
-    >>> round(stated.budget.estimate, 3), [line.name for line in stated.budget.lines][:2]
-    (0.199, ['repeatability', 'wrap angle'])
-    """
+    """Return the uncertainty of what was measured at one condition."""
     notes = condition.notes
     if quantity == "force":
         model = force_model(condition.measured)
@@ -89,44 +56,7 @@ def state_lift(
     draws: int = 200_000,
     seed: int = 0,
 ) -> Statement:
-    """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit.
-    at : Conditions
-        The one condition.
-    uncertainty : WheelUncertainty
-        Of the wheel.
-    one_pull : bool
-        Of one pull with a new rope, not of the mean law.
-    level, draws, seed
-        As `state_uncertainty`.
-
-    Raises
-    ------
-    InputError
-        If the law has no answer for this wheel, or an argument is out of range.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> from ropefric.friction.condition import one_condition
-    >>> wrap = np.repeat([3.0, 6.0, 9.0], 2)
-    >>> table = TrialTable(
-    ...     trial=tuple("abcdef"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wrap, end_tension_N=20,
-    ...     peak_N=20 * np.exp(0.2 * wrap + 0.01 * np.array([1, -1, -1, 1, 1, -1])),
-    ... )
-    >>> wheel = one_condition(0.04, 0.005, 7.0, 20.0)
-    >>> stated = state_lift(
-    ...     fit_law(table, "constant"), wheel, WheelUncertainty(wrap_angle_rad=0.03), draws=20_000
-    ... )
-    >>> round(stated.budget.estimate, 1)
-    81.1
-    """
+    """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
     return state_uncertainty(
         lift_model(fit, at, uncertainty, one_pull=one_pull),
         level=level,

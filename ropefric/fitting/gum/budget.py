@@ -13,20 +13,10 @@ from ropefric.fitting.gum.quantity import Block, Evaluation, Quantity
 from ropefric.fitting.propagation import quantile
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["BudgetLine", "Direction", "LinearBudget", "effective_dof", "linear_budget"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Direction:
-    """An independent direction of a block: its quantities change together by one standard uncertainty.
-
-    Attributes
-    ----------
-    changes : mapping of str to float
-        How far each goes.
-    contribution : float
-        What that changes in the answer.
-    """
+    """An independent direction of a block: its quantities change together by one standard uncertainty."""
 
     changes: Mapping[str, float]
     contribution: float
@@ -34,21 +24,7 @@ class Direction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BudgetLine:
-    """One source of uncertainty.
-
-    Attributes
-    ----------
-    source : Quantity or Block
-        What it is.
-    sensitivity : float
-        cᵢ = ∂y/∂xᵢ; NaN for a block, which has one for each of its quantities.
-    contribution : float
-        |cᵢ| u(xᵢ), in the unit of the answer; of a block √(cᵀ C c).
-    share : float
-        Its part of u_c² [-].
-    directions : tuple of Direction
-        Of a block: the independent directions whose squared contributions add up to its own.
-    """
+    """One source of uncertainty."""
 
     source: Quantity | Block
     sensitivity: float
@@ -117,23 +93,7 @@ class BudgetLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinearBudget:
-    """Lines of a budget with their sum.
-
-    Attributes
-    ----------
-    estimate : float
-        The answer y.
-    lines : tuple of BudgetLine
-        Largest contribution first.
-    combined : float
-        u_c, root of the sum of squared contributions.
-    effective_dof : float
-        ν_eff after Welch and Satterthwaite.
-    level : float
-        Coverage probability.
-    coverage_factor : float
-        k = t(ν_eff).
-    """
+    """Lines of a budget with their sum."""
 
     estimate: float
     lines: tuple[BudgetLine, ...]
@@ -158,42 +118,13 @@ def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float
 
     It holds for independent contributions; one that comes from correlated quantities enters as a whole, with the
     degrees of freedom of their covariance.
-
-    Examples
-    --------
-    >>> round(effective_dof([3.0, 4.0], [4.0, 9.0]), 3)
-    12.835
     """
     total = math.fsum(u**4 / nu for u, nu in zip(contributions, dof, strict=True) if u > 0.0)
     return math.hypot(*contributions) ** 4 / total if total > 0.0 else math.inf
 
 
 def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudget:
-    """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100.
-
-    Parameters
-    ----------
-    model : MeasurementModel
-        The equation and its inputs.
-    level : float
-        Coverage probability, above 0 and below 1.
-
-    Raises
-    ------
-    InputError
-        If the level is out of range, or no input is uncertain.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.quantity import normal
-    >>> model = MeasurementModel(
-    ...     name="sum", symbol="y", unit="N", evaluate=lambda x: x.sum(axis=1), sensitivities=np.ones(2),
-    ...     quantities=(normal("one", "x1", "N", 3.0, dof=4.0), normal("two", "x2", "N", 4.0, dof=9.0)),
-    ... )
-    >>> budget = linear_budget(model)
-    >>> budget.combined, round(budget.effective_dof, 2), round(budget.expanded, 2)
-    (5.0, 12.84, 10.82)
-    """
+    """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100."""
     if not 0.0 < level < 1.0:
         raise InputError(
             f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"

@@ -10,8 +10,6 @@ from ropefric.fitting.gum.model import MeasurementModel
 from ropefric.fitting.gum.quantity import Quantity, limit_of_error
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["GRAVITY_LIMIT", "ForceSide", "coefficient_model", "force_model", "weights"]
-
 GRAVITY_LIMIT = 0.0027
 """Half the range of the acceleration of gravity at sea level, 9.780 to 9.832 m/s², over its mean [-]."""
 
@@ -20,23 +18,7 @@ _STANDARD_GRAVITY_M_S2 = 9.80665
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceSide:
-    """One of the two forces on a rope, and what it is made up of.
-
-    Attributes
-    ----------
-    symbol : str
-        "F_A" or "F_B".
-    quantities : tuple of Quantity
-        A measured force is the sum of a reading and its corrections [N]; one of dead weights the product of a
-        mass [kg] and the acceleration of gravity [m/s²].
-    is_product : bool
-        Whether it is the product.
-
-    Examples
-    --------
-    >>> round(weights("F_B", 60.0).force_N, 6)
-    60.0
-    """
+    """One of the two forces on a rope, and what it is made up of."""
 
     symbol: str
     quantities: tuple[Quantity, ...]
@@ -60,30 +42,7 @@ class ForceSide:
 def weights(
     symbol: str, force_N: float, *, tolerance: float = 0.0005, gravity_limit: float = GRAVITY_LIMIT
 ) -> ForceSide:
-    """Return the force of dead weights, m g: its uncertainty is that of mass and gravity, not of a converter.
-
-    Parameters
-    ----------
-    symbol : str
-        "F_A" or "F_B".
-    force_N : float
-        The force [N] with standard gravity, positive.
-    tolerance : float
-        Limit of error of the mass as a part of it [-].
-    gravity_limit : float
-        Limit of error of g as a part of it [-]; by default a laboratory anywhere at sea level. 0 where F was made
-        with the local g, or the force cell was calibrated by weights in the same place, so that g cancels.
-
-    Raises
-    ------
-    InputError
-        If the force is not positive, or a limit negative.
-
-    Examples
-    --------
-    >>> [round(item.std / item.estimate, 6) for item in weights("F_B", 60.0).quantities]
-    [0.000289, 0.001559]
-    """
+    """Return the force of dead weights, m g: its uncertainty is that of mass and gravity, not of a converter."""
     if not (math.isfinite(force_N) and force_N > 0.0):
         raise InputError(f"{symbol} = {force_N:g} N is not positive", key=symbol)
     mass_kg = force_N / _STANDARD_GRAVITY_M_S2
@@ -109,13 +68,7 @@ def weights(
 
 
 def force_model(side: ForceSide) -> MeasurementModel:
-    """Return the measurement equation of a force.
-
-    Examples
-    --------
-    >>> force_model(weights("F_B", 60.0)).sensitivities.round(4).tolist()
-    [9.8066, 6.1183]
-    """
+    """Return the measurement equation of a force."""
     return MeasurementModel(
         name="force",
         symbol=side.symbol,
@@ -131,35 +84,8 @@ def coefficient_model(
 ) -> MeasurementModel:
     """Return the measurement equation of the average coefficient, μ̄ = ln(F_A/F_B)/φ, eq. (2).
 
-    Parameters
-    ----------
-    lift, end : ForceSide
-        F_A and F_B.
-    wrap : Quantity
-        φ [rad].
-    gain_limit : float
-        Limit of error of the gain of the measuring chain [-], of whatever side is measured: the reference of the
-        converter. Where both are measured by one converter it is common to both and cancels; what is off by a
-        constant force, such as a tare, does not.
-
-    Raises
-    ------
-    InputError
-        If F_A does not exceed F_B, or the wrap is not positive.
-
-    Notes
-    -----
     ∂μ̄/∂F_A = 1/(φ F_A), ∂μ̄/∂F_B = −1/(φ F_B), ∂μ̄/∂φ = −μ̄/φ; by the gain (a factor 1 + ε) 1/φ for a measured
     F_A, −1/φ for a measured F_B, and so 0 for both.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.quantity import normal
-    >>> sides = [ForceSide(symbol=s, quantities=(normal("reading", s, "N", 1.0, estimate=F),))
-    ...          for s, F in (("F_A", 200.0), ("F_B", 50.0))]
-    >>> model = coefficient_model(*sides, normal("wrap", "φ", "rad", 0.02, estimate=7.0), gain_limit=0.001)
-    >>> round(model.estimate, 4), model.sensitivities.round(5).tolist()
-    (0.198, [0.00071, -0.00286, -0.02829, 0.0])
     """
     phi, F_A, F_B = wrap.estimate, lift.force_N, end.force_N
     if not phi > 0.0:

@@ -11,8 +11,6 @@ from ropefric.fitting.gum.measured import MeasuredCondition
 from ropefric.trials.repeatability import trimming_bias
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
 
-__all__ = ["conditions_of_extraction"]
-
 
 def conditions_of_extraction(
     extraction: Extraction, *, weights_tolerance: float = 0.0, gravity_limit: float = GRAVITY_LIMIT
@@ -23,18 +21,6 @@ def conditions_of_extraction(
     differs from trial to trial (the cell's repeatability, a tare and a picked peak of each trial's own) is part of it
     and not counted again; what all trials share (linearity, hysteresis, transmitter, calibration line, resolution,
     bias of the smoothing) does not average out and is.
-
-    Parameters
-    ----------
-    extraction : Extraction
-        From `extract_campaign`.
-    weights_tolerance, gravity_limit : float
-        Of the dead weights on the other side, see `weights`.
-
-    Examples
-    --------
-    >>> conditions_of_extraction(Extraction(name="nothing yet", trials=(), conditions=(), problems=()))
-    ()
     """
     by_name = {trial.trial: trial for trial in extraction.trials}
     pooled = pooled_scatter([_relative(summary) for summary in extraction.conditions])

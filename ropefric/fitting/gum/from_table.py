@@ -11,33 +11,13 @@ from ropefric.fitting.gum.quantity import normal
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["conditions_of_table"]
-
 _RECTANGULAR = math.sqrt(3.0)
 
 
 def conditions_of_table(
     table: TrialTable, *, gravity_limit: float = GRAVITY_LIMIT
 ) -> tuple[MeasuredCondition, ...]:
-    """Return the conditions of a trial table; its measuring chain is one line, `peak_std_N`, shared by all trials.
-
-    Parameters
-    ----------
-    table : TrialTable
-        The table; its used trials count.
-    gravity_limit : float
-        See `weights`.
-
-    Examples
-    --------
-    >>> table = TrialTable(
-    ...     trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0, end_tension_N=20,
-    ...     peak_N=[40, 41], peak_std_N=0.5,
-    ... )
-    >>> (found,) = conditions_of_table(table)
-    >>> found.lift.force_N, [item.name for item in found.lift.quantities]
-    (40.5, ['repeatability', 'measuring chain, tare and picking'])
-    """
+    """Return the conditions of a trial table; its measuring chain is one line, `peak_std_N`, shared by all trials."""
     used, group, slack = table.used, table.group(), table.measures_slack
     measured_N = (table.end_tension_N if slack else table.peak_N)[used]
     chain_N = (table.end_tension_std_N if slack else np.nan_to_num(table.peak_std_N))[used]

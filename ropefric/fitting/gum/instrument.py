@@ -8,8 +8,6 @@ from ropefric.traces.budget import Component, force_budget
 from ropefric.traces.calibration import Calibration
 from ropefric.trials.result import TrialResult
 
-__all__ = ["instrument_quantities"]
-
 _SYMBOLS = {
     "linearity": "δ_lin",
     "hysteresis": "δ_hys",
@@ -22,23 +20,7 @@ _OWN = "each trial has its own {what} ({size_N:.2g} N): the repeatability holds 
 
 
 def instrument_quantities(trials: Sequence[TrialResult]) -> tuple[tuple[Quantity, ...], tuple[str, ...]]:
-    """Return the corrections of a mean force that are not made, and what is left out because it is counted already.
-
-    Parameters
-    ----------
-    trials : sequence of TrialResult
-        The trials kept of one condition, one or more.
-
-    Examples
-    --------
-    >>> from ropefric.traces.breakaway import Breakaway, Status
-    >>> pull = TrialResult(
-    ...     trial="a", file="a.csv", wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0, end_tension_N=20.0,
-    ...     breakaway=Breakaway(status=Status.OK, peak_N=40.0, peak_std_N=0.2, bias_N=-0.1),
-    ... )
-    >>> [(item.name, round(item.std, 4)) for item in instrument_quantities([pull])[0]]
-    [('bias of the smoothing', 0.0577), ('picking', 0.2)]
-    """
+    """Return the corrections of a mean force that are not made, and what is left out because it is counted already."""
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
     found: list[Quantity] = []
     notes: list[str] = []

@@ -15,25 +15,12 @@ from ropefric.friction.condition import Conditions, FloatArray, one_condition
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.physics import refusals_of
 
-__all__ = ["WheelUncertainty", "lift_model", "paired_log_lift"]
-
 _STEP = 1e-5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WheelUncertainty:
-    """Standard uncertainties of the wheel a lift force is asked for.
-
-    Attributes
-    ----------
-    wheel_radius_m, rope_radius_m, wrap_angle_rad, end_tension_N : float
-        Of R_w [m], R_r [m], φ [rad] and F_B [N]; 0 for what is exact.
-
-    Examples
-    --------
-    >>> WheelUncertainty(wrap_angle_rad=0.035).wheel_radius_m
-    0.0
-    """
+    """Standard uncertainties of the wheel a lift force is asked for."""
 
     wheel_radius_m: float = 0.0
     rope_radius_m: float = 0.0
@@ -45,22 +32,6 @@ def paired_log_lift(law: FrictionLaw, theta: FloatArray, conditions: Conditions)
     """Return ln(F_A / 1 N) of m parameter sets, each at its own condition, shape (m,); NaN where there is no answer.
 
     `FrictionLaw.log_lift` gives every set at every condition, of which this is the diagonal.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    theta : ndarray, shape (m, p)
-        Parameters.
-    conditions : Conditions
-        m conditions.
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> pulls = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[5, 10], end_tension_N=1)
-    >>> paired_log_lift(LAWS["constant"], np.array([[0.1], [0.2]]), pulls).tolist()
-    [0.5, 2.0]
     """
     columns = tuple(theta.T)
     good = np.ones(len(conditions), dtype=bool)
@@ -79,39 +50,7 @@ def paired_log_lift(law: FrictionLaw, theta: FloatArray, conditions: Conditions)
 def lift_model(
     fit: FitResult, wheel: Conditions, uncertainty: WheelUncertainty, *, one_pull: bool = False
 ) -> MeasurementModel:
-    """Return the measurement equation of the lift force of one wheel, F_A = exp ln F_A(θ; R_w, R_r, φ, F_B) [N].
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit; its parameters enter as one block with their covariance, for they are strongly correlated.
-    wheel : Conditions
-        One condition.
-    uncertainty : WheelUncertainty
-        Of the wheel.
-    one_pull : bool
-        Whether F_A is that of one pull with one new rope, whose scatter comes on top, and not that of the mean law.
-
-    Raises
-    ------
-    InputError
-        If there is not exactly one condition, the law has no answer for it, the covariance is not finite, or
-        `one_pull` is asked of a fit that knows no scatter.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> model = lift_model(
-    ...     fit_law(table, "constant"), one_condition(0.04, 0.005, 4.5, 20.0), WheelUncertainty(wrap_angle_rad=0.03)
-    ... )
-    >>> round(model.estimate, 1), [item.name for item in model.quantities]
-    (49.2, ['wheel radius', 'rope radius', 'wrap angle', 'end tension'])
-    """
+    """Return the measurement equation of the lift force of one wheel, F_A = exp ln F_A(θ; R_w, R_r, φ, F_B) [N]."""
     if len(wheel) != 1:
         raise InputError(
             f"{len(wheel)} wheels; a budget is of one", key="conditions", fix="ask one at a time"

@@ -6,32 +6,11 @@ from collections.abc import Sequence
 from ropefric.fitting.gum.quantity import Quantity, repeats
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["mean_force", "pooled_scatter"]
-
 
 def mean_force(
     symbol: str, values_N: FloatArray, pooled: tuple[float, float], ratio: float = 1.0
 ) -> tuple[Quantity, tuple[str, ...]]:
-    """Return a mean force with its repeatability, and what was assumed.
-
-    Parameters
-    ----------
-    symbol : str
-        Of the force.
-    values_N : ndarray, shape (n,)
-        The trials [N].
-    pooled : tuple of float
-        Relative scatter of the other conditions [-] and its degrees of freedom, for a single trial; 0, 0 if unknown.
-    ratio : float
-        What a rejection rule leaves of s on average; s is divided by it.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> mean, _ = mean_force("F_A", np.array([300.0, 310.0]), (0.0, 0.0))
-    >>> mean.estimate, round(mean.std, 3)
-    (305.0, 5.0)
-    """
+    """Return a mean force with its repeatability, and what was assumed."""
     mean_N, n = float(values_N.mean()), int(values_N.size)
     if n > 1:
         std_N = float(values_N.std(ddof=1)) / ratio
@@ -59,18 +38,7 @@ def mean_force(
 
 
 def pooled_scatter(parts: Sequence[tuple[float, int]]) -> tuple[float, float]:
-    """Return the pooled relative scatter of conditions and its degrees of freedom; 0, 0 if there is none.
-
-    Parameters
-    ----------
-    parts : sequence of (float, int)
-        Relative scatter [-] and degrees of freedom of each condition.
-
-    Examples
-    --------
-    >>> pooled_scatter([(0.01, 4), (0.02, 4), (0.0, 0)])
-    (0.015811388300841896, 8.0)
-    """
+    """Return the pooled relative scatter of conditions and its degrees of freedom; 0, 0 if there is none."""
     dof = sum(count for _, count in parts)
     square = math.fsum(count * scatter**2 for scatter, count in parts)
     return (math.sqrt(square / dof), float(dof)) if dof and square else (0.0, 0.0)

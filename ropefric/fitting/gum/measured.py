@@ -8,36 +8,12 @@ from ropefric.errors import InputError
 from ropefric.fitting.gum.forces import ForceSide
 from ropefric.fitting.gum.quantity import normal
 
-__all__ = [
-    "MeasuredCondition",
-    "condition_numbered",
-    "with_measured_end",
-]
-
 _RECTANGULAR = math.sqrt(3.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredCondition:
-    """One condition with both its forces and what is known of them.
-
-    Attributes
-    ----------
-    number : int
-        Its number, from 1.
-    wheel_radius_m, rope_radius_m, wrap_angle_rad, wrap_std_rad : float
-        R_w, R_r [m]; φ and its standard uncertainty [rad], 0 where none is known.
-    lift, end : ForceSide
-        F_A and F_B.
-    measures_slack : bool
-        Whether F_B was measured against a known F_A, not the other way round.
-    n : int
-        Trials kept.
-    has_scatter : bool
-        Whether something tells how far trials scatter.
-    notes : tuple of str
-        What is not among the quantities, and why.
-    """
+    """One condition with both its forces and what is known of them."""
 
     number: int
     wheel_radius_m: float
@@ -66,31 +42,7 @@ class MeasuredCondition:
 
 
 def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) -> MeasuredCondition:
-    """Return a condition whose F_B is the reading of a second channel and does not hang from weights.
-
-    Parameters
-    ----------
-    condition : MeasuredCondition
-        One whose F_A was measured.
-    std_N : float, optional
-        Standard uncertainty of the reading [N]; by default what was taken for that of the weights.
-
-    Raises
-    ------
-    InputError
-        If F_A is the known force, or nothing is known of the reading.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.from_table import conditions_of_table
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0, end_tension_N=20,
-    ...     peak_N=[40, 41],
-    ... )
-    >>> with_measured_end(conditions_of_table(table)[0], 0.3).end.quantities[0].std
-    0.3
-    """
+    """Return a condition whose F_B is the reading of a second channel and does not hang from weights."""
     if condition.measures_slack:
         raise InputError(
             "here F_B was measured against a known F_A: it is a reading already", key="end_tension_measured"
@@ -108,24 +60,7 @@ def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) 
 
 
 def condition_numbered(conditions: Sequence[MeasuredCondition], number: int) -> MeasuredCondition:
-    """Return the condition of that number.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.from_table import conditions_of_table
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0, end_tension_N=20,
-    ...     peak_N=[40, 41],
-    ... )
-    >>> condition_numbered(conditions_of_table(table), 1).n
-    2
-    """
+    """Return the condition of that number."""
     for condition in conditions:
         if condition.number == number:
             return condition

@@ -9,42 +9,10 @@ from ropefric.errors import InputError
 from ropefric.fitting.gum.quantity import Block, Quantity
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["MeasurementModel"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeasurementModel:
-    """A measurement equation y = f(x), x the k single quantities and then the q of a block.
-
-    Attributes
-    ----------
-    name, symbol, unit : str
-        Of the answer y.
-    quantities : tuple of Quantity
-        Independent inputs, k of them.
-    block : Block, optional
-        Inputs known together, q of them; independent of the others.
-    evaluate : callable
-        f: (m, k + q) -> (m,); NaN where there is no answer.
-    sensitivities : ndarray, shape (k + q,)
-        ∂f/∂x at the estimates, analytic.
-
-    Raises
-    ------
-    InputError
-        If the number of sensitivities is wrong, or there is no answer at the estimates.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.quantity import normal
-    >>> area = MeasurementModel(
-    ...     name="area", symbol="A", unit="m2", evaluate=lambda x: x[:, 0] * x[:, 1],
-    ...     sensitivities=np.array([3.0, 2.0]),
-    ...     quantities=(normal("width", "w", "m", 0.1, estimate=2.0), normal("height", "h", "m", 0.1, estimate=3.0)),
-    ... )
-    >>> area.estimate
-    6.0
-    """
+    """A measurement equation y = f(x), x the k single quantities and then the q of a block."""
 
     name: str
     symbol: str

@@ -11,8 +11,6 @@ from ropefric.fitting.gum.budget import LinearBudget
 from ropefric.fitting.gum.model import MeasurementModel
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["DISAGREEMENT", "DrawnAnswer", "numerical_tolerance", "propagate", "shortest_interval"]
-
 _FEWEST, _MOST = 10_000, 10_000_000
 # The end of a 95 % interval from N draws scatters by about 2.7 σ/√N; U is about 2 σ.
 _END_NOISE = 2.7 / 1.96
@@ -24,28 +22,7 @@ _ONE_SIGMA = 0.8413447460685429
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DrawnAnswer:
-    """What draws of the inputs say about the answer.
-
-    Attributes
-    ----------
-    draws, seed : int
-        How many, and their seed.
-    unanswered : int
-        Draws for which there is no answer; they are left out.
-    median, half_68 : float
-        Of the answer, and half its central 68.27 %: the standard uncertainty of a normal distribution, and unlike the
-        standard deviation no plaything of the far tails that few degrees of freedom have.
-    symmetric, shortest : tuple of float
-        Probabilistically symmetric and shortest coverage interval.
-    low_gap, high_gap : float
-        |end of y ± U less end of the symmetric interval|.
-    digits : int
-        Significant digits of u_c, 2 or 1, to which the linear budget is validated by section 8.1 of JCGM 101; 0: not
-        even to one.
-    agrees : bool
-        Whether both gaps are within 10 % of U, with room for the noise of the draws, and nearly every draw has an
-        answer.
-    """
+    """What draws of the inputs say about the answer."""
 
     draws: int
     seed: int
@@ -76,26 +53,14 @@ class DrawnAnswer:
 
 
 def numerical_tolerance(std: float, digits: int) -> float:
-    """Return δ = ½·10^l for u = c·10^l with c a whole number of `digits` digits, section 7.9.2 of JCGM 101.
-
-    Examples
-    --------
-    >>> round(numerical_tolerance(0.00035, 2), 9), numerical_tolerance(1.3, 1)
-    (5e-06, 0.5)
-    """
+    """Return δ = ½·10^l for u = c·10^l with c a whole number of `digits` digits, section 7.9.2 of JCGM 101."""
     # Rounding may carry into the next decade (0.996 -> 1.0), so the exponent is read off the rounded number.
     exponent = int(f"{std:.{digits - 1}e}".partition("e")[2]) - (digits - 1)
     return 0.5 * 10.0**exponent
 
 
 def shortest_interval(values: FloatArray, level: float) -> tuple[float, float]:
-    """Return the shortest interval that holds a share `level` of sorted values, section 7.7.4 of JCGM 101.
-
-    Examples
-    --------
-    >>> shortest_interval(np.array([0.0, 4.0, 5.0, 6.0, 20.0]), 0.6)
-    (4.0, 6.0)
-    """
+    """Return the shortest interval that holds a share `level` of sorted values, section 7.7.4 of JCGM 101."""
     span = min(max(math.floor(level * values.size + 0.5), 1), values.size)
     widths = values[span - 1 :] - values[: values.size - span + 1]
     first = int(np.argmin(widths))
@@ -105,34 +70,7 @@ def shortest_interval(values: FloatArray, level: float) -> tuple[float, float]:
 def propagate(
     model: MeasurementModel, budget: LinearBudget, *, draws: int = 200_000, seed: int = 0
 ) -> DrawnAnswer:
-    """Return the answer to draws of the inputs, and whether the linear budget agrees with it.
-
-    Parameters
-    ----------
-    model : MeasurementModel
-        The equation and its inputs.
-    budget : LinearBudget
-        Its budget, for level and comparison.
-    draws, seed : int
-        Draws, 10 000 or more, and their seed. JCGM 101 advises 1 000 000 for a validation to two digits.
-
-    Raises
-    ------
-    InputError
-        If there are too few draws, the seed is negative, or most draws have no answer.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.budget import linear_budget
-    >>> from ropefric.fitting.gum.quantity import normal
-    >>> model = MeasurementModel(
-    ...     name="force", symbol="F", unit="N", quantities=(normal("reading", "F", "N", 1.0, estimate=100.0),),
-    ...     evaluate=lambda x: x[:, 0], sensitivities=np.ones(1),
-    ... )
-    >>> found = propagate(model, linear_budget(model), draws=20_000)
-    >>> found.agrees, round(found.half_68, 1)
-    (True, 1.0)
-    """
+    """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
     if not _FEWEST <= draws <= _MOST or seed < 0:
         raise InputError(
             f"{draws} draws with seed {seed}",

@@ -9,8 +9,6 @@ import numpy as np
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["Block", "Distribution", "Evaluation", "Quantity", "limit_of_error", "normal", "repeats"]
-
 Evaluation = Literal["A", "B"]
 Distribution = Literal["normal", "rectangular"]
 
@@ -19,46 +17,7 @@ _RECTANGULAR = math.sqrt(3.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """An input quantity, independent of all others.
-
-    Attributes
-    ----------
-    name : str
-        What it is, in words.
-    symbol : str
-        Its symbol in the measurement equation.
-    unit : str
-        Unit of estimate and uncertainty; "-" for a ratio.
-    estimate : float
-        Best estimate; 0 for a correction that is not made.
-    stated : float
-        The uncertainty as its source states it: a standard deviation, half the width of an interval, a resolution.
-    divisor : float
-        What turns `stated` into a standard uncertainty: 1, √3, √12, √n.
-    distribution : {"normal", "rectangular"}
-        What is known about it; a normal one with few degrees of freedom is drawn as Student's t (JCGM 101, 6.4.9).
-    type : {"A", "B"}
-        A: from repeated readings; B: from anything else.
-    dof : float
-        Degrees of freedom of the standard uncertainty; infinite where it is taken as exact.
-    repeats : int
-        Readings it is the mean of, where more of them would help; 0 where they would not.
-    assumed : str
-        What would state its uncertainty, where nobody has and it is assumed; "" where it is stated or measured.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, an uncertainty negative, or the degrees of freedom not positive.
-
-    Examples
-    --------
-    >>> round(Quantity(
-    ...     name="resolution", symbol="δ_q", unit="N", estimate=0.0, stated=0.978, divisor=12**0.5,
-    ...     distribution="rectangular", type="B",
-    ... ).std, 3)
-    0.282
-    """
+    """An input quantity, independent of all others."""
 
     name: str
     symbol: str
@@ -105,34 +64,7 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Block:
-    """Quantities known together, with their covariance: the parameters of a fitted law.
-
-    Attributes
-    ----------
-    name : str
-        What they are, in words.
-    symbols : tuple of str
-        Symbols of the q quantities.
-    estimates : ndarray, shape (q,)
-        Best estimates.
-    covariance : ndarray, shape (q, q)
-        Their covariance.
-    dof : float
-        Degrees of freedom of the covariance as a whole.
-    type : {"A", "B"}
-        How they were found.
-
-    Raises
-    ------
-    InputError
-        If shapes disagree, or a number is not finite.
-
-    Examples
-    --------
-    >>> law = Block(name="law", symbols=("mu",), estimates=np.array([0.2]), covariance=np.array([[1e-4]]), dof=9.0)
-    >>> law.directions().tolist()
-    [[0.01]]
-    """
+    """Quantities known together, with their covariance: the parameters of a fitted law."""
 
     name: str
     symbols: tuple[str, ...]
@@ -180,13 +112,7 @@ class Block:
 def limit_of_error(
     name: str, symbol: str, unit: str, half_width: float, *, estimate: float = 0.0
 ) -> Quantity:
-    """Return a quantity that lies anywhere within ± a limit of error: rectangular, divisor √3, type B.
-
-    Examples
-    --------
-    >>> round(limit_of_error("linearity", "δ_lin", "N", 0.2).std, 4)
-    0.1155
-    """
+    """Return a quantity that lies anywhere within ± a limit of error: rectangular, divisor √3, type B."""
     return Quantity(
         name=name,
         symbol=symbol,
@@ -201,13 +127,7 @@ def limit_of_error(
 def normal(
     name: str, symbol: str, unit: str, std: float, *, estimate: float = 0.0, dof: float = math.inf
 ) -> Quantity:
-    """Return a quantity with a known standard uncertainty: normal, type B.
-
-    Examples
-    --------
-    >>> normal("wrap", "φ", "rad", 0.03, estimate=6.3).std
-    0.03
-    """
+    """Return a quantity with a known standard uncertainty: normal, type B."""
     return Quantity(name=name, symbol=symbol, unit=unit, estimate=estimate, stated=std, dof=dof)
 
 
@@ -217,17 +137,6 @@ def repeats(
     """Return the mean of n readings with their sample standard deviation s: s/√n, type A, n − 1 degrees of freedom.
 
     With `dof`, s is a pooled one with that many degrees of freedom (GUM 4.2.4).
-
-    Raises
-    ------
-    InputError
-        If there is no reading, or one alone and s not pooled.
-
-    Examples
-    --------
-    >>> mean = repeats("repeatability", "F̄", "N", mean=320.7, std=5.5, n=12)
-    >>> round(mean.std, 3), mean.dof
-    (1.588, 11.0)
     """
     if n < 1 or (n < 2 and dof is None):
         raise InputError(

@@ -12,8 +12,6 @@ from ropefric.fitting.gum.propagation import DrawnAnswer, propagate
 from ropefric.fitting.gum.quantity import Quantity
 from ropefric.fitting.propagation import quantile
 
-__all__ = ["SCHEMA", "BudgetStatus", "Improvement", "Statement", "improvements", "state_uncertainty"]
-
 SCHEMA = "ropefric.uncertainty/1"
 
 # Sources with a smaller part of u_c² change U by less than 4 % even if they vanish.
@@ -32,13 +30,7 @@ class BudgetStatus(StrEnum):
 
     @property
     def advice(self) -> str:
-        """Return what the status means and what to do.
-
-        Examples
-        --------
-        >>> BudgetStatus.DRAWS_DISAGREE.advice[:20]
-        'The draws disagree w'
-        """
+        """Return what the status means and what to do."""
         return _ADVICE[self]
 
 
@@ -58,19 +50,7 @@ _ADVICE = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Improvement:
-    """What one change would do to the expanded uncertainty.
-
-    Attributes
-    ----------
-    source : str
-        The line of the budget.
-    action : str
-        What is done, in words.
-    expanded : float
-        U after it.
-    saving : float
-        By how much of itself U shrinks [-].
-    """
+    """What one change would do to the expanded uncertainty."""
 
     source: str
     action: str
@@ -147,33 +127,7 @@ def state_uncertainty(
     status: BudgetStatus = BudgetStatus.OK,
     notes: tuple[str, ...] = (),
 ) -> Statement:
-    """Return the budget of a measurement equation, checked by draws.
-
-    Parameters
-    ----------
-    model : MeasurementModel
-        The equation.
-    level : float
-        Coverage probability.
-    draws, seed : int
-        Of the check.
-    status : BudgetStatus
-        What is known beforehand against trusting it.
-    notes : tuple of str
-        What is not in the budget.
-
-    Raises
-    ------
-    InputError
-        As `linear_budget` and `propagate`.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.forces import force_model, weights
-    >>> stated = state_uncertainty(force_model(weights("F_B", 60.0)), draws=20_000)
-    >>> round(stated.budget.combined, 4), stated.improvements[0].source, str(stated.status)
-    (0.0951, 'acceleration of gravity', 'draws-disagree')
-    """
+    """Return the budget of a measurement equation, checked by draws."""
     budget = linear_budget(model, level=level)
     drawn = propagate(model, budget, draws=draws, seed=seed)
     if status is BudgetStatus.OK and not drawn.agrees:
@@ -207,12 +161,6 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
     u_c, ν_eff and k are made anew for each. Twice the repeats shrink s/√n by √2 and more than double its degrees of
     freedom; twice the conditions behind a fit are taken to shrink its part by √2 too, which they do if they lie like
     those there are.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.gum.forces import force_model, weights
-    >>> [(i.action, round(i.saving, 2)) for i in improvements(linear_budget(force_model(weights("F_B", 60.0))))]
-    [('halve the uncertainty of acceleration of gravity', 0.48)]
     """
     found: list[Improvement] = []
     for place, line in enumerate(budget.lines):

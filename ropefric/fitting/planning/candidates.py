@@ -10,37 +10,13 @@ from ropefric.fitting.planning.precision import PlannedLaw
 from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.friction.physics import refusals_of
 
-__all__ = ["allowed_conditions", "tested_before"]
-
 BoolArray = npt.NDArray[np.bool_]
 
 
 def allowed_conditions(
     planned: PlannedLaw, limits: RigLimits, grid: Conditions
 ) -> tuple[BoolArray, list[str]]:
-    """Return which combinations can be tested, shape (N,), and what is left out, in words.
-
-    Parameters
-    ----------
-    planned : PlannedLaw
-        For the forces to expect.
-    limits : RigLimits
-        For the largest force.
-    grid : Conditions
-        Its combinations.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.planning.precision import MeanScatter, planned_guess
-    >>> from ropefric.friction.laws import LAWS
-    >>> rig = RigLimits(
-    ...     wheel_radius_m=(0.03,), wrap_angle_rad=(3.0, 6.0, 9.0), end_tension_N=(20.0,), rope_radius_m=0.005,
-    ...     largest_force_N=80.0,
-    ... )
-    >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
-    >>> allowed_conditions(law, rig, rig.conditions())[0].tolist()
-    [True, True, False]
-    """
+    """Return which combinations can be tested, shape (N,), and what is left out, in words."""
     law, theta = planned.law, planned.theta
     refused = np.zeros(len(grid), dtype=bool)
     for refusal in refusals_of(law.physics, tuple(theta), grid):
@@ -64,20 +40,7 @@ def allowed_conditions(
 
 
 def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
-    """Return which combinations were tested before, shape (N,): a condition set up again is no new one.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.planning.precision import MeanScatter, planned_guess
-    >>> from ropefric.friction.laws import LAWS
-    >>> rig = RigLimits(
-    ...     wheel_radius_m=(0.03,), wrap_angle_rad=(3.0, 6.0, 9.0), end_tension_N=(20.0,), rope_radius_m=0.005,
-    ...     largest_force_N=80.0,
-    ... )
-    >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
-    >>> tested_before(law, rig.conditions()).tolist()
-    [False, False, False]
-    """
+    """Return which combinations were tested before, shape (N,): a condition set up again is no new one."""
     if planned.tested is None:
         return np.zeros(len(grid), dtype=bool)
     names = (*FACTORS, "rope_radius_m")

@@ -8,8 +8,6 @@ import numpy.typing as npt
 
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["BALANCE", "Criterion", "Exchange", "Whitened", "best_plan"]
-
 Criterion = Literal["v", "d"]
 IntArray = npt.NDArray[np.int64]
 
@@ -27,22 +25,7 @@ _AS_GOOD = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Whitened:
-    """A choice of rows, in coordinates in which all candidates and what is known are of even size.
-
-    Attributes
-    ----------
-    rows : ndarray, shape (N, q)
-        Candidates: gradient over standard deviation.
-    known : ndarray, shape (q, q)
-        Information there is already.
-    targets : ndarray, shape (t, q)
-        Gradients of the wanted predictions.
-
-    Examples
-    --------
-    >>> Whitened.of(np.array([[2.0], [4.0]]), np.zeros((0, 1)), np.array([[1.0]])).rows.shape
-    (2, 1)
-    """
+    """A choice of rows, in coordinates in which all candidates and what is known are of even size."""
 
     rows: FloatArray
     known: FloatArray
@@ -50,13 +33,7 @@ class Whitened:
 
     @classmethod
     def of(cls, rows: FloatArray, known: FloatArray, targets: FloatArray) -> "Whitened":
-        """Return candidates, known rows and targets in such coordinates; both criteria keep their order in them.
-
-        Parameters
-        ----------
-        rows, known, targets : ndarray, shapes (N, q), (k, q), (t, q)
-            The first two together of full rank.
-        """
+        """Return candidates, known rows and targets in such coordinates; both criteria keep their order in them."""
         length = np.linalg.norm(np.vstack([rows, known]), axis=0)
         triangle = np.linalg.qr(np.vstack([rows, known]) / length, mode="r") / np.sqrt(len(rows))
         turn = np.linalg.inv(triangle) / length[:, None]
@@ -66,18 +43,7 @@ class Whitened:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Exchange:
-    """A criterion on a whitened choice: values of plans, and of all exchanges of one condition.
-
-    Attributes
-    ----------
-    choice : Whitened
-        Candidates and targets.
-    criterion : {"v", "d"}
-        "v": mean variance of the predictions; "d": volume of the parameters' ellipsoid; small is good.
-    balance : float
-        What "v" gives for the ellipsoid [-]: ln variance + balance · ln(volume²)/q is made small. One prediction
-        alone is served best by a plan that may leave the parameters undetermined, which no fit can work with.
-    """
+    """A criterion on a whitened choice: values of plans, and of all exchanges of one condition."""
 
     choice: Whitened
     criterion: Criterion
@@ -148,13 +114,6 @@ def best_plan(
 
     The first start takes the best candidate one by one; the others are drawn at random. The same arguments give the
     same plan.
-
-    Examples
-    --------
-    >>> choice = Whitened.of(np.array([[1.0], [2.0], [5.0], [4.0]]), np.zeros((0, 1)), np.array([[1.0]]))
-    >>> plan, _ = best_plan(choice, 2, criterion="v")
-    >>> plan.tolist()
-    [2, 3]
     """
     exchange, rng = Exchange(choice=choice, criterion=criterion), np.random.default_rng(seed)
     first = [exchange.greedy(n)]

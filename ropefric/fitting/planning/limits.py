@@ -10,8 +10,6 @@ import numpy as np
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, FloatArray
 
-__all__ = ["FACTORS", "RigLimits", "geometric_levels", "linear_levels"]
-
 FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
 """What a plan may vary; the rope is the same throughout."""
 
@@ -21,31 +19,7 @@ _MOST_LEVELS, _MOST_CONDITIONS = 1000, 50_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigLimits:
-    """Every setting a rig offers; each combination is a condition that might be tested.
-
-    Attributes
-    ----------
-    wheel_radius_m, wrap_angle_rad, end_tension_N : tuple of float
-        Settings of R_w [m], φ [rad] and F_B [N], each rising.
-    rope_radius_m : float
-        R_r [m].
-    largest_force_N : float
-        Largest F_A the force cell takes [N]; infinite where that is no limit.
-
-    Raises
-    ------
-    InputError
-        If a factor has no setting, or one that is not positive, or two alike.
-
-    Examples
-    --------
-    >>> rig = RigLimits(
-    ...     wheel_radius_m=(0.02, 0.04), wrap_angle_rad=(3.0, 6.0, 9.0), end_tension_N=(20.0, 80.0),
-    ...     rope_radius_m=0.005, largest_force_N=800.0,
-    ... )
-    >>> len(rig.conditions()), rig.shape
-    (12, (2, 3, 2))
-    """
+    """Every setting a rig offers; each combination is a condition that might be tested."""
 
     wheel_radius_m: tuple[float, ...]
     wrap_angle_rad: tuple[float, ...]
@@ -96,44 +70,13 @@ class RigLimits:
 
 
 def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
-    """Return about n settings from low to high that are whole multiples of a step, ends included.
-
-    Parameters
-    ----------
-    low, high : float
-        The range.
-    n : int
-        Number wanted, 2 or more; fewer where the range holds fewer steps.
-    step : float
-        What can be set: 45 degrees of wrap.
-
-    Raises
-    ------
-    InputError
-        If the range is empty.
-
-    Examples
-    --------
-    >>> linear_levels(90.0, 1080.0, 5, step=45.0)
-    (90.0, 360.0, 585.0, 810.0, 1080.0)
-    """
+    """Return about n settings from low to high that are whole multiples of a step, ends included."""
     _check_range(low, high, n)
     return _unique([low, *(round(x / step) * step for x in np.linspace(low, high, n)[1:-1]), high], low, high)
 
 
 def geometric_levels(low: float, high: float, n: int, *, digits: int = 2) -> tuple[float, ...]:
-    """Return about n settings from low to high in even ratios, rounded to digits, ends included.
-
-    Raises
-    ------
-    InputError
-        If the range is empty, or does not begin above zero.
-
-    Examples
-    --------
-    >>> geometric_levels(5.0, 200.0, 5)
-    (5.0, 13.0, 32.0, 80.0, 200.0)
-    """
+    """Return about n settings from low to high in even ratios, rounded to digits, ends included."""
     _check_range(low, high, n)
     if not low > 0.0:
         raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")

@@ -3,36 +3,17 @@
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["middle_of", "nearest_to", "one_factor_plan"]
-
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 
 def middle_of(allowed: BoolArray) -> tuple[int, ...]:
-    """Return the allowed combination nearest to the middle setting of every factor.
-
-    Parameters
-    ----------
-    allowed : ndarray of bool, shape (w, p, t)
-        Which combinations can be tested.
-
-    Examples
-    --------
-    >>> middle_of(np.ones((3, 5, 4), dtype=bool))
-    (1, 2, 1)
-    """
+    """Return the allowed combination nearest to the middle setting of every factor."""
     return nearest_to(allowed, tuple((size - 1) / 2.0 for size in allowed.shape))
 
 
 def nearest_to(allowed: BoolArray, place: tuple[float, ...]) -> tuple[int, ...]:
-    """Return the allowed combination nearest to a place counted in settings, the first of equals.
-
-    Examples
-    --------
-    >>> nearest_to(np.ones((3, 5, 4), dtype=bool), (0.2, 3.9, 9.0))
-    (0, 4, 3)
-    """
+    """Return the allowed combination nearest to a place counted in settings, the first of equals."""
     spots = np.argwhere(allowed)
     size = np.maximum(np.array(allowed.shape) - 1.0, 1.0)
     gap = (((spots - np.array(place)) / size) ** 2).sum(axis=1)
@@ -44,25 +25,6 @@ def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntA
 
     The n − 1 conditions beside the centre are dealt evenly to the factors that can vary, and spread evenly over the
     settings of each, its ends first.
-
-    Parameters
-    ----------
-    allowed : ndarray of bool, shape (w, p, t)
-        Which combinations can be tested.
-    centre : tuple of int
-        One of them.
-    n : int
-        Conditions wanted.
-
-    Returns
-    -------
-    ndarray of int, shape (≤ n,)
-        Places in `allowed.ravel()`; fewer than n where the factors have no more settings at this centre.
-
-    Examples
-    --------
-    >>> one_factor_plan(np.ones((3, 5, 1), dtype=bool), (1, 2, 0), 5).tolist()
-    [2, 5, 7, 9, 12]
     """
     others = [_others(allowed, centre, axis) for axis in range(allowed.ndim)]
     shares = [0] * len(others)

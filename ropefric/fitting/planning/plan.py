@@ -16,8 +16,6 @@ from ropefric.fitting.planning.precision import PlannedLaw, expected_std
 from ropefric.fitting.planning.result import LabPlan, Outlook
 from ropefric.friction.condition import Conditions, FloatArray
 
-__all__ = ["plan_tests"]
-
 BoolArray = npt.NDArray[np.bool_]
 
 _MOST = 1000
@@ -37,49 +35,9 @@ def plan_tests(
 ) -> LabPlan:
     """Return the conditions to test next.
 
-    Parameters
-    ----------
-    planned : PlannedLaw
-        The law, its parameters as far as they are known, and the scatter.
-    limits : RigLimits
-        What the rig can do.
-    wanted : Conditions
-        Where the lift force is to be predicted; several count alike.
-    n_conditions, repeats : int
-        Size of the plan: conditions, all different and none tested before, and pulls of each.
-    criterion : {"v", "d"}
-        "v" for the smallest mean variance of the wanted ln F_A, "d" for the smallest confidence ellipsoid of the
-        parameters.
-    level : float
-        Level of the intervals.
-    starts, seed : int
-        Starts of the search, and the seed of those drawn at random.
-
-    Raises
-    ------
-    InputError
-        If the rig can test too few conditions, or they cannot determine the parameters, or an argument is out of
-        range.
-
-    Notes
-    -----
     A condition adds g gᵀ/(s_b² + s_w²/m + (u/F_A)²) to the information, g = ∂ ln F_A/∂θ: the scatter between
     conditions is not averaged out by its m repeats. A law that bends makes the plan depend on the parameters it is
     made for; it is the best for those given.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.planning.precision import MeanScatter, planned_guess
-    >>> from ropefric.friction.condition import one_condition
-    >>> from ropefric.friction.laws import LAWS
-    >>> rig = RigLimits(
-    ...     wheel_radius_m=(0.03, 0.04), wrap_angle_rad=(3.0, 6.0, 9.0, 12.0), end_tension_N=(20.0, 40.0),
-    ...     rope_radius_m=0.005, largest_force_N=300.0,
-    ... )
-    >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
-    >>> found = plan_tests(law, rig, one_condition(0.05, 0.005, 14.0, 20.0), n_conditions=3, repeats=4)
-    >>> found.conditions.wrap_angle_rad.tolist(), float(found.after.std_log[0].round(4))
-    ([9.0, 12.0, 12.0], 0.0073)
     """
     if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0 or criterion not in {"v", "d"}:
         raise InputError(

@@ -14,33 +14,10 @@ from ropefric.friction.condition import Conditions, FloatArray
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
 
-__all__ = ["MeanScatter", "PlannedLaw", "expected_std", "planned_fit", "planned_guess"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeanScatter:
-    """How the mean of a condition's repeats scatters.
-
-    Attributes
-    ----------
-    within : float
-        Standard deviation of ln F_A between repeats [-].
-    between : float
-        Standard deviation of what the repeats of a condition share [-]; repeats do not average it out.
-    instrument_N : float
-        Standard uncertainty of a force by the measuring chain [N], the same at every force; shared too.
-
-    Raises
-    ------
-    InputError
-        If one is negative or not finite, or all are zero.
-
-    Examples
-    --------
-    >>> scatter = MeanScatter(within=0.02, between=0.01)
-    >>> float(np.sqrt(scatter.variance(np.log([100.0]), 4))[0].round(5))
-    0.01414
-    """
+    """How the mean of a condition's repeats scatters."""
 
     within: float
     between: float = 0.0
@@ -56,51 +33,14 @@ class MeanScatter:
             )
 
     def variance(self, log_lift: FloatArray, repeats: npt.ArrayLike) -> FloatArray:
-        """Return the variance of mean ln F_A of conditions, s_b² + s_w²/m + (u/F_A)², shape (n,).
-
-        Parameters
-        ----------
-        log_lift : ndarray, shape (n,)
-            Expected ln F_A.
-        repeats : int or array_like of int, shape (n,)
-            Repeats m.
-        """
+        """Return the variance of mean ln F_A of conditions, s_b² + s_w²/m + (u/F_A)², shape (n,)."""
         m = np.asarray(repeats, dtype=np.float64)
         return np.asarray(self.between**2 + self.within**2 / m + (self.instrument_N * np.exp(-log_lift)) ** 2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlannedLaw:
-    """A law at the parameters a plan is made for, and what is known of them already.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        The law; p parameters.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    free : ndarray of bool, shape (p,)
-        Which of them the tests are to determine, q in all.
-    scatter : MeanScatter
-        What the means of conditions scatter by.
-    known : ndarray, shape (k, q)
-        One row for each condition measured before, see `rows`; none for a mere guess.
-    tested : Conditions, optional
-        Those conditions.
-    notes : tuple of str
-        What was assumed.
-
-    Raises
-    ------
-    InputError
-        If no parameter is free.
-
-    Examples
-    --------
-    >>> from ropefric.friction.laws import LAWS
-    >>> planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02)).n_free
-    1
-    """
+    """A law at the parameters a plan is made for, and what is known of them already."""
 
     law: FrictionLaw
     theta: FloatArray
@@ -139,13 +79,7 @@ class PlannedLaw:
 def planned_guess(
     law: FrictionLaw, guess: Mapping[str, float], scatter: MeanScatter, *, fixed: tuple[str, ...] = ()
 ) -> PlannedLaw:
-    """Return a law at guessed parameters, nothing of them known yet.
-
-    Raises
-    ------
-    UnknownNameError, InputError
-        For a parameter the law does not have, or one that is missing.
-    """
+    """Return a law at guessed parameters, nothing of them known yet."""
     theta = law.theta_from(guess)
     for name in fixed:
         if name not in law.parameter_names:
@@ -165,35 +99,7 @@ def planned_fit(
     between: float | None = None,
     instrument_N: float | None = None,
 ) -> PlannedLaw:
-    """Return a fitted law with the conditions it was fitted to, which the new tests add to.
-
-    Parameters
-    ----------
-    fit : FitResult
-        The fit; made just now, or loaded.
-    within, between : float, optional
-        Scatter of the new tests; by default that of the fit.
-    instrument_N : float, optional
-        Standard uncertainty of a force by the measuring chain [N]; by default the median of the fitted trials', 0
-        where they have none.
-
-    Raises
-    ------
-    InputError
-        If the fit does not know its scatter, or does not list its conditions.
-
-    Examples
-    --------
-    >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
-    >>> table = TrialTable(
-    ...     trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3.0, 3.0, 6.0, 6.0],
-    ...     end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7],
-    ... )
-    >>> planned = planned_fit(fit_law(table, "constant"))
-    >>> planned.known.shape, round(planned.scatter.within, 4)
-    ((2, 1), 0.0122)
-    """
+    """Return a fitted law with the conditions it was fitted to, which the new tests add to."""
     found, notes = fit.statistics, []
     if within is None:
         within = found.scatter_within

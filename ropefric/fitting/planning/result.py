@@ -13,29 +13,12 @@ from ropefric.fitting.planning.precision import PlannedLaw
 from ropefric.fitting.propagation import quantile
 from ropefric.friction.condition import Conditions, FloatArray
 
-__all__ = ["SCHEMA", "LabPlan", "Outlook"]
-
 SCHEMA = "ropefric.test-plan/1"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outlook:
-    """How certain predictions are expected to be.
-
-    Attributes
-    ----------
-    std_log : ndarray, shape (t,)
-        Standard error of each wanted ln F_A of the mean law [-]; infinite where it cannot be told.
-    dof : int
-        Conditions less parameters; 0 where there are too few conditions for an error.
-    level : float
-        Level of the intervals.
-
-    Examples
-    --------
-    >>> Outlook(std_log=np.array([0.01]), dof=9, level=0.95).half_width_log.round(4).tolist()
-    [0.0226]
-    """
+    """How certain predictions are expected to be."""
 
     std_log: FloatArray
     dof: int

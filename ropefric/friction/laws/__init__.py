@@ -16,8 +16,6 @@ from ropefric.friction.laws import (
 )
 from ropefric.registry import Registry
 
-__all__ = ["ALL_LAWS", "LAWS"]
-
 LAWS: Registry[FrictionLaw] = Registry(
     "friction law",
     [

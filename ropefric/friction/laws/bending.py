@@ -10,8 +10,6 @@ from ropefric.friction.law import FrictionLaw, Parameter
 from ropefric.friction.physics import Columns, Refusal, refuse
 from ropefric.friction.start import mean_mu, product, searched_start
 
-__all__ = ["LAW", "Bending"]
-
 _MAX_STEPS = 100
 
 

@@ -10,8 +10,6 @@ from ropefric.friction.size import same_for_all, same_for_all_slopes, unmoved_by
 from ropefric.friction.start import mean_mu, searched_start
 from ropefric.friction.uniform import Uniform
 
-__all__ = ["LAW"]
-
 
 def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
     return np.array([[mean_mu(conditions, log_lift)]])

@@ -10,8 +10,6 @@ from ropefric.friction.law import FrictionLaw, Parameter
 from ropefric.friction.physics import Columns, Refusal, refuse
 from ropefric.friction.start import mean_mu, searched_start
 
-__all__ = ["LAW", "Offset"]
-
 
 class Offset:
     """The physics of ln F_A = ln F_B + μ φ + k.

@@ -11,8 +11,6 @@ from ropefric.friction.size import unmoved_by_radius
 from ropefric.friction.start import mean_mu, searched_start
 from ropefric.friction.uniform import Uniform
 
-__all__ = ["LAW"]
-
 _HALF_ANGLE_RAD = float(np.radians(20.0))
 
 

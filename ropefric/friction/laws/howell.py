@@ -11,8 +11,6 @@ from ropefric.friction.physics import Columns, Refusal, refuse
 from ropefric.friction.special import log1prel, log1prel_slope
 from ropefric.friction.start import mean_mu, searched_start
 
-__all__ = ["LAW", "Howell"]
-
 
 class Howell:
     """The physics of friction A N^n per length, N = T/R with R = R_w + R_r.

@@ -16,8 +16,6 @@ from ropefric.friction.size import (
 from ropefric.friction.start import mean_mu, product, searched_start
 from ropefric.friction.uniform import Uniform
 
-__all__ = ["LAW"]
-
 
 def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
     mu = mean_mu(conditions, log_lift)

@@ -10,8 +10,6 @@ from ropefric.friction.physics import Columns
 from ropefric.friction.start import mean_mu, product, searched_start
 from ropefric.friction.uniform import Uniform
 
-__all__ = ["LAW"]
-
 
 def _log_share(conditions: Conditions) -> FloatArray:
     """Return ln(R_w/(R_w + R_r)), without loss for very large wheels."""

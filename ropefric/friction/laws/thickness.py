@@ -10,8 +10,6 @@ from ropefric.friction.physics import Columns
 from ropefric.friction.start import mean_mu, searched_start
 from ropefric.friction.uniform import Uniform
 
-__all__ = ["LAW"]
-
 
 def _rope_share(conditions: Conditions) -> FloatArray:
     """Return A = R_r/(R_w + R_r)."""

@@ -11,8 +11,6 @@ from ropefric.friction.power_wrap import plateau_parameter
 from ropefric.friction.start import mean_mu, product, searched_start
 from ropefric.friction.variant import with_variant
 
-__all__ = ["LAW"]
-
 
 def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
     mu = mean_mu(conditions, log_lift)

@@ -7,21 +7,11 @@ from ropefric.errors import UnknownNameError
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind
 
-__all__ = ["KINDS", "Kinds"]
-
 _NAMES = ("hoist", "press", "bandsaw")
 
 
 class Kinds(Mapping[str, Kind]):
-    """The kinds of scenes by name, each loaded when it is first asked for: a hoist need not wait for a saw's solver.
-
-    Examples
-    --------
-    >>> list(KINDS)
-    ['hoist', 'press', 'bandsaw']
-    >>> KINDS["hoist"].name
-    'hoist'
-    """
+    """The kinds of scenes by name, each loaded when it is first asked for: a hoist need not wait for a saw's solver."""
 
     def __getitem__(self, name: str) -> Kind:
         if name not in self:

@@ -16,8 +16,6 @@ from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.friction import WrapFriction
 
-__all__ = ["KIND"]
-
 _UNKNOWN_THICKNESS_M = 1e-3
 
 

@@ -16,8 +16,6 @@ from ropefric.systems.hoist.effects import SYSTEM, answerable
 from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
 from ropefric.trials.toml_fields import StrictTable, reject
 
-__all__ = ["KIND"]
-
 
 class WheelTable(StrictTable):
     """`[wheel]`."""

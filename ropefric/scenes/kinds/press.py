@@ -15,8 +15,6 @@ from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 
-__all__ = ["KIND"]
-
 
 def _own_wheel(table: PressScene) -> tuple[float, float]:
     """Return the middle roller's radius and half the first belt's thickness."""

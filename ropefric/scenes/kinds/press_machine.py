@@ -18,17 +18,9 @@ from ropefric.systems.press.machine import Belt, Press, Role, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import Settings
 
-__all__ = ["press_problem"]
-
 
 def press_problem(table: PressScene, friction: WrapFriction | None) -> PressProblem:
-    """Return the problem that a press scene states.
-
-    Raises
-    ------
-    DataError
-        If the rollers and belts are no machine.
-    """
+    """Return the problem that a press scene states."""
     assert friction is not None  # noqa: S101  (the schema asks for it)
     speed_m_s = _speed_m_s(table)
     press = Press(

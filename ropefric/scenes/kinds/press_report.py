@@ -22,8 +22,6 @@ _DIRECTIONS = {
 }
 """Which way each leads to the first slip, and out of it where a roller slips already."""
 
-__all__ = ["press_failures", "press_quantities", "press_tree"]
-
 
 def press_quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quantity, ...]:
     """Return the numbers of a press that people read, one a case."""

@@ -10,8 +10,6 @@ from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
 
-__all__ = ["BeltTable", "PressScene", "RollerTable", "SludgeTable", "StartUpTable", "TensionerTable"]
-
 _ROLES = ("driver", "driven", "tensioner")
 
 

@@ -17,8 +17,6 @@ from ropefric.systems.bandsaw.resonance import find_crossings, margins
 from ropefric.systems.bandsaw.saw import Saw, Side
 from ropefric.systems.bandsaw.strain import recommend_preload
 
-__all__ = ["planned_saw", "saw_of", "saw_tree", "speeds_m_s"]
-
 _NEAREST = 10
 _SPEEDS = 200
 _FASTEST = 0.98

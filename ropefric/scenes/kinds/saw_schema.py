@@ -13,16 +13,6 @@ from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.section import Section
 from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
 
-__all__ = [
-    "BladeTable",
-    "DriveTable",
-    "ExcitationTable",
-    "MeasuredTable",
-    "SawScene",
-    "TensionTable",
-    "WheelTable",
-]
-
 _SIDES = tuple(side.value for side in Side)
 
 

@@ -14,15 +14,6 @@ from ropefric.systems.bandsaw.section import Section
 from ropefric.systems.bandsaw.span import Span
 from ropefric.systems.friction import WrapFriction
 
-__all__ = [
-    "SawAnswer",
-    "SawModel",
-    "SideAnswer",
-    "solve_saw",
-    "torsion_frequencies_Hz",
-    "torsion_wave_speed_m_s",
-]
-
 
 def grip_utilisation(
     tight: Span,
@@ -36,30 +27,6 @@ def grip_utilisation(
     """Return required over available friction pull of the driving wheel, shape (m,) [-]; 1 at gross slip.
 
     U = (F_tight − F_slack) / ((F_slack − ρAv²)(e^M − 1)): what keeps the blade on its circle presses nothing.
-
-    Parameters
-    ----------
-    tight, slack : Span
-        The two sides, m cases each.
-    friction : WrapFriction
-        Between blade and wheel; half the blade's thickness stands for the rope's radius.
-    wheel_radius_m : ndarray, shape (m,)
-        R [m].
-    half_thickness_m, wrap_angle_rad : float
-        Half the blade's thickness [m], and the wrap on the wheel [rad].
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        Infinite where the slack side presses nothing.
-
-    Examples
-    --------
-    >>> tight, slack = (Span(free_span_m=1.6, linear_density_kg_m=0.6, preload_N=3412, pull_N=pull)
-    ...     for pull in (105.5, -105.5))
-    >>> grip_utilisation(tight, slack, WrapFriction.constant(0.2), wheel_radius_m=np.array([0.35]),
-    ...     half_thickness_m=4.5e-4, wrap_angle_rad=3.14).round(4).tolist()
-    [0.073]
     """
     # Part by part: a small pull is lost in the difference of two large tensions.
     needed_N = (
@@ -95,20 +62,6 @@ def torsion_wave_speed_m_s(span: Span, section: Section) -> FloatArray:
 
     The strip's own stiffness G b h³/3 and the tension's, F b²/12 (outer fibres lie askew when it is twisted), over
     the inertia ρ h b³/12.
-
-    Parameters
-    ----------
-    span : Span
-        m cases.
-    section : Section
-        Width b, thickness h, density ρ and shear modulus G.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.section import STEEL_85_09
-    >>> span = Span(free_span_m=1.6, linear_density_kg_m=STEEL_85_09.linear_density_kg_m, preload_N=3412)
-    >>> torsion_wave_speed_m_s(span, STEEL_85_09).round(2).tolist()
-    [101.41]
     """
     return np.sqrt(span.tension_N / span.linear_density_kg_m + _stiffness_part(section))
 
@@ -117,18 +70,6 @@ def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> Fl
     """Return the first frequencies of torsion f_n = n (c_t² − v²)/(2 l c_t) [Hz], shape (m, n_modes).
 
     The ends are held against twisting. Parameters as in `torsion_wave_speed_m_s`.
-
-    Raises
-    ------
-    InputError
-        If a blade travels at c_t or above, or `n_modes` is below 1.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.section import STEEL_85_09
-    >>> span = Span(free_span_m=1.6, linear_density_kg_m=STEEL_85_09.linear_density_kg_m, preload_N=3412)
-    >>> torsion_frequencies_Hz(span, STEEL_85_09, 1).round(2).tolist()
-    [[31.69]]
     """
     if n_modes < 1:
         raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
@@ -156,23 +97,7 @@ def _stiffness_part(section: Section) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SawModel:
-    """A saw's blade as assembled from its effects.
-
-    Attributes
-    ----------
-    spans : mapping of Side to Span
-        The three sides that are asked for: tight, slack and at rest.
-    n_modes : int
-        Frequencies of each.
-    ends : Ends
-        How the ends of a stiff blade are held.
-    torsion : Section or None
-        The section that is twisted; None where torsion is left out.
-    friction : WrapFriction or None
-        Between blade and wheel.
-    wheel_radius_m, half_thickness_m, wheel_wrap_rad : float
-        The contact of the wheel that drives.
-    """
+    """A saw's blade as assembled from its effects."""
 
     spans: Mapping[Side, Span]
     n_modes: int
@@ -186,17 +111,7 @@ class SawModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SideAnswer:
-    """One side of a blade.
-
-    Attributes
-    ----------
-    tension_N, wave_speed_m_s, critical_speed_m_s : ndarray, shape (m,)
-        F, c and v_c; the last is infinite for a constant-force mounting.
-    frequencies_Hz : ndarray, shape (m, n_modes)
-        Of bending out of the blade's plane.
-    torsion_Hz : ndarray, shape (m, n_modes), or None
-        Of twisting.
-    """
+    """One side of a blade."""
 
     tension_N: FloatArray
     wave_speed_m_s: FloatArray
@@ -207,17 +122,7 @@ class SideAnswer:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SawAnswer:
-    """The frequencies of a saw.
-
-    Attributes
-    ----------
-    model : SawModel
-        What was solved.
-    sides : mapping of Side to SideAnswer
-        Tight, slack and at rest.
-    wheel_utilisation : ndarray, shape (m,), or None
-        Share of the driving wheel's friction that its torque needs; 1 at gross slip.
-    """
+    """The frequencies of a saw."""
 
     model: SawModel
     sides: Mapping[Side, SideAnswer]
@@ -225,30 +130,7 @@ class SawAnswer:
 
 
 def solve_saw(model: SawModel, *, accuracy: float = 1e-10) -> SawAnswer:
-    """Return the frequencies of a model.
-
-    Parameters
-    ----------
-    model : SawModel
-        m cases.
-    accuracy : float
-        Relative accuracy of the frequencies of a stiff blade; those of a string are exact.
-
-    Raises
-    ------
-    InputError
-        If a side travels at its critical speed or above.
-    SolverError
-        As `solve_beam`.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.ends import PINNED
-    >>> span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0)
-    >>> model = SawModel(spans={Side.REST: span}, n_modes=2, ends=PINNED)
-    >>> solve_saw(model).sides[Side.REST].frequencies_Hz.round(2).tolist()
-    [[23.63, 47.26]]
-    """
+    """Return the frequencies of a model."""
     return SawAnswer(
         model=model,
         sides={side: _solve_side(model, span, accuracy) for side, span in model.spans.items()},

@@ -18,15 +18,6 @@ from ropefric.systems.bandsaw.galerkin import (
 from ropefric.systems.bandsaw.span import Span, refuse_overspeed, speed_that_uses_up
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 
-__all__ = [
-    "BeamModes",
-    "beam_frequencies_Hz",
-    "clamped_at_rest_Hz",
-    "critical_speeds_m_s",
-    "scaled_beams",
-    "solve_beam",
-]
-
 # Two solutions this many orders apart differ by practically all of the coarser one's error.
 _CHECK_STEP = 3
 # Rounding alone, over many cases of stiffness and speed.
@@ -35,20 +26,7 @@ _ROUNDING = 1e-13
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BeamModes:
-    """Scaled frequencies with what they cost and what they are worth.
-
-    Attributes
-    ----------
-    frequencies : ndarray, shape (n_modes,)
-        ω = 2π f l/c [-], rising.
-    order : int
-        Degree of the polynomials.
-    n_elements : int
-        1, or 3 where the ends have boundary layers.
-    error : float
-        Largest relative difference from a solution of lower order, so an upper bound of the error as long as raising
-        the order helps.
-    """
+    """Scaled frequencies with what they cost and what they are worth."""
 
     frequencies: FloatArray
     order: int
@@ -57,30 +35,7 @@ class BeamModes:
 
 
 def solve_beam(beam: ScaledBeam, n_modes: int = 6, *, accuracy: float = 1e-10) -> BeamModes:
-    """Return the first frequencies of a scaled beam, with the order raised until a coarser solution agrees.
-
-    Parameters
-    ----------
-    beam : ScaledBeam
-        The beam.
-    n_modes : int
-        1 or more.
-    accuracy : float
-        Relative accuracy of every frequency, from 1e-14 to 0.1; what rounding leaves is about 1e-14.
-
-    Raises
-    ------
-    InputError
-        If an argument is outside its range.
-    SolverError
-        If no order up to `MAX_ORDER` reaches the accuracy.
-
-    Examples
-    --------
-    >>> modes = solve_beam(ScaledBeam.at_speed(1e-2, 0.5, CLAMPED), 2)
-    >>> modes.frequencies.round(9).tolist(), modes.error < 1e-10
-    ([3.445561083, 8.337819919], True)
-    """
+    """Return the first frequencies of a scaled beam, with the order raised until a coarser solution agrees."""
     order = order_for(beam, n_modes, accuracy)
     coarse = galerkin_frequencies(beam, widths_for(beam, order), order, n_modes)
     while order + _CHECK_STEP <= MAX_ORDER:
@@ -99,19 +54,7 @@ def solve_beam(beam: ScaledBeam, n_modes: int = 6, *, accuracy: float = 1e-10) -
 
 
 def scaled_beams(span: Span, ends: Ends) -> list[ScaledBeam]:
-    """Return the scaled form of every case of a span that has a stiffness.
-
-    Raises
-    ------
-    InputError
-        If a blade travels at its critical speed or above, or has no stiffness.
-
-    Examples
-    --------
-    >>> span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412, bending_stiffness_N_m2=1.0637)
-    >>> round(scaled_beams(span, CLAMPED)[0].stiffness ** 0.5, 4)
-    0.011
-    """
+    """Return the scaled form of every case of a span that has a stiffness."""
     tension_N, net_N, margin_N = span.tension_N, span.net_tension_N, refuse_overspeed(span, ends)
     stiffness = span.bending_stiffness_N_m2 / (tension_N * span.free_span_m**2)
     speed = np.abs(span.travel_speed_m_s) / span.wave_speed_m_s
@@ -125,37 +68,7 @@ def scaled_beams(span: Span, ends: Ends) -> list[ScaledBeam]:
 def beam_frequencies_Hz(
     span: Span, ends: Ends = CLAMPED, n_modes: int = 6, *, accuracy: float = 1e-10
 ) -> FloatArray:
-    """Return the first frequencies of spans as travelling beams; a case without stiffness is a string.
-
-    Parameters
-    ----------
-    span : Span
-        m cases.
-    ends : Ends
-        How the ends are held.
-    n_modes : int
-        1 or more.
-    accuracy : float
-        Relative accuracy of every frequency, see `solve_beam`.
-
-    Returns
-    -------
-    ndarray, shape (m, n_modes)
-        Frequencies [Hz], rising.
-
-    Raises
-    ------
-    InputError
-        If a blade travels at its critical speed or above, or an argument is outside its range.
-    SolverError
-        As `solve_beam`.
-
-    Examples
-    --------
-    >>> span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412, bending_stiffness_N_m2=1.0637)
-    >>> beam_frequencies_Hz(span, CLAMPED, 2).round(3).tolist()
-    [[24.179, 48.445]]
-    """
+    """Return the first frequencies of spans as travelling beams; a case without stiffness is a string."""
     stiff = span.bending_stiffness_N_m2 > 0.0
     if not stiff.any():
         return string_frequencies_Hz(span, n_modes)
@@ -173,17 +86,6 @@ def critical_speeds_m_s(span: Span, ends: Ends, n_modes: int = 1) -> FloatArray:
     """Return the speeds at which a mode's frequency vanishes, v_n² (1 − κ) ρA = F_0 ± ΔF/2 + β_n EI/l².
 
     Only up to the first of them frequencies are computed; the others say how the string's one critical speed splits.
-
-    Returns
-    -------
-    ndarray, shape (m, n_modes)
-        Speeds [m/s], infinite for κ = 1.
-
-    Examples
-    --------
-    >>> span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412, bending_stiffness_N_m2=1.0637)
-    >>> critical_speeds_m_s(span, CLAMPED, 2).round(3).tolist()
-    [[75.8, 75.989]]
     """
     load_N = np.multiply.outer(
         ends.buckling_loads(n_modes), span.bending_stiffness_N_m2 / span.free_span_m**2
@@ -196,12 +98,6 @@ def clamped_at_rest_Hz(span: Span, n_modes: int = 6) -> FloatArray:
 
     f_n = (n/2l) √(F/ρA) · (1 + 2e + (4 + n²π²/2) e²), shape (m, n_modes); the error goes with e³. A check, and a rule
     for the slide rule: the speed is left out.
-
-    Examples
-    --------
-    >>> span = Span(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412, bending_stiffness_N_m2=1.0637)
-    >>> clamped_at_rest_Hz(span, 2).round(3).tolist()
-    [[24.178, 48.441]]
     """
     n = np.arange(1.0, n_modes + 1.0)
     e = np.sqrt(span.bending_stiffness_N_m2 / (span.tension_N * span.free_span_m**2))[:, np.newaxis]

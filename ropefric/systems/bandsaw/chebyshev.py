@@ -13,8 +13,6 @@ from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.galerkin import ScaledBeam
 
-__all__ = ["chebyshev_frequencies"]
-
 
 def chebyshev_frequencies(beam: ScaledBeam, order: int, n_modes: int = 6) -> FloatArray:
     """Return the first scaled frequencies ω = 2π f l/c [-], shape (n_modes,).
@@ -22,26 +20,6 @@ def chebyshev_frequencies(beam: ScaledBeam, order: int, n_modes: int = 6) -> Flo
     (λ² M + λ C + K) a = 0 for the coefficients a of Σ a_j T_j(2x − 1), with λ = iω; the four end conditions give the
     first four coefficients by the others, and the last four equations make room for them. The eigenvalues 1/λ of the
     companion matrix of the reversed problem are taken from the largest on.
-
-    Parameters
-    ----------
-    beam : ScaledBeam
-        The beam.
-    order : int
-        Highest degree; at least twice the number of modes plus four.
-    n_modes : int
-        1 or more.
-
-    Raises
-    ------
-    InputError
-        If the order is too low for the modes.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.ends import CLAMPED
-    >>> chebyshev_frequencies(ScaledBeam.at_speed(1e-2, 0.5, CLAMPED), 30, 2).round(9).tolist()
-    [3.445561083, 8.337819919]
     """
     if n_modes < 1 or order < 2 * n_modes + 4:
         raise InputError(

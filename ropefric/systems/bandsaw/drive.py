@@ -8,8 +8,6 @@ import numpy.typing as npt
 from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 
-__all__ = ["PRINTED_TORQUE_FACTOR", "inertia_tension_N", "tension_difference_N", "torque_N_m"]
-
 PRINTED_TORQUE_FACTOR = 9549.0
 """The factor of M = 9549 P/n with P in kW and n in 1/min; unrounded it is 30000/π = 9549.2966."""
 
@@ -17,28 +15,7 @@ PRINTED_TORQUE_FACTOR = 9549.0
 def torque_N_m(
     power_W: npt.ArrayLike, wheel_speed_rad_s: npt.ArrayLike, *, printed: bool = False
 ) -> FloatArray:
-    """Return the torque of the driven wheel M = P/ω [N m], eq. (16).
-
-    Parameters
-    ----------
-    power_W : array_like
-        Power P [W], zero or more.
-    wheel_speed_rad_s : array_like
-        Speed ω of the wheel [rad/s], positive.
-    printed : bool
-        Whether to round 30000/π to 9549 as the paper does; 3.1e-5 less.
-
-    Raises
-    ------
-    InputError
-        If an argument is outside its range.
-
-    Examples
-    --------
-    >>> float(torque_N_m(7500.0, 970 * math.pi / 30).round(4)), float(
-    ...     torque_N_m(7500.0, 970 * math.pi / 30, printed=True).round(4))
-    (73.8348, 73.8325)
-    """
+    """Return the torque of the driven wheel M = P/ω [N m], eq. (16)."""
     power = _checked("power_W", power_W, "zero or more")
     speed = _checked("wheel_speed_rad_s", wheel_speed_rad_s, "positive")
     rounding = PRINTED_TORQUE_FACTOR / (30000.0 / math.pi) if printed else 1.0
@@ -46,13 +23,7 @@ def torque_N_m(
 
 
 def tension_difference_N(torque_N_m: npt.ArrayLike, wheel_radius_m: npt.ArrayLike) -> FloatArray:
-    """Return the difference of the tensions on the two sides of the driven wheel ΔF = M/R [N], eq. (17).
-
-    Examples
-    --------
-    >>> float(tension_difference_N(73.83247, 0.35).round(2))
-    210.95
-    """
+    """Return the difference of the tensions on the two sides of the driven wheel ΔF = M/R [N], eq. (17)."""
     torque = _checked("torque_N_m", torque_N_m, "zero or more")
     return np.asarray(torque / _checked("wheel_radius_m", wheel_radius_m, "positive"))
 
@@ -60,27 +31,7 @@ def tension_difference_N(torque_N_m: npt.ArrayLike, wheel_radius_m: npt.ArrayLik
 def inertia_tension_N(
     linear_density_kg_m: npt.ArrayLike, speed_m_s: npt.ArrayLike, *, mounting_factor: npt.ArrayLike = 1.0
 ) -> FloatArray:
-    """Return the inertia tension κ ρA v² that running adds [N], eqs. (13)-(15) for κ = 1.
-
-    Parameters
-    ----------
-    linear_density_kg_m : array_like
-        Mass per length ρA [kg/m], zero or more.
-    speed_m_s : array_like
-        Speed of the blade v [m/s].
-    mounting_factor : array_like
-        κ from 0, wheel axles that do not give way, to 1, axles that are pressed apart with a constant force (Mote).
-
-    Raises
-    ------
-    InputError
-        If an argument is outside its range.
-
-    Examples
-    --------
-    >>> float(inertia_tension_N(0.59670, 35.552).round(1))
-    754.2
-    """
+    """Return the inertia tension κ ρA v² that running adds [N], eqs. (13)-(15) for κ = 1."""
     density = _checked("linear_density_kg_m", linear_density_kg_m, "zero or more")
     speed = _checked("speed_m_s", speed_m_s, "")
     kappa = _checked("mounting_factor", mounting_factor, "zero or more")

@@ -32,59 +32,10 @@ from ropefric.systems.effect import Effect, Method, System
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.spread import Rule, spread
 
-__all__ = ["SYSTEM", "SawProblem", "answerable"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SawProblem:
-    """A blade on two wheels, m cases side by side; scalars are spread.
-
-    Attributes
-    ----------
-    free_span_m : ndarray, shape (m,)
-        Length l of each free span [m], positive.
-    linear_density_kg_m : ndarray, shape (m,)
-        Mass per length ρA [kg/m], positive.
-    preload_N : ndarray, shape (m,)
-        Tension F_0 of each side at rest [N], positive.
-    n_modes : int
-        How many frequencies of each side are wanted.
-    wheel_radius_m, wheel_speed_rad_s : ndarray, shape (m,), optional
-        R [m] and ω [rad/s] of the wheels.
-    tension_difference_N : ndarray, shape (m,), optional
-        ΔF of the sides at work [N].
-    mounting_factor : ndarray, shape (m,), optional
-        κ from 0 (fixed wheel axles) to 1 (constant-force mounting).
-    bending_stiffness_N_m2 : ndarray, shape (m,), optional
-        EI [N m2].
-    ends : Ends
-        How the ends of a stiff blade are held.
-    section : Section, optional
-        The blade's cross-section; only torsion and the wheel's friction need it.
-    friction : WrapFriction, optional
-        Between blade and wheel.
-    wheel_wrap_rad : float
-        Wrap of the blade on the wheel [rad].
-    excitations : tuple of Excitation
-        What may shake the blade.
-    measurements : tuple of Measurement
-        What was measured on the saw.
-    margin_wanted : float, optional
-        |mode/excitation − 1| that a recommended preload is to keep [-].
-    preload_range_N : tuple of float, optional
-        Lowest and highest preload to recommend [N].
-
-    Raises
-    ------
-    InputError
-        If the lengths disagree or a number is not finite.
-
-    Examples
-    --------
-    >>> saw = SawProblem(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=[3000.0, 3412.0], n_modes=3)
-    >>> saw.m, saw.speed_m_s
-    (2, None)
-    """
+    """A blade on two wheels, m cases side by side; scalars are spread."""
 
     free_span_m: FloatArray
     linear_density_kg_m: FloatArray
@@ -168,14 +119,7 @@ def _pull_N(problem: SawProblem) -> FloatArray:
 
 
 def answerable(problem: SawProblem) -> npt.NDArray[np.bool_]:
-    """Return for which of m cases both sides are tight and slower than their critical speed, shape (m,).
-
-    Examples
-    --------
-    >>> answerable(SawProblem(free_span_m=1.6, linear_density_kg_m=0.6, preload_N=3412.0, n_modes=1,
-    ...     wheel_radius_m=0.35, wheel_speed_rad_s=[100.0, 300.0])).tolist()
-    [True, False]
-    """
+    """Return for which of m cases both sides are tight and slower than their critical speed, shape (m,)."""
     inertia_N = _inertia_N(problem)
     stiff_N = _zeros(problem)
     if problem.bending_stiffness_N_m2 is not None:

@@ -9,35 +9,10 @@ import numpy as np
 from ropefric.friction.condition import FloatArray
 from ropefric.registry import Registry
 
-__all__ = ["CLAMPED", "ENDS", "PINNED", "Ends"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ends:
-    """A way of holding both ends of a span of length 1.
-
-    Attributes
-    ----------
-    name : str
-        "pinned" or "clamped".
-    meaning : str
-        In words.
-    turns : bool
-        Whether the ends may turn.
-    buckling : float
-        β_1: a beam buckles at the compression β_1 EI/l², so it stands a net tension above that [-].
-    buckling_low : float
-        What β_1 as a float lacks to 32 digits [-].
-    buckling_loads : callable
-        `buckling_loads(n)` returns β_1 … β_n, shape (n,).
-    buckled : callable
-        `buckled(x)` returns the shape of the first buckling and its first two slopes at 0 ≤ x ≤ 1.
-
-    Examples
-    --------
-    >>> round(PINNED.buckling / math.pi**2, 12), round(CLAMPED.buckling / math.pi**2, 12)
-    (1.0, 4.0)
-    """
+    """A way of holding both ends of a span of length 1."""
 
     name: str
     meaning: str

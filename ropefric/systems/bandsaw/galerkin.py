@@ -13,16 +13,6 @@ from ropefric.errors import InputError, SolverError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import Ends
 
-__all__ = [
-    "MAX_ORDER",
-    "ScaledBeam",
-    "free_freedoms",
-    "galerkin_frequencies",
-    "order_for",
-    "waves_of",
-    "widths_for",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScaledBeam:
@@ -30,31 +20,6 @@ class ScaledBeam:
 
     Near the critical speed, V = √(1 + β ε²), all frequencies go with the margin S + β ε², which therefore is a number
     of its own: computed from V it would have no digits left.
-
-    Attributes
-    ----------
-    stiffness : float
-        ε² = EI/(F l²) [-], positive.
-    speed : float
-        V = v/c [-], zero or more.
-    net : float
-        S = 1 − V² [-]; negative above the string's critical speed.
-    margin : float
-        S + β ε² [-], positive.
-    ends : Ends
-        How the ends are held.
-
-    Raises
-    ------
-    InputError
-        If a number is outside its range.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.ends import PINNED
-    >>> beam = ScaledBeam.at_speed(1e-2, 0.5, PINNED)
-    >>> beam.net, round(beam.margin, 6), round(beam.critical_speed, 6)
-    (0.75, 0.848696, 1.048187)
     """
 
     stiffness: float
@@ -85,13 +50,7 @@ class ScaledBeam:
 
     @classmethod
     def at_speed(cls, stiffness: float, speed: float, ends: Ends) -> "ScaledBeam":
-        """Return the beam at a speed ratio V.
-
-        Parameters
-        ----------
-        stiffness, speed, ends
-            ε², V and the ends.
-        """
+        """Return the beam at a speed ratio V."""
         net = (1.0 - speed) * (1.0 + speed)
         return cls(
             stiffness=stiffness, speed=speed, net=net, margin=net + ends.buckling * stiffness, ends=ends
@@ -99,23 +58,7 @@ class ScaledBeam:
 
     @classmethod
     def at_shortfall(cls, stiffness: float, shortfall: float, ends: Ends) -> "ScaledBeam":
-        """Return the beam at V = (1 − δ) V_c, as exact as δ is.
-
-        Parameters
-        ----------
-        stiffness : float
-            ε².
-        shortfall : float
-            δ from above 0 to 1, which is rest.
-        ends : Ends
-            How the ends are held.
-
-        Examples
-        --------
-        >>> from ropefric.systems.bandsaw.ends import PINNED
-        >>> round(ScaledBeam.at_shortfall(1e-2, 1e-15, PINNED).margin * 1e15, 9)
-        2.197392088
-        """
+        """Return the beam at V = (1 − δ) V_c, as exact as δ is."""
         if not 0.0 < shortfall <= 1.0:
             raise InputError(f"the shortfall is {shortfall:g}; it must be above 0 and at most 1")
         limit_squared = 1.0 + ends.buckling * stiffness
@@ -146,15 +89,7 @@ _SAFETY = {True: 10.0, False: 40.0}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waves:
-    """Of what a mode is made: waves e^{ikx} inside, layers e^{−κx} at the ends.
-
-    Attributes
-    ----------
-    longest, shortest : float
-        The two real wave numbers q − m, q + m in amount [-].
-    layer_rate : float
-        κ [-], the inverse of the boundary layer's thickness, at most 1e60.
-    """
+    """Of what a mode is made: waves e^{ikx} inside, layers e^{−κx} at the ends."""
 
     longest: float
     shortest: float
@@ -166,20 +101,6 @@ def waves_of(beam: ScaledBeam, mode: int) -> Waves:
 
     The four wave numbers solve ε²k⁴ + S k² − 2Vωk − ω² = 0: they are m ± q and −m ± iκ. With q given by
     the half waves between the ends, what remains is one equation for m², which has one root in [0, q²].
-
-    Parameters
-    ----------
-    beam : ScaledBeam
-        The beam.
-    mode : int
-        n = 1, 2, …
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.ends import PINNED
-    >>> waves = waves_of(ScaledBeam.at_speed(1e-8, 0.6, PINNED), 1)
-    >>> round(waves.shortest / math.pi, 4), round(waves.layer_rate)
-    (1.6, 8000)
     """
     waves = _waves_between(beam, mode * math.pi)
     if not beam.ends.turns:
@@ -209,16 +130,7 @@ def _waves_between(beam: ScaledBeam, q: float) -> Waves:
 
 
 def widths_for(beam: ScaledBeam, order: int) -> tuple[float, ...]:
-    """Return the lengths of the elements: one where the layers are thick, else three with a thin one at each end.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.ends import PINNED
-    >>> widths_for(ScaledBeam.at_speed(1e-2, 0.0, PINNED), 20)
-    (1.0,)
-    >>> [round(width, 6) for width in widths_for(ScaledBeam.at_speed(1e-8, 0.0, PINNED), 20)]
-    [0.0016, 0.9968, 0.0016]
-    """
+    """Return the lengths of the elements: one where the layers are thick, else three with a thin one at each end."""
     rate = waves_of(beam, 1).layer_rate
     if _LAYER_REACH * order >= _WIDEST_LAYER * rate:
         return (1.0,)
@@ -231,28 +143,6 @@ def order_for(beam: ScaledBeam, n_modes: int, accuracy: float) -> int:
 
     A polynomial of degree p leaves J_p(kh/2) of a wave e^{ikx} on an element of length h, and I_p(κh/2) e^{−κh/2}
     of a layer; the eigenvalue errs with the square.
-
-    Parameters
-    ----------
-    beam : ScaledBeam
-        The beam.
-    n_modes : int
-        How many modes are wanted, 1 or more.
-    accuracy : float
-        Relative accuracy of every frequency, from 1e-14 to 0.1.
-
-    Raises
-    ------
-    InputError
-        If an argument is outside its range.
-    SolverError
-        If more than `MAX_ORDER` is needed.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.ends import PINNED
-    >>> [order_for(ScaledBeam.at_speed(1e-4, 0.5, PINNED), 6, accuracy) for accuracy in (1e-2, 1e-6, 1e-10)]
-    [14, 17, 20]
     """
     if n_modes < 1:
         raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
@@ -281,19 +171,7 @@ def _expected_error(beam: ScaledBeam, waves: Waves, order: int) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Matrices:
-    """What a moving beam of length 1 is made of in some basis φ_1 … φ_k; each (k, k).
-
-    Attributes
-    ----------
-    mass : ndarray
-        ∫ φ_i φ_j.
-    travel : ndarray
-        ∫ φ_i φ_j' − φ_i' φ_j, skew.
-    tension : ndarray
-        ∫ φ_i' φ_j'.
-    bending : ndarray
-        ∫ φ_i'' φ_j''.
-    """
+    """What a moving beam of length 1 is made of in some basis φ_1 … φ_k; each (k, k)."""
 
     mass: FloatArray
     travel: FloatArray
@@ -302,23 +180,7 @@ class Matrices:
 
 
 def assemble(widths: tuple[float, ...], order: int, *, turning_ends: bool) -> Matrices:
-    """Return the matrices of a span divided into elements, both ends held in place.
-
-    Parameters
-    ----------
-    widths : tuple of float
-        Lengths of the elements, left to right; their sum is 1.
-    order : int
-        Degree of the polynomials, 3 or more: 3 is Hermite's cubic beam element.
-    turning_ends : bool
-        Whether the ends may turn; if not, they are clamped.
-
-    Examples
-    --------
-    >>> pinned = assemble((1.0,), 3, turning_ends=True)
-    >>> pinned.bending.tolist()
-    [[4.0, 2.0], [2.0, 4.0]]
-    """
+    """Return the matrices of a span divided into elements, both ends held in place."""
     value, slope, curvature = _reference(order)
     weights = 2.0 / (2.0 * np.arange(order + 1) + 1.0)
     n_bubbles, n_nodes = order - 3, len(widths) + 1
@@ -344,27 +206,7 @@ def assemble(widths: tuple[float, ...], order: int, *, turning_ends: bool) -> Ma
 def interpolate(
     widths: tuple[float, ...], order: int, values: FloatArray, slopes: FloatArray, curvature: list[FloatArray]
 ) -> FloatArray:
-    """Return the coefficients of a function, whose bending energy and nodal values they keep.
-
-    Parameters
-    ----------
-    widths, order
-        As in `assemble`.
-    values, slopes : ndarray, shape (n_elements + 1,)
-        At the nodes.
-    curvature : list of ndarray, each (order + 1,)
-        w'' at the Gauss-Legendre points of each element.
-
-    Returns
-    -------
-    ndarray
-        For all freedoms, the held ones included.
-
-    Examples
-    --------
-    >>> interpolate((1.0,), 3, np.array([0.0, 1.0]), np.array([1.0, 1.0]), [np.zeros(4)]).tolist()
-    [0.0, 1.0, 1.0, 1.0]
-    """
+    """Return the coefficients of a function, whose bending energy and nodal values they keep."""
     points, weights = np.polynomial.legendre.leggauss(order + 1)
     _, _, basis_curvature = _reference(order)
     at_points = np.polynomial.legendre.legvander(points, order) @ basis_curvature[4:].T
@@ -377,13 +219,7 @@ def interpolate(
 
 
 def free_freedoms(n_elements: int, order: int, *, turning_ends: bool) -> npt.NDArray[np.bool_]:
-    """Return which freedoms are not held at the ends, as a boolean array.
-
-    Examples
-    --------
-    >>> free_freedoms(1, 4, turning_ends=True).tolist()
-    [False, True, False, True, True]
-    """
+    """Return which freedoms are not held at the ends, as a boolean array."""
     kept = np.ones(2 * (n_elements + 1) + (order - 3) * n_elements, dtype=np.bool_)
     kept[[0, 2 * n_elements]] = False
     if not turning_ends:
@@ -445,30 +281,6 @@ def galerkin_frequencies(beam: ScaledBeam, widths: tuple[float, ...], order: int
     critical speed and G skew. In the energy norms of K and M it is the eigenproblem of a skew matrix; the one of
     its inverse gives the small frequencies to full relative precision and needs neither M⁻¹ nor large numbers. A
     Rayleigh quotient then makes the error of every mode quadratic in its vector's.
-
-    Parameters
-    ----------
-    beam : ScaledBeam
-        The beam.
-    widths : tuple of float
-        Lengths of the elements, see `widths_for`.
-    order : int
-        Degree of the polynomials on each element.
-    n_modes : int
-        Up to the number of freedoms.
-
-    Raises
-    ------
-    InputError
-        If there are fewer freedoms than modes.
-    SolverError
-        If the stiffness is not positive in floats.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.ends import PINNED
-    >>> galerkin_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), (1.0,), 20, 2).round(9).tolist()
-    [2.647332318, 6.567103155]
     """
     turning = beam.ends.turns
     parts = _assembled(widths, order, turning)

@@ -8,42 +8,12 @@ from scipy.optimize import brentq
 from ropefric.errors import InputError
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 
-__all__ = ["preload_for_N"]
-
 
 def preload_for_N(saw: Saw, side: Side, frequency_Hz: float, mode: int = 1) -> float:
     """Return the preload F_0 at which a mode of one side has a frequency, at the saw's speed [N].
 
     For a string c = a + √(a² + v²) with a = f l/n, from eq. (8), and F_0 = ρA c² ∓ ΔF/2 − κ ρA v². A stiff blade
     needs less, which is found by bracketing.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw; its preload does not matter.
-    side : Side
-        The side.
-    frequency_Hz : float
-        f [Hz], positive.
-    mode : int
-        n = 1, 2, …
-
-    Returns
-    -------
-    float
-        F_0; on the tight side of a saw with a large ΔF it may be negative, which no saw can be set to.
-
-    Raises
-    ------
-    InputError
-        If the frequency or mode is not positive, or a stiff blade has that frequency only under compression.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=1.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=0.0)
-    >>> round(preload_for_N(saw, Side.REST, 23.6307), 1)
-    3412.0
     """
     if not (math.isfinite(frequency_Hz) and frequency_Hz > 0.0):
         raise InputError(

@@ -17,15 +17,6 @@ from ropefric.systems.bandsaw.models import MODELS
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 from ropefric.systems.bandsaw.span import Span
 
-__all__ = [
-    "IdentificationStatus",
-    "Measurement",
-    "MountingStatus",
-    "deviations",
-    "explain_mounting",
-    "identify",
-]
-
 
 class IdentificationStatus(StrEnum):
     """What an identification is worth."""
@@ -39,13 +30,7 @@ class IdentificationStatus(StrEnum):
 
     @property
     def advice(self) -> str:
-        """Return what the status means and what to do.
-
-        Examples
-        --------
-        >>> IdentificationStatus.NO_SPARE.advice[:27]
-        'As many points as unknowns:'
-        """
+        """Return what the status means and what to do."""
         return {
             IdentificationStatus.OK: "Preload and mounting factor are determined by the data.",
             IdentificationStatus.ON_BOUND: (
@@ -74,24 +59,7 @@ class IdentificationStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Identification:
-    """Preload and mounting factor with what is known of their errors.
-
-    Attributes
-    ----------
-    preload_N, mounting_factor : float
-        F_0 [N] and κ [-], κ within [0, 1].
-    covariance : ndarray, shape (2, 2), or None
-        Of (F_0, κ): from the points' uncertainties where all have one, else from the residuals; a κ on its bound is
-        held there and has zeros. None where nothing tells the errors.
-    free_mounting_factor : float or None
-        What κ would be without its bounds; None where it lies within them.
-    status : IdentificationStatus
-        What this is worth.
-    residual_Hz : ndarray, shape (n,)
-        Measured less model.
-    n, dof : int
-        Points, and points less the free unknowns.
-    """
+    """Preload and mounting factor with what is known of their errors."""
 
     preload_N: float
     mounting_factor: float
@@ -113,31 +81,7 @@ class Identification:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """One measured frequency.
-
-    Attributes
-    ----------
-    side : Side
-        Where.
-    frequency_Hz : float
-        [Hz], positive.
-    mode : int
-        n = 1, 2, …
-    speed_m_s : float, optional
-        Speed of the blade [m/s]; by default the saw's at work.
-    std_Hz : float, optional
-        Standard uncertainty [Hz], positive.
-
-    Raises
-    ------
-    InputError
-        If a number is outside its range.
-
-    Examples
-    --------
-    >>> Measurement(side=Side.TIGHT, frequency_Hz=24.9).mode
-    1
-    """
+    """One measured frequency."""
 
     side: Side
     frequency_Hz: float
@@ -162,19 +106,7 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Deviation:
-    """How far a model is from a measurement.
-
-    Attributes
-    ----------
-    model : str
-        Name of the model, see `MODELS`.
-    measurement : Measurement
-        What was measured.
-    frequency_Hz : float
-        What the model says [Hz].
-    relative : float
-        (model)/(measured) − 1 [-].
-    """
+    """How far a model is from a measurement."""
 
     model: str
     measurement: Measurement
@@ -191,13 +123,7 @@ class MountingStatus(StrEnum):
 
     @property
     def advice(self) -> str:
-        """Return what the status means and what to do.
-
-        Examples
-        --------
-        >>> MountingStatus.TOO_HIGH.advice[:57]
-        'No mounting explains the frequency: it is too high. Even '
-        """
+        """Return what the status means and what to do."""
         return {
             MountingStatus.EXPLAINED: "A mounting factor between 0 and 1 explains the frequency.",
             MountingStatus.TOO_HIGH: (
@@ -214,15 +140,7 @@ class MountingStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mounting:
-    """The mounting factor that would explain a frequency.
-
-    Attributes
-    ----------
-    mounting_factor : float
-        κ [-], outside [0, 1] where no mounting does it.
-    status : MountingStatus
-        Which of these.
-    """
+    """The mounting factor that would explain a frequency."""
 
     mounting_factor: float
     status: MountingStatus
@@ -231,32 +149,7 @@ class Mounting:
 def deviations(
     saw: Saw, measurements: Iterable[Measurement], models: Iterable[str] | None = None
 ) -> tuple[Deviation, ...]:
-    """Return how far each model is from each measurement.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw; its mounting factor is replaced by the model's.
-    measurements : iterable of Measurement
-        What was measured.
-    models : iterable of str, optional
-        Names from `MODELS`; by default all that the saw has the data for.
-
-    Raises
-    ------
-    InputError
-        If a beam is asked for and the saw has no stiffness, or as `frequencies_Hz`.
-    UnknownNameError
-        For an unknown model.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=970 * math.pi / 30, tension_difference_N=210.95)
-    >>> tight = Measurement(side=Side.TIGHT, frequency_Hz=24.9)
-    >>> [(found.model, round(found.relative, 3)) for found in deviations(saw, [tight])]
-    [('string-at-rest', -0.036), ('string-fixed-axles', -0.243), ('string-constant-force', -0.126)]
-    """
+    """Return how far each model is from each measurement."""
     stiff = saw.bending_stiffness_N_m2 > 0.0
     if models is None:
         models = [name for name, model in MODELS.items() if stiff or not model.bends]
@@ -287,26 +180,6 @@ def explain_mounting(saw: Saw, measurement: Measurement) -> Mounting:
     """Return the mounting factor that gives exactly the measured frequency, and whether there is such a mounting.
 
     The saw's stiffness counts; for a string κ = (ρA c² − F_0 ∓ ΔF/2)/(ρA v²) with c = a + √(a² + v²), a = f l/n.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw; its mounting factor does not matter.
-    measurement : Measurement
-        What was measured while it ran.
-
-    Raises
-    ------
-    InputError
-        If the blade stood still: then no mounting factor has an influence.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=970 * math.pi / 30, tension_difference_N=210.95)
-    >>> found = explain_mounting(saw, Measurement(side=Side.TIGHT, frequency_Hz=24.9))
-    >>> round(found.mounting_factor, 2), str(found.status)
-    (2.21, 'too-high')
     """
     running = replace(_at_speed(saw, measurement), mounting_factor=0.0)
     if measurement.side is Side.REST or running.speed_m_s == 0.0:
@@ -343,36 +216,7 @@ _MISFIT = 1e-3
 
 
 def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
-    """Return the preload and the mounting factor that fit measured frequencies best.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw; its preload and mounting factor do not matter, its stiffness and torque do.
-    measurements : sequence of Measurement
-        Two or more, of any sides, modes and speeds.
-
-    Returns
-    -------
-    Identification
-        With standard uncertainties that are those of a linear model at the solution.
-
-    Raises
-    ------
-    InputError
-        With fewer than two points, or if only some of them have an uncertainty.
-    FitError
-        If the search does not end.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=1.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=101.58, tension_difference_N=210.95)
-    >>> found = identify(saw, [Measurement(side=Side.REST, frequency_Hz=23.6307),
-    ...     Measurement(side=Side.TIGHT, frequency_Hz=20.0), Measurement(side=Side.SLACK, frequency_Hz=19.15)])
-    >>> str(found.status), round(found.preload_N), round(found.mounting_factor, 2)
-    ('ok', 3412, 0.38)
-    """
+    """Return the preload and the mounting factor that fit measured frequencies best."""
     n = len(measurements)
     if n < 2:
         raise InputError(f"{n} points for two unknowns", fix="measure at rest and running")

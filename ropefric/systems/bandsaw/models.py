@@ -5,31 +5,10 @@ from dataclasses import dataclass, replace
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.saw import Saw
 
-__all__ = ["MODELS", "BladeModel"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BladeModel:
-    """A choice of parts.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    meaning : str
-        In words.
-    runs : bool
-        Whether the blade moves; if not, only the tensions of the running saw are kept.
-    mounting_factor : float
-        κ.
-    bends : bool
-        Whether the blade has its stiffness.
-
-    Examples
-    --------
-    >>> [model.name for model in MODELS.values() if model.bends]
-    ['beam-fixed-axles', 'beam-constant-force']
-    """
+    """A choice of parts."""
 
     name: str
     meaning: str

@@ -11,8 +11,6 @@ from ropefric.systems.bandsaw.drive import PRINTED_TORQUE_FACTOR
 from ropefric.systems.bandsaw.saw import Saw, Side
 from ropefric.systems.bandsaw.string import frequency_Hz
 
-__all__ = ["printed_frequencies_Hz"]
-
 
 def printed_frequencies_Hz(
     saw: Saw, table: Literal[1, 2, 3], side: Side, *, runs: bool, power_W: float, n_modes: int = 6
@@ -26,33 +24,6 @@ def printed_frequencies_Hz(
     One column and two cells of the print do not follow from this or anything near it, and are misprints: table 2,
     tight, running (19.0 n, where it should be 18.8 n; unrounded 18.85 n); table 2, slack, v = 0, mode 5 (116.6 for
     116.5); table 3, tight, running, mode 5 (108.0 for 109.0).
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw; its tension difference and mounting factor are those of the table instead.
-    table : {1, 2, 3}
-        Which: at rest; with ΔF; with ΔF and the inertia tension.
-    side : Side
-        `REST` for table 1.
-    runs : bool
-        Whether the column regards the speed.
-    power_W : float
-        Power of the motor [W].
-    n_modes : int
-        How many rows.
-
-    Raises
-    ------
-    InputError
-        If there is no such column.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=970 * math.pi / 30)
-    >>> printed_frequencies_Hz(saw, 3, Side.SLACK, runs=True, power_W=7500.0, n_modes=3).tolist()
-    [21.0, 42.0, 63.0]
     """
     modes = np.arange(1.0, n_modes + 1.0)
     if table == 1 and side is Side.REST and not runs:

@@ -11,43 +11,10 @@ from ropefric.errors import InputError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 
-__all__ = [
-    "Crossing",
-    "Excitation",
-    "blade_passing",
-    "find_crossings",
-    "fixed_frequency",
-    "margins",
-    "tooth_passing",
-    "wheel_rotation",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Excitation:
-    """A cause of vibration and its harmonics: f_h(v) = h (f_0 + v/λ).
-
-    Attributes
-    ----------
-    name : str
-        For people.
-    constant_Hz : float
-        f_0 [Hz], zero or more.
-    per_metre : float
-        1/λ [1/m]: how often it happens for each metre of blade that runs past; zero or more.
-    harmonics : tuple of int
-        Which h, from 1 on.
-
-    Raises
-    ------
-    InputError
-        If a number is outside its range, or all are zero.
-
-    Examples
-    --------
-    >>> wheel_rotation(0.35, harmonics=(1, 2)).frequencies_Hz(35.552).round(3).tolist()
-    [16.167, 32.333]
-    """
+    """A cause of vibration and its harmonics: f_h(v) = h (f_0 + v/λ)."""
 
     name: str
     constant_Hz: float = 0.0
@@ -72,13 +39,7 @@ class Excitation:
 
 
 def wheel_rotation(wheel_radius_m: float, harmonics: tuple[int, ...] = (1, 2, 3)) -> Excitation:
-    """Return the excitation by a wheel that is out of round or balance: once a turn, v/(2πR).
-
-    Examples
-    --------
-    >>> round(wheel_rotation(0.35).per_metre, 4)
-    0.4547
-    """
+    """Return the excitation by a wheel that is out of round or balance: once a turn, v/(2πR)."""
     return Excitation(
         name="wheel rotation",
         per_metre=1.0 / (2.0 * math.pi * _length("wheel_radius_m", wheel_radius_m)),
@@ -87,13 +48,7 @@ def wheel_rotation(wheel_radius_m: float, harmonics: tuple[int, ...] = (1, 2, 3)
 
 
 def tooth_passing(tooth_pitch_m: float, harmonics: tuple[int, ...] = (1,)) -> Excitation:
-    """Return the excitation by teeth that enter the wood: once a pitch.
-
-    Examples
-    --------
-    >>> tooth_passing(0.04).per_metre
-    25.0
-    """
+    """Return the excitation by teeth that enter the wood: once a pitch."""
     return Excitation(
         name="tooth passing",
         per_metre=1.0 / _length("tooth_pitch_m", tooth_pitch_m),
@@ -102,13 +57,7 @@ def tooth_passing(tooth_pitch_m: float, harmonics: tuple[int, ...] = (1,)) -> Ex
 
 
 def blade_passing(loop_length_m: float, harmonics: tuple[int, ...] = (1, 2, 3)) -> Excitation:
-    """Return the excitation by the joint of the blade: once a round.
-
-    Examples
-    --------
-    >>> blade_passing(5.0).per_metre
-    0.2
-    """
+    """Return the excitation by the joint of the blade: once a round."""
     return Excitation(
         name="blade passing",
         per_metre=1.0 / _length("loop_length_m", loop_length_m),
@@ -117,13 +66,7 @@ def blade_passing(loop_length_m: float, harmonics: tuple[int, ...] = (1, 2, 3)) 
 
 
 def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] = (1,)) -> Excitation:
-    """Return an excitation whose frequency does not depend on the blade's speed, such as a motor or a fan.
-
-    Examples
-    --------
-    >>> fixed_frequency("fan", 24.5).frequencies_Hz([0.0, 10.0]).tolist()
-    [[24.5], [24.5]]
-    """
+    """Return an excitation whose frequency does not depend on the blade's speed, such as a motor or a fan."""
     return Excitation(name=name, constant_Hz=frequency_Hz, harmonics=harmonics)
 
 
@@ -137,24 +80,7 @@ def _length(name: str, value: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossing:
-    """A blade speed at which an excitation has the frequency of a mode.
-
-    Attributes
-    ----------
-    side : Side
-        Tight or slack.
-    mode : int
-        n = 1, 2, …
-    excitation : str
-        Its name.
-    harmonic : int
-        Which harmonic.
-    speed_m_s, frequency_Hz : float
-        Where they meet.
-    speed_margin : float
-        (speed of the crossing)/(speed at work) − 1 [-]: how much faster (or slower, if negative) the blade would have
-        to run; infinite for a saw that stands still.
-    """
+    """A blade speed at which an excitation has the frequency of a mode."""
 
     side: Side
     mode: int
@@ -167,17 +93,7 @@ class Crossing:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Margin:
-    """How far a mode is from an excitation at the speed at work.
-
-    Attributes
-    ----------
-    side, mode, excitation, harmonic
-        As in `Crossing`.
-    mode_Hz, excitation_Hz : float
-        Their frequencies.
-    relative : float
-        mode_Hz/excitation_Hz − 1 [-].
-    """
+    """How far a mode is from an excitation at the speed at work."""
 
     side: Side
     mode: int
@@ -199,33 +115,6 @@ def find_crossings(
 
     A mode's frequency falls with the speed and an excitation's does not, so a pair crosses at most once and its ends
     tell whether it does.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw; its torque is the same at all speeds.
-    side : Side
-        Tight or slack.
-    excitations : tuple of Excitation
-        The excitations.
-    speeds_m_s : array_like, shape (k,)
-        Rising speeds from 0 or more [m/s], below the critical speed; between neighbours a crossing is bracketed.
-    n_modes : int
-        How many modes.
-
-    Raises
-    ------
-    InputError
-        If the speeds do not rise, or as `frequencies_Hz`.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.resonance import wheel_rotation
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=100.0)
-    >>> [(found.harmonic, round(found.speed_m_s, 3)) for found in find_crossings(
-    ...     saw, Side.TIGHT, (wheel_rotation(0.35),), [0.0, 40.0], n_modes=1)]
-    [(3, 16.498), (2, 23.478), (1, 38.498)]
     """
     speeds = np.asarray(speeds_m_s, dtype=np.float64)
     if speeds.ndim != 1 or speeds.size < 2 or not (np.diff(speeds) > 0.0).all() or speeds[0] < 0.0:
@@ -263,28 +152,7 @@ def find_crossings(
 def margins(
     saw: Saw, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
 ) -> tuple[Margin, ...]:
-    """Return how far every mode is from every excitation at the speed at work, the nearest first.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw.
-    sides : tuple of Side
-        Which sides.
-    excitations : tuple of Excitation
-        The excitations; a harmonic of zero frequency (a wheel at rest) excites nothing and is left out.
-    n_modes : int
-        How many modes.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.resonance import wheel_rotation
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=970 * 3.14159265 / 30, tension_difference_N=210.95)
-    >>> nearest = margins(saw, (Side.SLACK,), (wheel_rotation(0.35),), 2)[0]
-    >>> nearest.mode, nearest.harmonic, round(nearest.relative, 3)
-    (1, 1, 0.111)
-    """
+    """Return how far every mode is from every excitation at the speed at work, the nearest first."""
     found = []
     for side in sides:
         of_modes = frequencies_Hz(saw, side, n_modes)[0]

@@ -13,8 +13,6 @@ from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.ends import CLAMPED, Ends
 from ropefric.systems.bandsaw.span import Span
 
-__all__ = ["Saw", "Side", "frequencies_Hz", "span_of"]
-
 
 class Side(StrEnum):
     """Which free span of the blade, and whether the saw runs."""
@@ -25,53 +23,13 @@ class Side(StrEnum):
 
     @property
     def sign(self) -> float:
-        """Return the sign of ΔF/2 in its tension: +1, −1, or 0 at rest.
-
-        Examples
-        --------
-        >>> [side.sign for side in Side]
-        [1.0, -1.0, 0.0]
-        """
+        """Return the sign of ΔF/2 in its tension: +1, −1, or 0 at rest."""
         return {Side.TIGHT: 1.0, Side.SLACK: -1.0, Side.REST: 0.0}[self]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Saw:
-    """What is known of a saw.
-
-    Attributes
-    ----------
-    free_span_m : float
-        Length l of each free span [m], positive.
-    linear_density_kg_m : float
-        Mass per length ρA of the blade [kg/m], positive.
-    preload_N : float
-        Tension F_0 of each side at rest [N], positive.
-    wheel_radius_m : float
-        R [m], positive.
-    wheel_speed_rad_s : float
-        ω of the wheels at work [rad/s], zero or more.
-    tension_difference_N : float
-        ΔF = M/R of the sides at work [N], zero or more; see `ropefric.systems.bandsaw.drive`.
-    mounting_factor : float
-        κ from 0 (fixed wheel axles) to 1 (constant-force mounting).
-    bending_stiffness_N_m2 : float
-        EI [N m2]; zero makes the blade a string.
-    ends : Ends
-        How the ends of a stiff blade are held.
-
-    Raises
-    ------
-    InputError
-        If a number is outside its range.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=970 * math.pi / 30, tension_difference_N=210.95)
-    >>> round(saw.speed_m_s, 3)
-    35.552
-    """
+    """What is known of a saw."""
 
     free_span_m: float
     linear_density_kg_m: float
@@ -119,31 +77,7 @@ def span_of(
     speed_m_s: npt.ArrayLike | None = None,
     preload_N: npt.ArrayLike | None = None,
 ) -> Span:
-    """Return one side of a saw with all its parts in it, for one speed and preload or many.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw.
-    side : Side
-        At `REST` the blade stands still and pulls nothing, whatever the speed.
-    speed_m_s : array_like, optional
-        Speeds of the blade [m/s], by default the speed at work. The torque is the same at all of them.
-    preload_N : array_like, optional
-        Preloads F_0 [N], by default the saw's.
-
-    Raises
-    ------
-    InputError
-        As `Span`.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=100.0, tension_difference_N=210.0)
-    >>> span_of(saw, Side.SLACK, speed_m_s=[0.0, 20.0]).tension_N.tolist()
-    [3307.0, 3307.0]
-    """
+    """Return one side of a saw with all its parts in it, for one speed and preload or many."""
     speed = np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)
     runs = 0.0 if side is Side.REST else 1.0
     return Span(
@@ -170,18 +104,6 @@ def frequencies_Hz(
     """Return the first frequencies of one side of a saw [Hz], shape (m, n_modes).
 
     Arguments as in `span_of`; `accuracy` is that of the beam, where the blade is one.
-
-    Raises
-    ------
-    InputError
-        As `span_of`, and at the critical speed or above.
-
-    Examples
-    --------
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=970 * math.pi / 30, tension_difference_N=210.95)
-    >>> frequencies_Hz(saw, Side.TIGHT, 2).round(3).tolist()
-    [[18.849, 37.697]]
     """
     span = span_of(saw, side, speed_m_s=speed_m_s, preload_N=preload_N)
     return beam_frequencies_Hz(span, saw.ends, n_modes, accuracy=accuracy)

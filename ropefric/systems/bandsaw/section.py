@@ -5,32 +5,10 @@ from dataclasses import dataclass, fields
 
 from ropefric.errors import InputError
 
-__all__ = ["STEEL_85_09", "Section"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
-    """A thin strip.
-
-    Attributes
-    ----------
-    width_m, thickness_m : float
-        b, h [m], positive, h below b.
-    density_kg_m3 : float
-        ρ [kg/m3].
-    young_modulus_Pa, shear_modulus_Pa : float
-        E, G [Pa].
-
-    Raises
-    ------
-    InputError
-        If a value is not positive and finite, or the strip is thicker than wide.
-
-    Examples
-    --------
-    >>> round(STEEL_85_09.linear_density_kg_m, 6), round(STEEL_85_09.bending_stiffness_N_m2, 4)
-    (0.5967, 1.0637)
-    """
+    """A thin strip."""
 
     width_m: float
     thickness_m: float

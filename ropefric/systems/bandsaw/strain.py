@@ -12,8 +12,6 @@ from ropefric.systems.bandsaw.inverse import preload_for_N
 from ropefric.systems.bandsaw.resonance import Excitation, margins
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 
-__all__ = ["StrainAdvice", "StrainStatus", "recommend_preload"]
-
 _SIDES = (Side.TIGHT, Side.SLACK)
 _SEARCHED = 65
 
@@ -27,13 +25,7 @@ class StrainStatus(StrEnum):
 
     @property
     def advice(self) -> str:
-        """Return what the status means and what to do.
-
-        Examples
-        --------
-        >>> StrainStatus.KEEP.advice
-        'The present preload keeps every mode far enough from every excitation.'
-        """
+        """Return what the status means and what to do."""
         return {
             StrainStatus.KEEP: "The present preload keeps every mode far enough from every excitation.",
             StrainStatus.CHANGE: "Set the recommended preload: the nearest that keeps the margin.",
@@ -46,19 +38,7 @@ class StrainStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StrainAdvice:
-    """A recommended preload.
-
-    Attributes
-    ----------
-    status : StrainStatus
-        What to do; its `advice` says it in words.
-    preload_N : float
-        The recommended preload [N]; where the margin is impossible, the one with the best margin that was found.
-    margin : float
-        The smallest |mode/excitation − 1| there [-].
-    forbidden_N : tuple of (float, float)
-        Preloads within the range at which some mode is too near to an excitation, disjoint and rising.
-    """
+    """A recommended preload."""
 
     status: StrainStatus
     preload_N: float
@@ -78,34 +58,6 @@ def recommend_preload(
 
     Every frequency rises with the preload, so a mode and an excitation forbid one interval of it, whose ends are
     found by inversion; what none of the intervals covers is allowed.
-
-    Parameters
-    ----------
-    saw : Saw
-        The saw at work.
-    excitations : tuple of Excitation
-        What shakes it.
-    margin : float
-        Wanted |mode/excitation − 1|, above 0 and below 1.
-    range_N : tuple of float
-        Lowest and highest preload the machine and the blade allow [N]; at the lowest both sides must be tight and
-        slower than their critical speed.
-    n_modes : int
-        How many modes of each side count.
-
-    Raises
-    ------
-    InputError
-        If an argument is outside its range, or the blade is slack or too fast at the lowest preload.
-
-    Examples
-    --------
-    >>> from ropefric.systems.bandsaw.resonance import wheel_rotation
-    >>> saw = Saw(free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
-    ...     wheel_speed_rad_s=101.58, tension_difference_N=210.95)
-    >>> found = recommend_preload(saw, (wheel_rotation(0.35, (1,)),), margin=0.2, range_N=(2000.0, 6000.0))
-    >>> str(found.status), round(found.preload_N), round(found.margin, 6)
-    ('change', 3758, 0.2)
     """
     low_N, high_N = range_N
     if not 0.0 < margin < 1.0:

@@ -8,8 +8,6 @@ from ropefric.errors import InputError, SolverError
 from ropefric.friction.condition import FloatArray
 from ropefric.systems.friction import WrapFriction
 
-__all__ = ["HoistModel", "Lift", "lifted_arc_rad", "solve_lift"]
-
 _LARGEST = float(np.log(np.finfo(np.float64).max))
 _MAX_STEPS = 400
 
@@ -20,19 +18,6 @@ class HoistModel:
 
     A tension F presses the rope onto the wheel only by F − c − E: c = ρv² keeps its mass on the circle, and
     E = EI/(2R²) keeps it bent. What presses grows as P_A = P_B e^M over the arc that is in contact.
-
-    Attributes
-    ----------
-    friction : WrapFriction
-        The law.
-    told : frozenset of str
-        What the law is told of the contact, see `WrapFriction.exponent`.
-    wheel_radius_m, rope_radius_m, wrap_angle_rad, end_tension_N : ndarray, shape (n,)
-        The contact; the end tension is that where the rope meets the wheel.
-    circling_N : ndarray, shape (n,), or 0.0
-        c [N].
-    bending_N : ndarray, shape (n,), or 0.0
-        E [N]. Where it is positive the rope leaves the wheel early at both ends.
     """
 
     friction: WrapFriction
@@ -47,19 +32,7 @@ class HoistModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lift:
-    """What a rope on a wheel lifts.
-
-    Attributes
-    ----------
-    log_lift : ndarray, shape (n,)
-        ln(F_A / 1 N).
-    exponent : ndarray, shape (n,)
-        M = ∫μ dφ over the arc in contact.
-    contact_rad : ndarray, shape (n,)
-        The arc in contact [rad].
-    end_tension_N : ndarray, shape (n,)
-        Tension where the slack rope meets the wheel [N].
-    """
+    """What a rope on a wheel lifts."""
 
     log_lift: FloatArray
     exponent: FloatArray
@@ -68,13 +41,7 @@ class Lift:
 
     @property
     def lift_force_N(self) -> FloatArray:
-        """Return F_A [N], shape (n,).
-
-        Raises
-        ------
-        InputError
-            Where ln F_A is above 709.78, so that the force overflows a float.
-        """
+        """Return F_A [N], shape (n,)."""
         beyond = self.log_lift > _LARGEST
         if beyond.any():
             raise InputError(
@@ -92,47 +59,13 @@ class Lift:
 
 
 def lifted_arc_rad(bending_N: FloatArray | float, bent_by_N: FloatArray | float) -> FloatArray:
-    """Return the arc arccos(1 − E/F) by which a stiff rope leaves the wheel early at one end [rad].
-
-    Parameters
-    ----------
-    bending_N : array_like
-        E = EI/(2R²) [N], zero or more.
-    bent_by_N : array_like
-        F [N] less the part that keeps the rope on the circle; E or more.
-
-    Examples
-    --------
-    >>> lifted_arc_rad(1.0, 2.0).round(4).item()
-    1.0472
-    """
+    """Return the arc arccos(1 − E/F) by which a stiff rope leaves the wheel early at one end [rad]."""
     # arccos(1 - e) loses the digits of a small e.
     return 2.0 * np.arcsin(np.sqrt(0.5 * np.asarray(bending_N) / bent_by_N))
 
 
 def solve_lift(model: HoistModel) -> Lift:
-    """Return the lift force of a model, F_A = c + E + (F_B − c − E) e^M, eq. (17) with (1)'s inertia.
-
-    Parameters
-    ----------
-    model : HoistModel
-        n cases.
-
-    Raises
-    ------
-    InputError
-        Where the rope lifts off the wheel (F_B ≤ ρv²), is too stiff to follow it, or the law has no answer.
-    SolverError
-        If the length of the lifted arcs does not settle.
-
-    Examples
-    --------
-    >>> one = np.ones(1)
-    >>> rope = HoistModel(friction=WrapFriction.constant(0.2), told=frozenset(), wheel_radius_m=0.04 * one,
-    ...     rope_radius_m=0.005 * one, wrap_angle_rad=10.0 * one, end_tension_N=20.0 * one)
-    >>> solve_lift(rope).lift_force_N.round(2).tolist()
-    [147.78]
-    """
+    """Return the lift force of a model, F_A = c + E + (F_B − c − E) e^M, eq. (17) with (1)'s inertia."""
     idle_N = np.asarray(model.circling_N + model.bending_N)
     # In this order, because their sum would round away a small E beside a large c.
     pressing_N = np.asarray((model.end_tension_N - model.circling_N) - model.bending_N)

@@ -23,8 +23,6 @@ from ropefric.systems.friction import EVERYTHING
 from ropefric.systems.hoist.contact import HoistModel, Lift, lifted_arc_rad, solve_lift
 from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
 
-__all__ = ["SYSTEM", "answerable"]
-
 Bound = Callable[[HoistProblem], FloatArray]
 
 # Bounds are sums and maxima of rounded numbers.
@@ -114,13 +112,6 @@ def answerable(problem: HoistProblem) -> npt.NDArray[np.bool_]:
     The rope has to press on the wheel and touch it, and the law to have an answer to what presses.
 
     Where it does not, nothing may be left out either.
-
-    Examples
-    --------
-    >>> from ropefric.systems.friction import WrapFriction
-    >>> answerable(HoistProblem(friction=WrapFriction.constant(0.2), wheel_radius_m=0.04, rope_radius_m=0.005,
-    ...     wrap_angle_rad=9.42, end_tension_N=80.0, speed_m_s=[0.3, 300.0], linear_density_kg_m=0.062)).tolist()
-    [True, False]
     """
     pressing_N = least_pressing_N(problem)
     possible = pressing_N > 0.0

@@ -7,50 +7,13 @@ from ropefric.systems.friction import WrapFriction
 from ropefric.systems.reach import refuse_beyond_reach
 from ropefric.systems.spread import Rule, spread
 
-__all__ = ["GRAVITY_M_S2", "HoistProblem"]
-
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HoistProblem:
-    """A rope on a wheel, n cases side by side; scalars are spread.
-
-    Attributes
-    ----------
-    friction : WrapFriction
-        The law.
-    wheel_radius_m, rope_radius_m : ndarray, shape (n,)
-        R_w, R_r [m], positive.
-    wrap_angle_rad : ndarray, shape (n,)
-        φ [rad], positive.
-    end_tension_N : ndarray, shape (n,)
-        F_B [N], positive, where the rope leaves the wheel or, with a hanging rope, at its lower end.
-    speed_m_s : ndarray, shape (n,), optional
-        Speed of the rope's centreline against the wheel's axle [m/s].
-    linear_density_kg_m : ndarray, shape (n,), optional
-        Mass per length ρ [kg/m].
-    hanging_length_m : ndarray, shape (n,), optional
-        Length of rope that hangs from the slack side, its lower end pulled by F_B [m].
-    bending_stiffness_N_m2 : ndarray, shape (n,), optional
-        EI [N m2].
-    payload_kg : ndarray, shape (n,), optional
-        Mass to be lifted [kg].
-
-    Raises
-    ------
-    InputError
-        If the lengths disagree or a value is not finite or not in its range. Numbers above 1e30 are refused, and
-        radii and tensions below 1e-30.
-
-    Examples
-    --------
-    >>> rope = HoistProblem(friction=WrapFriction.constant(0.2), wheel_radius_m=0.04, rope_radius_m=0.005,
-    ...     wrap_angle_rad=[6.28, 9.42], end_tension_N=80.0)
-    >>> rope.n, rope.end_tension_N.tolist()
-    (2, [80.0, 80.0])
-    """
+    """A rope on a wheel, n cases side by side; scalars are spread."""
 
     friction: WrapFriction
     wheel_radius_m: FloatArray

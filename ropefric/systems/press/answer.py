@@ -18,28 +18,10 @@ from ropefric.systems.press.transient.result import StartUp
 from ropefric.systems.press.transient.start_up import start_up
 from ropefric.systems.spread import Rule, spread
 
-__all__ = ["PressAnswer", "PressModel", "PressProblem", "StartUpTask", "as_operated", "solve_press"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StartUpTask:
-    """A start-up to be simulated.
-
-    Attributes
-    ----------
-    speed : PiecewisePolynomial
-        Surface speed of the drive over time [m/s].
-    time_s : ndarray, shape (k,)
-        Times at which the histories are wanted [s].
-    slip : bool
-        Whether rollers may slip and belts go slack.
-    loads : {"with-speed", "constant"}
-        Whether the load torques grow with the speed or act from the start.
-    integrator : str
-        A member of `INTEGRATORS`; slip needs "exact".
-    settings : Settings
-        Its step or tolerance.
-    """
+    """A start-up to be simulated."""
 
     speed: PiecewisePolynomial
     time_s: FloatArray
@@ -51,30 +33,7 @@ class StartUpTask:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PressProblem:
-    """A press at n operating points; scalars are spread.
-
-    Attributes
-    ----------
-    press : Press
-        The machine.
-    closure : str
-        A member of `CLOSURES`.
-    friction : WrapFriction
-        Between belts and rollers.
-    speed_m_s : ndarray, shape (n,)
-        Belt speed v [m/s], zero or more.
-    preload_N : ndarray, shape (n,), optional
-        Preload of all tensioners [N]; by default each has its own.
-    load_factor : ndarray, shape (n,)
-        Factor on all load torques [-].
-    start_up : StartUpTask, optional
-        A start-up to be simulated; only for a single point.
-
-    Raises
-    ------
-    InputError
-        If the lengths disagree, or a number is negative or not finite.
-    """
+    """A press at n operating points; scalars are spread."""
 
     press: Press
     closure: str
@@ -107,31 +66,7 @@ _RULES: dict[str, Rule] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PressModel:
-    """A press as assembled from its effects.
-
-    Attributes
-    ----------
-    press : Press
-        The machine, with the load torques that are in the model.
-    closure : str
-        What settles the undetermined split.
-    friction : WrapFriction
-        Between belts and rollers.
-    told : frozenset of str
-        What the law is told of a contact.
-    speed_m_s : ndarray, shape (n,)
-        Belt speed v [m/s].
-    preload_N : ndarray, shape (n,), or None
-        Of all tensioners.
-    load_factor : ndarray, shape (n,)
-        On all load torques.
-    parts : Parts
-        What resists and what gives way when the belts run.
-    ingredients : Ingredients
-        What a start-up contains.
-    start_up : StartUpTask or None
-        The start-up to be simulated.
-    """
+    """A press as assembled from its effects."""
 
     press: Press
     closure: str
@@ -147,23 +82,7 @@ class PressModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PressAnswer:
-    """The steady run of a press, and its start-up where one was asked for.
-
-    Attributes
-    ----------
-    model : PressModel
-        What was solved.
-    statics : Statics
-        The linear solution behind it.
-    state : SteadyState
-        Tensions at the model's speed.
-    at_rest_N : ndarray, shape (n, n_spans)
-        Tensions at v = 0 [N].
-    slip : SlipTable
-        Every measure of slip of every roller; arrays of shape (n, n_rollers).
-    start_up : StartUp or None
-        The histories.
-    """
+    """The steady run of a press, and its start-up where one was asked for."""
 
     model: PressModel
     statics: Statics
@@ -174,15 +93,7 @@ class PressAnswer:
 
 
 def solve_press(model: PressModel) -> PressAnswer:
-    """Return tensions and slip of a model, and its start-up where it has one.
-
-    Raises
-    ------
-    SolverError
-        If a span goes slack in the steady run.
-    InputError
-        If the friction has no answer for a contact, or a start-up lacks what it needs.
-    """
+    """Return tensions and slip of a model, and its start-up where it has one."""
     statics = solve_statics(model.press, closure=model.closure)
     state = respond(
         model.parts,

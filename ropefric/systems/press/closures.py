@@ -48,8 +48,6 @@ from ropefric.errors import InputError, Problem
 from ropefric.registry import Registry
 from ropefric.systems.press.machine import Press, Roller
 
-__all__ = ["CLOSURES", "Closure"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
@@ -74,24 +72,7 @@ class Statement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Closure:
-    """A named assumption about the split.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    rule : str
-        What it says, in words and symbols.
-    basis : str
-        When that is true.
-    statements : callable
-        `statements(press)` returns the equations; it raises `InputError` where the press lacks data for them.
-
-    Examples
-    --------
-    >>> Closure(name="none", rule="", basis="", statements=lambda press: ()).name
-    'none'
-    """
+    """A named assumption about the split."""
 
     name: str
     rule: str
@@ -145,17 +126,7 @@ def _pairs(press: Press, company: dict[tuple[str, str], tuple[str, ...]]) -> tup
 def creep_statements(
     press: Press, *, axial_stiffness_N: Mapping[str, float], overspeed: Mapping[str, float]
 ) -> tuple[Statement, ...]:
-    """Return what steady creep says about the tensions.
-
-    Parameters
-    ----------
-    press : Press
-        The machine.
-    axial_stiffness_N : mapping of str to float
-        EA of each belt [N].
-    overspeed : mapping of str to float
-        (V − v)/v of each driver [-].
-    """
+    """Return what steady creep says about the tensions."""
     stated = []
     for roller, first, second in meetings(press):
         drivers = driver_of(press, first), driver_of(press, second)

@@ -15,8 +15,6 @@ from ropefric.systems.press.slip import available_pull_N, grip_on, slip_table, s
 from ropefric.systems.press.statics import Statics
 from ropefric.systems.press.steady import SteadyState, steady_state
 
-__all__ = ["CHANGES", "FirstSlip", "critical_values", "first_to_slip"]
-
 Change = Literal["preload", "speed", "load", "friction"]
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,22 +34,7 @@ _NO_TORQUE = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FirstSlip:
-    """The first roller to slip under one change.
-
-    Attributes
-    ----------
-    roller : str
-        The roller.
-    change : str
-        A key of `CHANGES`.
-    value : float
-        Where it begins to slip, in the unit named there.
-
-    Examples
-    --------
-    >>> FirstSlip(roller="2", change="friction", value=0.732).roller
-    '2'
-    """
+    """The first roller to slip under one change."""
 
     roller: str
     change: str
@@ -66,47 +49,7 @@ def critical_values(
     tensioner: Literal["locked", "elastic"] = "locked",
     told: frozenset[str] = EVERYTHING,
 ) -> dict[str, float | None]:
-    """Return for every roller the value at which it begins to slip; everything else stays as the press has it.
-
-    Parameters
-    ----------
-    statics : Statics
-        The press, solved once.
-    friction : float or WrapFriction
-        Constant μ, or a law.
-    change : {"preload", "speed", "load", "friction"}
-        What is changed, see `CHANGES`. The preload of all tensioners is one number; at the critical speed or load
-        0.0 means that the roller slips at rest, or under any load.
-    tensioner, told
-        As in `steady_state` and `utilisation`.
-
-    Returns
-    -------
-    dict of str to float or None
-        None where the roller carries no torque, or where no preload of zero or more and no value before some belt
-        goes slack makes it slip. Every roller is looked at as if the others held.
-
-    Raises
-    ------
-    UnknownNameError
-        For an unknown change.
-    InputError
-        As `grip_on`.
-    SolverError
-        For "friction", if a span is slack.
-
-    Examples
-    --------
-    >>> from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-    >>> from ropefric.systems.press.statics import solve_statics
-    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
-    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=2.0, role="tensioner", gravity_torque_N_m=5.0,
-    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
-    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
-    >>> statics = solve_statics(Press(rollers=(drive, load), belts=(belt,), speed_m_s=2.0))
-    >>> {name: round(value, 3) for name, value in critical_values(statics, 0.5, "preload").items()}
-    {'drive': 86.722, 'load': 116.198}
-    """
+    """Return for every roller the value at which it begins to slip; everything else stays as the press has it."""
     if change not in CHANGES:
         fix = did_you_mean(change, CHANGES)
         raise UnknownNameError(f"nothing is known of the change '{change}'", key="change", fix=fix)
@@ -138,20 +81,7 @@ def critical_values(
 
 
 def first_to_slip(values: Mapping[str, float | None], change: Change) -> FirstSlip | None:
-    """Return the roller that slips first as one thing changes, or None where none ever does.
-
-    Parameters
-    ----------
-    values : mapping of str to float or None
-        From `critical_values`.
-    change : {"preload", "speed", "load", "friction"}
-        The change they belong to: preload and friction fall, speed and load rise.
-
-    Examples
-    --------
-    >>> first_to_slip({"1": 0.3, "2": 0.7, "4": None}, "friction")
-    FirstSlip(roller='2', change='friction', value=0.7)
-    """
+    """Return the roller that slips first as one thing changes, or None where none ever does."""
     slipping = {name: value for name, value in values.items() if value is not None}
     if not slipping:
         return None

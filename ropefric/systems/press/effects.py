@@ -28,9 +28,6 @@ from ropefric.systems.press.steady import Parts, drive_power_W, speed_shift_kg_m
 from ropefric.systems.press.transient.ingredients import Ingredients
 from ropefric.systems.spread import Rule
 
-__all__ = ["SYSTEM"]
-
-
 _RULES: dict[str, Rule] = {
     "speed_m_s": "zero or more",
     "preload_N": "zero or more",
@@ -122,13 +119,7 @@ class _Corners:
 
 @lru_cache(maxsize=4)
 def _corners(problem: PressProblem) -> _Corners:
-    """Return all subsets at once; the bounds of all effects are read off the same table.
-
-    Raises
-    ------
-    SolverError
-        If a span is slack in some subset: no bound is known then.
-    """
+    """Return all subsets at once; the bounds of all effects are read off the same table."""
     names = _applicable(problem)
     shares = _shares(problem)
     tension_N = np.empty((2,) * len(names) + shares.base_N.shape)

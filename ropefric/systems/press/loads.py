@@ -8,16 +8,6 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 
-__all__ = [
-    "GRAVITY_M_S2",
-    "distortion_energy_J_m3",
-    "gravity_pull_N",
-    "gravity_torque_N_m",
-    "implied_drag_kg_m2",
-    "implied_squeeze_N_m",
-    "squeeze_torque_N_m",
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 GRAVITY_M_S2 = 9.81
@@ -32,32 +22,7 @@ def gravity_pull_N(
     sludge_density_kg_m3: npt.ArrayLike,
     zone_length_m: npt.ArrayLike,
 ) -> FloatArray:
-    """Return the pull T_G = μ_f b h ρ_s g l that the sludge's weight asks of the belt, eq. (5) [N].
-
-    Parameters
-    ----------
-    sludge_friction : array_like
-        Coefficient μ_f between sludge and belt [-].
-    belt_width_m : array_like
-        b [m].
-    sludge_height_m : array_like
-        Height h of the sludge [m]; the paper's section 4 writes h for the belt's thickness.
-    sludge_density_kg_m3 : array_like
-        ρ_s [kg/m³].
-    zone_length_m : array_like
-        Length l of the draining zone [m]. All are zero or more and broadcast.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite.
-
-    Examples
-    --------
-    >>> float(gravity_pull_N(sludge_friction=0.3, belt_width_m=2, sludge_height_m=0.06, sludge_density_kg_m3=1000,
-    ...     zone_length_m=1).round(2))
-    353.16
-    """
+    """Return the pull T_G = μ_f b h ρ_s g l that the sludge's weight asks of the belt, eq. (5) [N]."""
     mu, b, h, rho, length = _arrays(
         sludge_friction=sludge_friction,
         belt_width_m=belt_width_m,
@@ -69,18 +34,7 @@ def gravity_pull_N(
 
 
 def gravity_torque_N_m(pull_N: npt.ArrayLike, *, radius_m: npt.ArrayLike) -> FloatArray:
-    """Return the torque M_G = R T_G on a roller that stands for a pull on its belt, eq. (6) [N m].
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite.
-
-    Examples
-    --------
-    >>> float(gravity_torque_N_m(349.333, radius_m=0.075).round(3))
-    26.2
-    """
+    """Return the torque M_G = R T_G on a roller that stands for a pull on its belt, eq. (6) [N m]."""
     pull, R = _arrays(pull_N=pull_N, radius_m=radius_m)
     return np.asarray(R * pull)
 
@@ -88,27 +42,7 @@ def gravity_torque_N_m(pull_N: npt.ArrayLike, *, radius_m: npt.ArrayLike) -> Flo
 def distortion_energy_J_m3(
     *, strength_Pa: npt.ArrayLike, poisson_ratio: npt.ArrayLike, youngs_modulus_Pa: npt.ArrayLike
 ) -> FloatArray:
-    """Return the limit of the distortion energy K_max = (1 + μ_c) σ_c²/(3 E_c) of sludge, eq. (7) [J/m³].
-
-    Parameters
-    ----------
-    strength_Pa : array_like
-        Unconfined strength σ_c [Pa].
-    poisson_ratio : array_like
-        μ_c [-], zero or more.
-    youngs_modulus_Pa : array_like
-        E_c [Pa], positive.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite, or the modulus is zero.
-
-    Examples
-    --------
-    >>> float(distortion_energy_J_m3(strength_Pa=3e4, poisson_ratio=0.5, youngs_modulus_Pa=3e5))
-    1500.0
-    """
+    """Return the limit of the distortion energy K_max = (1 + μ_c) σ_c²/(3 E_c) of sludge, eq. (7) [J/m³]."""
     sigma, nu, E = _arrays(
         strength_Pa=strength_Pa, poisson_ratio=poisson_ratio, youngs_modulus_Pa=youngs_modulus_Pa
     )
@@ -124,29 +58,7 @@ def squeeze_torque_N_m(
     distortion_energy_J_m3: npt.ArrayLike,
     units: npt.ArrayLike = 1,
 ) -> FloatArray:
-    """Return the torque M_F = b R Δh K_max of squeezing the cake, eq. (9) [N m].
-
-    Parameters
-    ----------
-    belt_width_m, radius_m : array_like
-        b and R [m].
-    compression_m : array_like
-        Loss of height Δh of the cake on the roller [m].
-    distortion_energy_J_m3 : array_like
-        K_max [J/m³], see `distortion_energy_J_m3`.
-    units : array_like
-        How many such squeezes the roller stands for; the paper's roller 5 has two, the wedge and its own.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite.
-
-    Examples
-    --------
-    >>> float(squeeze_torque_N_m(belt_width_m=2, radius_m=0.2, compression_m=0.01, distortion_energy_J_m3=8400))
-    33.6
-    """
+    """Return the torque M_F = b R Δh K_max of squeezing the cake, eq. (9) [N m]."""
     b, R, dh, K, n = _arrays(
         belt_width_m=belt_width_m,
         radius_m=radius_m,
@@ -164,18 +76,7 @@ def implied_squeeze_N_m(
     radius_m: npt.ArrayLike,
     units: npt.ArrayLike = 1,
 ) -> FloatArray:
-    """Return the product Δh K_max [N/m] behind a squeeze torque; the two are never known apart from it.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite, or width, radius or units are zero.
-
-    Examples
-    --------
-    >>> implied_squeeze_N_m([33.6, 84.0], belt_width_m=2, radius_m=[0.2, 0.25], units=[1, 2]).round(6).tolist()
-    [84.0, 84.0]
-    """
+    """Return the product Δh K_max [N/m] behind a squeeze torque; the two are never known apart from it."""
     M, b, R, n = _arrays(torque_N_m=torque_N_m, belt_width_m=belt_width_m, radius_m=radius_m, units=units)
     _refuse_zero(belt_width_m=b, radius_m=R, units=n)
     return np.asarray(M / (n * b * R))
@@ -188,18 +89,7 @@ def implied_drag_kg_m2(
     radius_m: npt.ArrayLike,
     sludge_height_m: npt.ArrayLike,
 ) -> FloatArray:
-    """Return the product μ_f ρ_s l [kg/m²] behind a gravity torque of sludge of known height.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite, or width, radius or height are zero.
-
-    Examples
-    --------
-    >>> float(implied_drag_kg_m2(26.2, belt_width_m=2, radius_m=0.075, sludge_height_m=0.06).round(2))
-    296.75
-    """
+    """Return the product μ_f ρ_s l [kg/m²] behind a gravity torque of sludge of known height."""
     M, b, R, h = _arrays(
         torque_N_m=torque_N_m, belt_width_m=belt_width_m, radius_m=radius_m, sludge_height_m=sludge_height_m
     )

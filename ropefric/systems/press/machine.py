@@ -11,8 +11,6 @@ from ropefric.errors import Problem, raise_problems
 from ropefric.registry import did_you_mean
 from ropefric.systems.reach import beyond_reach
 
-__all__ = ["Belt", "Press", "Role", "Roller", "Tensioner"]
-
 Role = Literal["driver", "driven", "tensioner"]
 
 
@@ -22,26 +20,6 @@ class Tensioner:
 
     Its equation of motion is m ẍ + C1 ẋ + k1 x = T'_in cos(upstream) + T'_out cos(downstream) − F with the tensions
     T' = T − ρAv², eqs. (21), (22).
-
-    Attributes
-    ----------
-    spring_N_m : float
-        Stiffness k1 [N/m], zero or more; zero is a cylinder of constant force.
-    travel_m : float
-        Travel x at rest [m], positive the way the belt pulls.
-    force_N : float
-        Preload F [N], zero or more.
-    mass_kg : float, optional
-        Mass m of what translates [kg].
-    damping_N_s_m : float
-        Damping C1 [N s/m].
-    upstream_angle_rad, downstream_angle_rad : float
-        Angles [rad] of the belt that arrives and of the belt that leaves, against the travel.
-
-    Examples
-    --------
-    >>> Tensioner(spring_N_m=2e4, travel_m=0.03, force_N=2000.0, downstream_angle_rad=0.35).upstream_angle_rad
-    0.0
     """
 
     spring_N_m: float
@@ -55,32 +33,7 @@ class Tensioner:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Roller:
-    """A roller and the torques that hold it back.
-
-    Attributes
-    ----------
-    name : str
-        Its name; the paper numbers them.
-    radius_m : float
-        Radius R [m].
-    wrap_angle_rad : float
-        Wrap α of the belt [rad], up to a full turn.
-    role : {"driver", "driven", "tensioner"}
-        A driver turns at the speed it is given; the others obey a torque balance, and a tensioner translates too.
-    inertia_kg_m2 : float, optional
-        Moment of inertia J [kg m²]; only a transient needs it.
-    gravity_torque_N_m, squeeze_torque_N_m : float
-        M_G of the sludge's weight, eq. (6), and M_F of squeezing it, eq. (9) [N m], positive against the rotation.
-    tensioner : Tensioner, optional
-        What carries a roller of the role "tensioner".
-    overspeed : float, optional
-        (V − v)/v [-] of a driver's surface against the speed of the press; only the closure `speed-ratio` needs it.
-
-    Examples
-    --------
-    >>> Roller(name="5", radius_m=0.25, wrap_angle_rad=0.99, gravity_torque_N_m=15, squeeze_torque_N_m=84).torque_N_m
-    99
-    """
+    """A roller and the torques that hold it back."""
 
     name: str
     radius_m: float
@@ -100,30 +53,7 @@ class Roller:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Belt:
-    """A belt and the way it takes.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    loop : tuple of str
-        Names of the rollers in the order of travel, each once; from the last one the belt returns to the first.
-    linear_density_kg_m : float
-        Mass per length ρA [kg/m].
-    thickness_m, width_m : float
-        Of its cross-section [m]. Half the thickness takes the place of a rope's radius in the size effect.
-    axial_stiffness_N : float, optional
-        EA [N].
-    damping_s : float
-        Time constant η [s] of the belt's material damping: T = EA (ε + η dε/dt).
-    span_lengths_m : tuple of float, optional
-        Free length [m] from each roller of `loop` to the next one, in the order of `loop`.
-
-    Examples
-    --------
-    >>> Belt(name="cloth", loop=("1", "2"), linear_density_kg_m=15, thickness_m=0.005, width_m=2).damping_s
-    0.0
-    """
+    """A belt and the way it takes."""
 
     name: str
     loop: tuple[str, ...]
@@ -137,22 +67,7 @@ class Belt:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Span:
-    """A piece of belt from one roller to the next; where belts run together it carries all of them.
-
-    Attributes
-    ----------
-    name : str
-        Its name; its tension is the force of all its belts together.
-    start, end : str
-        The rollers it leaves and reaches, in the direction of travel.
-    belts : tuple of str
-        The belts that run in it.
-
-    Examples
-    --------
-    >>> Span(name="5", start="5", end="6", belts=("upper", "lower")).end
-    '6'
-    """
+    """A piece of belt from one roller to the next; where belts run together it carries all of them."""
 
     name: str
     start: str
@@ -161,28 +76,7 @@ class Span:
 
 
 def spans_of(belts: Sequence[Belt], names: Sequence[str] | None = None) -> tuple[Span, ...]:
-    """Return the spans in the order of the first belt's loop, then what the second adds, and so on.
-
-    Parameters
-    ----------
-    belts : sequence of Belt
-        The belts.
-    names : sequence of str, optional
-        One name a span; by default they are numbered from 1.
-
-    Returns
-    -------
-    tuple of Span
-        A step from one roller to the next that several belts take in the same direction is one span.
-
-    Examples
-    --------
-    >>> data = {"linear_density_kg_m": 1.0, "thickness_m": 0.005, "width_m": 1.0}
-    >>> upper = Belt(name="upper", loop=("1", "2", "3"), **data)
-    >>> lower = Belt(name="lower", loop=("3", "4", "2"), **data)
-    >>> [(span.name, span.start, span.end, len(span.belts)) for span in spans_of([upper, lower])]
-    [('1', '1', '2', 1), ('2', '2', '3', 2), ('3', '3', '1', 1), ('4', '3', '4', 1), ('5', '4', '2', 1)]
-    """
+    """Return the spans in the order of the first belt's loop, then what the second adds, and so on."""
     steps: dict[tuple[str, str], list[str]] = {}
     for belt in belts:
         for step in zip(belt.loop, belt.loop[1:] + belt.loop[:1], strict=True):
@@ -200,22 +94,7 @@ _ROLES = ("driver", "driven", "tensioner")
 def press_problems(
     rollers: Sequence[Roller], belts: Sequence[Belt], speed_m_s: float, span_names: Sequence[str] | None
 ) -> list[Problem]:
-    """Return everything that is wrong with a press; empty where it can be computed.
-
-    Parameters
-    ----------
-    rollers, belts : sequence
-        The parts.
-    speed_m_s : float
-        Belt speed v [m/s].
-    span_names : sequence of str, optional
-        Names for the spans.
-
-    Examples
-    --------
-    >>> [problem.key for problem in press_problems((), (), -1.0, None)]
-    ['speed_m_s', 'rollers', 'belts']
-    """
+    """Return everything that is wrong with a press; empty where it can be computed."""
     problems: list[Problem] = []
     if not (math.isfinite(speed_m_s) and speed_m_s >= 0.0):
         problems.append(
@@ -416,39 +295,7 @@ def _problem(key: str, message: str, *, fix: str = "") -> Problem:
 
 @dataclass(frozen=True, kw_only=True)  # no slots: the spans are kept
 class Press:
-    """The drive train of a belt filter press, or of any machine of rollers and closed belts.
-
-    Attributes
-    ----------
-    rollers : tuple of Roller
-        All rollers; arrays over rollers have this order.
-    belts : tuple of Belt
-        All belts. Arrays over spans have the order of the first belt's loop, then what the second adds, and so on.
-    speed_m_s : float
-        Belt speed v [m/s], zero or more; functions that take a speed of their own start from it.
-    span_names : tuple of str, optional
-        Names for the spans, in their order; by default they are numbered from 1.
-
-    Raises
-    ------
-    DataError
-        If the parts do not make a machine: a repeated or unknown name, a number outside its range, a loop that is
-        not closed, a roller on no belt, a belt nothing drives, a driver that belts share … `.problems` has them all.
-
-    Examples
-    --------
-    >>> weight = Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0)
-    >>> press = Press(
-    ...     rollers=(
-    ...         Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.14, role="driver"),
-    ...         Roller(name="load", radius_m=0.1, wrap_angle_rad=3.14, role="tensioner", tensioner=weight),
-    ...     ),
-    ...     belts=(Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1),),
-    ...     speed_m_s=1.0,
-    ... )
-    >>> [(span.name, span.start, span.end) for span in press.spans]
-    [('1', 'drive', 'load'), ('2', 'load', 'drive')]
-    """
+    """The drive train of a belt filter press, or of any machine of rollers and closed belts."""
 
     rollers: tuple[Roller, ...]
     belts: tuple[Belt, ...]

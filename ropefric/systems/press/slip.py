@@ -24,45 +24,12 @@ from ropefric.systems.press.machine import Press
 from ropefric.systems.press.statics import spans_into, spans_out_of
 from ropefric.systems.press.steady import SteadyState
 
-__all__ = [
-    "MEASURES",
-    "Contact",
-    "SlipTable",
-    "available_pull_N",
-    "contacts_of",
-    "grip_on",
-    "slip_table",
-    "steady_contacts",
-    "utilisation",
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contact:
-    """A roller with what its belts do to it, at any number of operating points.
-
-    Attributes
-    ----------
-    roller : str
-        Its name.
-    radius_m, wrap_angle_rad : float
-        R [m] and α [rad].
-    half_thickness_m : float
-        Half the thickness of a belt [m], the mean where several lie on each other.
-    upstream_N, downstream_N : ndarray, shape (...)
-        T − ρAR²θ̇² before and behind the roller, all its belts together [N].
-    inertia_N : ndarray, shape (...), or 0.0
-        ρAR²θ̈ of all its belts [N]: what a radian of them needs to be accelerated.
-
-    Examples
-    --------
-    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=0.5, half_thickness_m=0.0025,
-    ...     upstream_N=np.array([800.0, 800.0]), downstream_N=np.array([900.0, 700.0]))
-    >>> contact.friction_pull_N.tolist(), contact.slack_N.tolist()
-    ([100.0, -100.0], [800.0, 700.0])
-    """
+    """A roller with what its belts do to it, at any number of operating points."""
 
     roller: str
     radius_m: float
@@ -127,35 +94,7 @@ def contacts_of(
     rim_speed_m_s: npt.ArrayLike = 0.0,
     angular_acceleration_rad_s2: npt.ArrayLike = 0.0,
 ) -> tuple[Contact, ...]:
-    """Return the contact of every roller, from tensions that need not be steady.
-
-    Parameters
-    ----------
-    press : Press
-        The machine.
-    tension_N : array_like, shape (..., n_spans)
-        T of every span [N], the sum over its belts.
-    rim_speed_m_s : array_like, broadcastable to shape (..., n_rollers)
-        R θ̇ [m/s]; zero where the tensions are T' already.
-    angular_acceleration_rad_s2 : array_like, broadcastable to shape (..., n_rollers)
-        θ̈ [rad/s²], positive in the direction of travel.
-
-    Raises
-    ------
-    InputError
-        If the last axis of the tensions is not that of the spans, or a number is not finite.
-
-    Examples
-    --------
-    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
-    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
-    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner",
-    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
-    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
-    >>> press = Press(rollers=(drive, load), belts=(belt,), speed_m_s=2.0)
-    >>> [float(contact.upstream_N) for contact in contacts_of(press, [475.0, 525.0], rim_speed_m_s=2.0)]
-    [521.0, 471.0]
-    """
+    """Return the contact of every roller, from tensions that need not be steady."""
     tension = np.asarray(tension_N, dtype=np.float64)
     if tension.ndim == 0 or tension.shape[-1] != len(press.spans):
         raise InputError(
@@ -194,19 +133,7 @@ def contacts_of(
 def steady_contacts(
     state: SteadyState, *, angular_acceleration_rad_s2: npt.ArrayLike = 0.0
 ) -> tuple[Contact, ...]:
-    """Return the contact of every roller in a steady run.
-
-    Parameters
-    ----------
-    state : SteadyState
-        The run.
-    angular_acceleration_rad_s2 : array_like, broadcastable to shape (..., n_rollers)
-        θ̈ to be borne at these tensions [rad/s²].
-
-    Examples
-    --------
-    See `ropefric.systems.press.slip.slip_table`.
-    """
+    """Return the contact of every roller in a steady run."""
     return contacts_of(
         state.press, state.effective_tension_N, angular_acceleration_rad_s2=angular_acceleration_rad_s2
     )
@@ -248,45 +175,14 @@ _FRACTIONS, _WEIGHTS = _graded_rule()
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Grip:
-    """The friction of one contact.
-
-    Attributes
-    ----------
-    exponent : ndarray, shape (...) or ()
-        M over the whole wrap [-].
-    remaining : ndarray, shape (..., n), optional
-        M(α) − M(s) at the nodes of the integral above, for a belt that is accelerated.
-    """
+    """The friction of one contact."""
 
     exponent: FloatArray
     remaining: FloatArray | None = None
 
 
 def grip_on(contact: Contact, friction: Friction, *, told: frozenset[str] = EVERYTHING) -> Grip:
-    """Return the friction of one contact.
-
-    Parameters
-    ----------
-    contact : Contact
-        Roller and tensions.
-    friction : float, ndarray of shape (...) or WrapFriction
-        A constant μ, one for all points or one for each, or a law. Its wrap is counted from the angle that stands
-        for the slack side's tension, and half the belt's thickness stands for the rope's radius.
-    told : frozenset of str
-        What of the contact the law is told, see `WrapFriction.exponent`.
-
-    Raises
-    ------
-    InputError
-        If μ is not positive and finite, or the law has no answer or gives no friction.
-
-    Examples
-    --------
-    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=0.5, half_thickness_m=0.0025,
-    ...     upstream_N=np.array(800.0), downstream_N=np.array(900.0))
-    >>> float(grip_on(contact, 1.2).exponent)
-    0.6
-    """
+    """Return the friction of one contact."""
     accelerated = contact.is_accelerated
     if isinstance(friction, WrapFriction):
         slack_N = np.maximum(contact.slack_N, _LEAST_SLACK_N)
@@ -315,13 +211,7 @@ def grip_on(contact: Contact, friction: Friction, *, told: frozenset[str] = EVER
 
 
 def _usable(exponent: FloatArray, roller: str) -> FloatArray:
-    """Return M where e^M is a number that means something.
-
-    Raises
-    ------
-    InputError
-        If M is not positive, or so large that floats overflow.
-    """
+    """Return M where e^M is a number that means something."""
     if not ((exponent > 0.0) & (exponent < _LARGEST_EXPONENT)).all():
         wrong = exponent[~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))].ravel()[0]
         if wrong <= 0.0:
@@ -338,24 +228,7 @@ def _usable(exponent: FloatArray, roller: str) -> FloatArray:
 
 
 def available_pull_N(contact: Contact, grip: Grip, *, share: npt.ArrayLike = 1.0) -> FloatArray:
-    """Return the friction pull at impending gross slip, from the slack side's tension, shape (...) [N].
-
-    Parameters
-    ----------
-    contact : Contact
-        Roller and tensions.
-    grip : Grip
-        Its friction.
-    share : array_like, shape (...)
-        Factor on the coefficient [-].
-
-    Examples
-    --------
-    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=0.5, half_thickness_m=0.0025,
-    ...     upstream_N=np.array(800.0), downstream_N=np.array(900.0))
-    >>> float(available_pull_N(contact, grip_on(contact, 1.2)).round(3))
-    657.695
-    """
+    """Return the friction pull at impending gross slip, from the slack side's tension, shape (...) [N]."""
     share = np.asarray(share, dtype=np.float64)
     pull_N = contact.slack_N * np.expm1(share * grip.exponent)
     if grip.remaining is None:
@@ -390,17 +263,7 @@ _BLOCK = 1 << 15
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SlipTable:
-    """Every measure of slip for every roller; infinite where a belt has lifted off (T' ≤ 0 beside the roller).
-
-    Attributes
-    ----------
-    rollers : tuple of str
-        The rollers, in the order of the last axis.
-    utilisation, log, mu_required, as_printed, as_plotted : ndarray, shape (..., n_rollers)
-        See `MEASURES`.
-    exponent : ndarray, shape (..., n_rollers)
-        M = ∫μ dφ over the wrap [-].
-    """
+    """Every measure of slip for every roller; infinite where a belt has lifted off (T' ≤ 0 beside the roller)."""
 
     rollers: tuple[str, ...]
     utilisation: FloatArray
@@ -411,13 +274,7 @@ class SlipTable:
     exponent: FloatArray
 
     def of(self, roller: str, measure: str = "utilisation") -> FloatArray:
-        """Return one measure of one roller, shape (...).
-
-        Raises
-        ------
-        UnknownNameError
-            For a roller or measure that is not there.
-        """
+        """Return one measure of one roller, shape (...)."""
         if roller not in self.rollers or measure not in MEASURES:
             raise UnknownNameError(
                 f"no measure '{measure}' of a roller '{roller}'",
@@ -440,27 +297,6 @@ def utilisation(
     S + λs with S > 0 growing with every preload, and λP/(S + λs) grows with λ and falls with S. It does not hold for
     a single load (which may tighten another roller's slack side), nor with the closure "equal" (where preload moves
     load from one driver to the other), nor for a law whose μ falls with the tension.
-
-    Parameters
-    ----------
-    contacts : sequence of Contact
-        The rollers.
-    friction : float, ndarray of shape (...) or WrapFriction
-        Constant μ, one for all points or one for each, or a law.
-    told : frozenset of str
-        What of the contact the law is told, see `WrapFriction.exponent`.
-
-    Raises
-    ------
-    InputError
-        As `grip_on`.
-
-    Examples
-    --------
-    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=1.0, half_thickness_m=0.0025,
-    ...     upstream_N=np.array([800.0, 800.0]), downstream_N=np.array([800.0, 800.0 * np.exp(1.2)]))
-    >>> utilisation([contact], 1.2).round(12).tolist()
-    [[0.0], [1.0]]
     """
     law = friction if isinstance(friction, WrapFriction) else np.asarray(friction, dtype=np.float64)
     own = () if isinstance(law, WrapFriction) else law.shape
@@ -479,16 +315,7 @@ def utilisation(
 def slip_table(
     contacts: Sequence[Contact], friction: Friction, *, told: frozenset[str] = EVERYTHING
 ) -> SlipTable:
-    """Return every measure of slip side by side; arguments and refusals are those of `utilisation`.
-
-    Examples
-    --------
-    >>> contact = Contact(roller="2", radius_m=0.075, wrap_angle_rad=0.4904, half_thickness_m=0.0025,
-    ...     upstream_N=np.array(808.788), downstream_N=np.array(1158.122))
-    >>> table = slip_table([contact], 1.2)
-    >>> [float(table.of("2", name).round(3)) for name in ("utilisation", "log", "as_printed", "as_plotted")]
-    [0.539, 0.61, 0.872, 1.787]
-    """
+    """Return every measure of slip side by side; arguments and refusals are those of `utilisation`."""
     columns = [_measures(contact, grip_on(contact, friction, told=told)) for contact in contacts]
     stacked = {name: _stacked([column[name] for column in columns]) for name in columns[0]}
     return SlipTable(rollers=tuple(contact.roller for contact in contacts), **stacked)

@@ -39,20 +39,6 @@ from ropefric.errors import InputError
 from ropefric.systems.press.closures import CLOSURES, Closure
 from ropefric.systems.press.machine import Press
 
-__all__ = [
-    "Statics",
-    "carried_belts",
-    "has_balance",
-    "incidence",
-    "load_torques_N_m",
-    "pull_matrix",
-    "radii_m",
-    "solve_statics",
-    "span_density_kg_m",
-    "spans_into",
-    "spans_out_of",
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 
@@ -118,13 +104,7 @@ _TINY = 1e-9
 
 
 def matrix_rank(matrix: FloatArray) -> int:
-    """Return the rank of a matrix of balances.
-
-    Examples
-    --------
-    >>> matrix_rank(np.array([[1.0, -1.0], [-1.0, 1.0]]))
-    1
-    """
+    """Return the rank of a matrix of balances."""
     return int(np.linalg.matrix_rank(matrix, tol=_TINY)) if matrix.size else 0
 
 
@@ -132,11 +112,6 @@ def free_motions(matrix: FloatArray) -> FloatArray:
     """Return a sparse basis of the null space, shape (deficiency, n): what no row of the matrix sees.
 
     The basis is in reduced echelon form: each vector begins with a 1 where all others are 0.
-
-    Examples
-    --------
-    >>> free_motions(np.array([[0.0, 2.0, 2.0]])).tolist()
-    [[1.0, 0.0, 0.0], [0.0, 1.0, -1.0]]
     """
     rank = matrix_rank(matrix)
     basis = np.linalg.svd(matrix)[2][rank:].copy()
@@ -157,15 +132,7 @@ def free_motions(matrix: FloatArray) -> FloatArray:
 
 
 def in_words(motion: FloatArray, names: Sequence[str]) -> str:
-    """Return a combination of tensions as words.
-
-    Examples
-    --------
-    >>> in_words(np.array([0.0, 1.0, -1.0]), ["8", "9", "10"])
-    'T9 may rise while T10 falls as much'
-    >>> in_words(np.array([1.0, 1.0, 0.0]), ["1", "2", "3"])
-    'T1, T2 may rise together'
-    """
+    """Return a combination of tensions as words."""
     parts = [(name, value) for name, value in zip(names, motion, strict=True) if value != 0.0]
     if all(abs(abs(value) - 1.0) < _TINY for _, value in parts):
         rising = ", ".join(f"T{name}" for name, value in parts if value > 0.0)
@@ -181,23 +148,6 @@ class Statics:
     """What sets the tensions of a press at rest, one share each.
 
     At rest T = given + load_factor · by_load + by_preload @ F.
-
-    Attributes
-    ----------
-    press : Press
-        The machine.
-    closure : str
-        The closure that was used, "" where the balances determine everything by themselves.
-    rank : int
-        Rank of the balances; there are `len(press.spans)` tensions.
-    undetermined : tuple of str
-        What the balances leave open and the closure settles, one sentence for each missing equation.
-    given_N : ndarray, shape (n_spans,)
-        Share of the springs' travel k1 x and of the closure's own force [N].
-    by_load_N : ndarray, shape (n_spans,)
-        Share of the load torques [N].
-    by_preload : ndarray, shape (n_spans, n_tensioners)
-        dT/dF [-].
     """
 
     press: Press
@@ -210,39 +160,7 @@ class Statics:
 
 
 def solve_statics(press: Press, *, closure: str = "share") -> Statics:
-    """Return the linear solution of the steady equations, eqs. (23)-(34).
-
-    Parameters
-    ----------
-    press : Press
-        The machine.
-    closure : str
-        Name of a member of `CLOSURES`; used only where the balances leave something open.
-
-    Returns
-    -------
-    Statics
-        The shares.
-
-    Raises
-    ------
-    UnknownNameError
-        For a closure that is not known.
-    InputError
-        If the closure lacks data or does not settle exactly what is open, or if balances contradict each other, as
-        those of two tensioners on one belt do.
-
-    Examples
-    --------
-    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
-    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
-    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", gravity_torque_N_m=5.0,
-    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
-    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
-    >>> statics = solve_statics(Press(rollers=(drive, load), belts=(belt,), speed_m_s=1.0))
-    >>> statics.rank, statics.by_load_N.round(6).tolist(), statics.by_preload.round(6).tolist()
-    (2, [-25.0, 25.0], [[0.5], [0.5]])
-    """
+    """Return the linear solution of the steady equations, eqs. (23)-(34)."""
     named = CLOSURES[closure]
     spans = [span.name for span in press.spans]
     balances = np.vstack([incidence(press)[has_balance(press)], pull_matrix(press)])

@@ -22,26 +22,9 @@ from ropefric.systems.press.statics import (
 )
 from ropefric.systems.reach import refuse_beyond_reach
 
-__all__ = [
-    "Parts",
-    "SteadyState",
-    "drive_power_W",
-    "driver_torque_N_m",
-    "loop_lengths_m",
-    "respond",
-    "speed_shift_kg_m",
-    "steady_state",
-]
-
 
 def loop_lengths_m(press: Press) -> FloatArray:
-    """Return the length of every belt, free spans and arcs, shape (n_belts,) [m].
-
-    Raises
-    ------
-    InputError
-        If a belt does not give its span lengths.
-    """
+    """Return the length of every belt, free spans and arcs, shape (n_belts,) [m]."""
     missing = [f"belts.{belt.name}.span_lengths_m" for belt in press.belts if belt.span_lengths_m is None]
     _refuse_missing(missing)
     arcs_m = {roller.name: roller.radius_m * roller.wrap_angle_rad for roller in press.rollers}
@@ -61,20 +44,6 @@ def speed_shift_kg_m(statics: Statics, tensioner: Literal["locked", "elastic"]) 
 
     with G the pull of one newton in each belt along each travel: for one tensioner dT' = −ρAv²/(1 + s),
     s = (cos + cos)² k_b/k1, k_b = EA/L. A spring of no stiffness keeps T'.
-
-    Parameters
-    ----------
-    statics : Statics
-        The press, solved once.
-    tensioner : {"locked", "elastic"}
-        Which of the two.
-
-    Raises
-    ------
-    InputError
-        If "elastic" is asked for and a belt lacks EA or its span lengths; every missing key is named.
-    UnknownNameError
-        For anything but these two.
     """
     press = statics.press
     locked = -span_density_kg_m(press)
@@ -116,21 +85,7 @@ def _refuse_missing(keys: list[str]) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SteadyState:
-    """Tensions of a press that runs steadily, at any number of operating points.
-
-    Attributes
-    ----------
-    press : Press
-        The machine.
-    speed_m_s : ndarray, shape (...)
-        Belt speed v [m/s] of each point.
-    load_factor : ndarray, shape (...)
-        Factor on all load torques.
-    effective_tension_N : ndarray, shape (..., n_spans)
-        T' = T − ρAv² [N], the sum over the belts of a span: what presses belts onto rollers, eq. (39).
-    slack : ndarray of bool, shape (...)
-        Whether a span has T' ≤ 0: its belt lifts off, and the point's tensions are no solution.
-    """
+    """Tensions of a press that runs steadily, at any number of operating points."""
 
     press: Press
     speed_m_s: FloatArray
@@ -144,13 +99,7 @@ class SteadyState:
         return self.effective_tension_N + np.multiply.outer(self.speed_m_s**2, span_density_kg_m(self.press))
 
     def effective(self, span: str) -> FloatArray:
-        """Return T' of one span by name [N], shape (...).
-
-        Raises
-        ------
-        UnknownNameError
-            For a span that is not there.
-        """
+        """Return T' of one span by name [N], shape (...)."""
         names = [each.name for each in self.press.spans]
         if span not in names:
             raise UnknownNameError(f"unknown span '{span}'", fix=did_you_mean(span, names))
@@ -166,52 +115,7 @@ def steady_state(
     tensioner: Literal["locked", "elastic"] = "locked",
     on_slack: Literal["refuse", "flag"] = "refuse",
 ) -> SteadyState:
-    """Return the tensions of a steady run, eqs. (23)-(36) and (39).
-
-    Parameters
-    ----------
-    statics : Statics
-        The press, solved once.
-    preload_N : array_like or mapping of str to array_like, optional
-        Preload F [N] of all tensioners, or of each named one; by default the press's own.
-    speed_m_s : array_like, optional
-        Belt speed [m/s], zero or more; by default the press's own.
-    load_factor : array_like
-        Factor on all load torques [-]. Everything broadcasts.
-    tensioner : {"locked", "elastic"}
-        Whether the tensioners keep their place when the machine runs up, so that T stays and T' falls by ρAv² a
-        belt (eq. (39)), or give way to what the belt's elasticity asks for, see `speed_shift_kg_m`.
-    on_slack : {"refuse", "flag"}
-        What to do where a span has T' ≤ 0.
-
-    Returns
-    -------
-    SteadyState
-        Tensions of the broadcast shape and one axis more.
-
-    Raises
-    ------
-    InputError
-        For a value outside its range, or data missing for "elastic".
-    UnknownNameError
-        For a preload of a roller that is no tensioner, or a way of the tensioners that is not known.
-    SolverError
-        If a span goes slack and that is to be refused; the message names the span and the point.
-
-    Examples
-    --------
-    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
-    >>> from ropefric.systems.press.statics import solve_statics
-    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
-    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", gravity_torque_N_m=5.0,
-    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
-    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
-    >>> statics = solve_statics(Press(rollers=(drive, load), belts=(belt,), speed_m_s=2.0))
-    >>> steady_state(statics).effective_tension_N.round(6).tolist()
-    [471.0, 521.0]
-    >>> steady_state(statics, preload_N=[600.0, 800.0], speed_m_s=0.0).tension_N.round(6).tolist()
-    [[275.0, 325.0], [375.0, 425.0]]
-    """
+    """Return the tensions of a steady run, eqs. (23)-(36) and (39)."""
     press = statics.press
     speed = _numbers("speed_m_s", press.speed_m_s if speed_m_s is None else speed_m_s)
     load = _numbers("load_factor", load_factor)
@@ -233,12 +137,7 @@ def steady_state(
 
 
 def driver_torque_N_m(state: SteadyState) -> dict[str, FloatArray]:
-    """Return the torque each driver's motor supplies [N m], shape (...): R (T_in − T_out) and its own load.
-
-    Examples
-    --------
-    See `drive_power_W`.
-    """
+    """Return the torque each driver's motor supplies [N m], shape (...): R (T_in − T_out) and its own load."""
     press = state.press
     pulls_N = -np.moveaxis(state.effective_tension_N @ incidence(press).T, -1, 0)
     radii, loads = radii_m(press), load_torques_N_m(press)
@@ -253,18 +152,6 @@ def drive_power_W(state: SteadyState) -> FloatArray:
     """Return the power of all drivers together [W], shape (...): the loads Σ M/R times the speed.
 
     It is computed from the loads: creep, bearings and bending are not part of the model.
-
-    Examples
-    --------
-    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
-    >>> from ropefric.systems.press.statics import solve_statics
-    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
-    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", gravity_torque_N_m=5.0,
-    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
-    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
-    >>> state = steady_state(solve_statics(Press(rollers=(drive, load), belts=(belt,), speed_m_s=2.0)))
-    >>> float(drive_power_W(state)), float(driver_torque_N_m(state)["drive"].round(9))
-    (100.0, 5.0)
     """
     press = state.press
     loads_N = float((load_torques_N_m(press) / radii_m(press)).sum())
@@ -338,22 +225,7 @@ def _refuse_slack(press: Press, by_span: FloatArray) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parts:
-    """What resists and what gives way when the belts run.
-
-    Attributes
-    ----------
-    mass : bool
-        The belts have their mass, which a tension has to keep on its path.
-    springs : bool
-        The tensioners, on their springs.
-    stretch : bool
-        The belts, by their EA.
-
-    Examples
-    --------
-    >>> Parts(mass=True, springs=True, stretch=True).tensioner, Parts(springs=True).keeps_tension
-    ('elastic', True)
-    """
+    """What resists and what gives way when the belts run."""
 
     mass: bool = False
     springs: bool = False
@@ -382,11 +254,6 @@ def respond(
 
     Between locked tensioners T stays and T' = T − ρAv² (eq. (39)), whether or not the belts stretch. Belts that do
     not stretch leave tensioners on springs where they are, and T' stays. Where both give way dT' = −ρAv²/(1 + s).
-
-    Raises
-    ------
-    InputError, SolverError
-        As `steady_state`.
     """
     if parts.keeps_tension:
         still = steady_state(

@@ -4,7 +4,5 @@ from ropefric.registry import Registry
 from ropefric.traces.protocols import breakaway, held, stick_slip
 from ropefric.traces.protocols.protocol import Protocol
 
-__all__ = ["PROTOCOLS"]
-
 PROTOCOLS: Registry[Protocol] = Registry("protocol", [breakaway.PROTOCOL, stick_slip.PROTOCOL, held.PROTOCOL])
 """Every protocol by name."""

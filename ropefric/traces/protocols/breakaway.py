@@ -24,32 +24,9 @@ from ropefric.traces.verdict import (
     without_break,
 )
 
-__all__ = ["PROTOCOL", "pick_breakaway", "pick_prepared", "smallest_drop_N"]
-
 
 def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
-    """Return the break-away of a recording in which the load is raised once until the rope slides.
-
-    Parameters
-    ----------
-    trace : ForceTrace
-        The recording.
-    settings : PickSettings
-        Window, part of the recording, smallest step, ending.
-
-    Returns
-    -------
-    tuple of one Breakaway
-        With status `ok`, `no-breakaway`, `no-peak`, `saturated` or `too-short`.
-
-    Examples
-    --------
-    >>> t = np.arange(0, 4, 0.001)
-    >>> F = np.where(t < 1, 0.0, np.where(t < 3, 100 * (t - 1), 160 + 4 * np.sin(60 * t)))
-    >>> result, = pick_breakaway(ForceTrace(time_s=t, force_N=F), PickSettings())
-    >>> result.status.value, round(result.peak_N, 1), round(result.kinetic_N)
-    ('ok', 199.9, 160)
-    """
+    """Return the break-away of a recording in which the load is raised once until the rope slides."""
     prepared = prepare(trace, settings)
     return (too_short(trace, settings) if prepared is None else pick_prepared(trace, prepared, settings),)
 

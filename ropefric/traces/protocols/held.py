@@ -15,8 +15,6 @@ from ropefric.traces.protocols.protocol import Protocol
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 
-__all__ = ["PROTOCOL", "pick_plateaus"]
-
 LOADED = 0.5
 UNLOADED = 0.25
 """A load cycle begins above and ends below these parts of the largest force."""
@@ -28,30 +26,7 @@ STEPS = 1000
 
 
 def pick_plateaus(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
-    """Return the plateau of every load cycle of a recording.
-
-    Parameters
-    ----------
-    trace : ForceTrace
-        The recording.
-    settings : PickSettings
-        Part of the recording; the window does not matter, a plateau is its own average.
-
-    Returns
-    -------
-    tuple of Breakaway
-        One per load cycle, in order of time: `ok` with the mean of the second half of the longest plateau in
-        `peak_N`, its sample standard deviation in `peak_std_N` and the plateau's middle in `peak_time_s`; or
-        `no-breakaway` where a cycle has no plateau.
-
-    Examples
-    --------
-    >>> t = np.arange(0, 60, 0.02)
-    >>> F = np.interp(np.mod(t, 30), [0, 2, 8, 25, 26, 30], [0, 0, 5, 5, 0, 0])
-    >>> plateaus = pick_plateaus(ForceTrace(time_s=t, force_N=F), PickSettings())
-    >>> [round(plateau.peak_N, 2) for plateau in plateaus]
-    [5.0, 5.0]
-    """
+    """Return the plateau of every load cycle of a recording."""
     prepared = prepare(trace, settings)
     if prepared is None:
         return (too_short(trace, settings),)

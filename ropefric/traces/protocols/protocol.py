@@ -7,8 +7,6 @@ from ropefric.traces.breakaway import Breakaway
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 
-__all__ = ["Protocol"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Protocol:

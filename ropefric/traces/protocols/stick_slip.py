@@ -14,35 +14,12 @@ from ropefric.traces.slips import FAST_BLOCKS, fast_drop_N, slips
 from ropefric.traces.static_break import first_static_break
 from ropefric.traces.trace import ForceTrace
 
-__all__ = ["PROTOCOL", "pick_teeth"]
-
 SAME_KIND = 0.3
 """A fall smaller than this part of the first slip is no tooth but the creep of one."""
 
 
 def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
-    """Return every tooth of a recording, the first break-away first.
-
-    Parameters
-    ----------
-    trace : ForceTrace
-        The recording.
-    settings : PickSettings
-        Window, part of the recording, smallest step.
-
-    Returns
-    -------
-    tuple of Breakaway
-        One per tooth, all `ok`, in order of time; or a single one that says why there is none.
-
-    Examples
-    --------
-    >>> t = np.arange(0, 3, 0.001)
-    >>> F = np.where(t < 0.5, 0.0, np.where(t < 1.5, 200 * (t - 0.5), 180 + 100 * np.mod(t - 1.5, 0.25)))
-    >>> teeth = pick_teeth(ForceTrace(time_s=t, force_N=F), PickSettings())
-    >>> [round(tooth.peak_N) for tooth in teeth]
-    [200, 205, 205, 205, 205, 205]
-    """
+    """Return every tooth of a recording, the first break-away first."""
     prepared = prepare(trace, settings)
     if prepared is None:
         return (too_short(trace, settings),)

@@ -9,8 +9,6 @@ from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 
-__all__ = ["array_table"]
-
 
 def array_table(
     columns: Mapping[str, np.ndarray[Any, Any]],
@@ -19,26 +17,7 @@ def array_table(
     units: Mapping[str, str] | None = None,
     time_s: FloatArray | None = None,
 ) -> Table:
-    """Return a table of named arrays; blank names are columns that have numbers only.
-
-    Raises
-    ------
-    DataError
-        When values are asked for: RF103 where the columns asked for differ in length, RF102 where a value
-        is complex or infinite.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> source = Source(path=Path("a.mat"), shown="a.mat")
-    >>> table = array_table({"t": np.arange(3), "F": np.arange(2)}, source)
-    >>> table.values([0])
-    [array([0., 1., 2.])]
-    >>> table.values([0, 1])
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: a.mat: the columns differ in length: t has 3 values, F has 2...
-    """
+    """Return a table of named arrays; blank names are columns that have numbers only."""
     keys = list(columns)
 
     def values(indices: Sequence[int]) -> list[FloatArray]:

@@ -12,8 +12,6 @@ from ropefric.errors import DataError
 from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.source import Source
 
-__all__ = ["NAN_TEXTS", "CellStyle", "bad_cell", "is_blank_line", "is_number", "parse_rows", "split_line"]
-
 NAN_TEXTS = ("nan", "NaN", "NAN", "Nan", "-nan", "-NaN")
 """Cell texts that mean "no value" in every file, beside the empty cell."""
 
@@ -44,17 +42,7 @@ _NAMED_MISSING = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellStyle:
-    """How cells are divided and written.
-
-    Attributes
-    ----------
-    separator : str
-        One character; " " stands for any run of blanks.
-    decimal : str
-        "." or ",".
-    missing : tuple of str
-        Texts that mean "no value".
-    """
+    """How cells are divided and written."""
 
     separator: str = ","
     decimal: str = "."
@@ -67,13 +55,7 @@ class CellStyle:
 
 
 def split_line(line: str, separator: str) -> list[str]:
-    """Return a line's cells without blanks and quotes around them.
-
-    Examples
-    --------
-    >>> split_line('"12,47"; 3', ";")
-    ['12,47', '3']
-    """
+    """Return a line's cells without blanks and quotes around them."""
     if separator == " ":
         return [cell.strip('"') for cell in line.split()]
     if '"' not in line:
@@ -86,24 +68,12 @@ def split_line(line: str, separator: str) -> list[str]:
 
 
 def is_blank_line(line: str, separator: str) -> bool:
-    r"""Return whether a line holds nothing, not even an empty cell.
-
-    Examples
-    --------
-    >>> is_blank_line("  ", ";"), is_blank_line(" ; ", ";"), is_blank_line("\t", "\t")
-    (True, False, False)
-    """
+    r"""Return whether a line holds nothing, not even an empty cell."""
     return not line.strip(" " if separator == "\t" else " \t")
 
 
 def is_number(cell: str, decimal: str) -> bool:
-    """Return whether a cell is a finite number with this decimal mark, written in plain digits.
-
-    Examples
-    --------
-    >>> is_number("12,47", ","), is_number("12,47", "."), is_number("1_000", "."), is_number("inf", ".")
-    (True, False, False, False)
-    """
+    """Return whether a cell is a finite number with this decimal mark, written in plain digits."""
     return _NUMBER[decimal].fullmatch(cell) is not None
 
 
@@ -114,26 +84,7 @@ def parse_rows(
     style: CellStyle,
     source: Source,
 ) -> list[FloatArray]:
-    """Return columns of text lines, cell by cell: the definition that the fast way must agree with.
-
-    Parameters
-    ----------
-    lines : iterator of (int, str)
-        File line number and text; blank lines are passed over.
-    columns : sequence of int
-        0-based column numbers.
-    names : sequence of str
-        All columns' names, for messages.
-    style : CellStyle
-        How cells are written.
-    source : Source
-        The file, for messages.
-
-    Raises
-    ------
-    DataError
-        RF102 for the first cell that is no finite number, naming line, column and text.
-    """
+    """Return columns of text lines, cell by cell: the definition that the fast way must agree with."""
     no_value, found = style.no_value, []
     for number, line in lines:
         if is_blank_line(line, style.separator):
@@ -157,15 +108,7 @@ def parse_rows(
 def bad_cell(
     cell: str, column: int, names: Sequence[str], style: CellStyle, source: Source, *, line: int | None
 ) -> DataError:
-    """Return the error for a cell that is no number, with a guess at what it is.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> source = Source(path=Path("run07.csv"), shown="run07.csv")
-    >>> print(bad_cell("12,47", 1, ["t", "force_1"], CellStyle(separator=";"), source, line=4))
-    run07.csv:4 force_1: cannot read '12,47' as a number; it looks like a decimal comma Fix: [import] decimal = ","
-    """
+    """Return the error for a cell that is no number, with a guess at what it is."""
     name = names[column] if column < len(names) and names[column] else f"column {column + 1}"
     other = "," if style.decimal == "." else "."
     why, fix = "", "mend or remove the cell, or list its text in [import] missing"

@@ -10,8 +10,6 @@ from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 
-__all__ = ["Pick", "bare_unit", "guess_channels", "pick_columns"]
-
 SAFE_NAMES: dict[str, tuple[str, ...]] = {
     "time": ("time", "t"),
     "force": ("force", "load", "f"),
@@ -22,28 +20,14 @@ SAFE_NAMES: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pick:
-    """The column a channel is read from.
-
-    Attributes
-    ----------
-    index : int
-        0-based column number.
-    unit : str
-        Its unit, "" where nobody tells.
-    """
+    """The column a channel is read from."""
 
     index: int
     unit: str
 
 
 def bare_unit(text: str) -> str:
-    """Return a unit without the brackets people put around it.
-
-    Examples
-    --------
-    >>> bare_unit(" [kN] ")
-    'kN'
-    """
+    """Return a unit without the brackets people put around it."""
     text = text.strip()
     if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
         return text[1:-1].strip()
@@ -51,22 +35,7 @@ def bare_unit(text: str) -> str:
 
 
 def guess_channels(names: Sequence[str], *, needs_time: bool = True) -> dict[str, Channel]:
-    """Return the channels whose headers can mean nothing else, or an empty dict where that is not enough.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Column headers.
-    needs_time : bool
-        False where a sampling rate stands in for the time column.
-
-    Examples
-    --------
-    >>> guess_channels(["Time (ms)", "x", "Force (kN)"])
-    {'time': Channel(column=1, unit=''), 'force': Channel(column=3, unit='')}
-    >>> guess_channels(["time_s", "force_N", "counts"])
-    {}
-    """
+    """Return the channels whose headers can mean nothing else, or an empty dict where that is not enough."""
     found: dict[str, list[int]] = {channel: [] for channel in SAFE_NAMES}
     for number, name in enumerate(names, start=1):
         bare = split_unit_suffix(name.strip())[0].lower()
@@ -83,11 +52,6 @@ def pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[s
     """Return the column and unit of every channel the profile names, or of those that are plain by name.
 
     The unit is the profile's, else the file's own, else the suffix of the header.
-
-    Raises
-    ------
-    DataError
-        RF105, if a column is not there or its name fits several.
     """
     channels: Mapping[str, Channel] = profile.channels
     if not channels:

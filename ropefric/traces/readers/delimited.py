@@ -17,21 +17,13 @@ from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 from ropefric.traces.readers.text import Block, Text, is_cut, load_text, start_of
 
-__all__ = ["READER", "TEXT_SUFFIXES", "column_names", "ends_empty", "open_text", "parse_columns"]
-
 TEXT_SUFFIXES = tuple(
     f"{kind}{gz}" for gz in ("", ".gz") for kind in (".csv", ".txt", ".tsv", ".dat", ".asc")
 )
 
 
 def open_text(source: Source, profile: ImportProfile) -> tuple[Text, Dialect]:
-    """Return a text file and its layout.
-
-    Raises
-    ------
-    DataError
-        RF101, RF104 or RF108.
-    """
+    """Return a text file and its layout."""
     text = load_text(source, profile.encoding)
     dialect = find_dialect(text, profile)
     return _without_cut_number(text, dialect), dialect
@@ -54,11 +46,6 @@ def column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str]:
 
     A header without its trailing separators may be shorter than the rows only if the surplus cells are empty
     throughout (trailing separators), and longer only by LabVIEW's `Comment`, which stays empty.
-
-    Raises
-    ------
-    DataError
-        RF103, if header and data rows disagree in number.
     """
     n_cells, names = dialect.n_cells, list(dialect.header)
     while names and not names[-1]:
@@ -90,11 +77,6 @@ def parse_columns(
     The C parser of pandas reads clean files; whatever it does not take as numbers is read again cell by
     cell, which either finds a number after all or says which cell is none. Block by block: what is held of a large
     file is its columns.
-
-    Raises
-    ------
-    DataError
-        RF102, naming line, column and text of the first cell that is no finite number.
     """
     wanted, place = sorted(set(indices)), 0
     columns = {index: np.empty(n_rows) for index in wanted}

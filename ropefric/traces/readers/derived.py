@@ -11,8 +11,6 @@ from ropefric.errors import DataError
 from ropefric.registry import did_you_mean
 from ropefric.traces.arrays import FloatArray
 
-__all__ = ["FUNCTIONS", "evaluate_derived"]
-
 FUNCTIONS: dict[str, Any] = {
     name: getattr(np, name)
     for name in (
@@ -43,33 +41,6 @@ def evaluate_derived(
 
     A formula sees every channel, those derived before it, the constants, `pi` and `FUNCTIONS`, all in SI.
     It may take the name of a channel, which it then replaces.
-
-    Parameters
-    ----------
-    derived : mapping of str to str
-        Formulas by channel: `{"force": "pull - pressure * area"}`.
-    channels : mapping of str to ndarray, shape (n,)
-        Measured channels in SI.
-    constants : mapping of str to float
-        Named numbers in SI.
-    path : str
-        The recording, for messages.
-
-    Raises
-    ------
-    DataError
-        RF109, naming the formula: it is no formula, uses an unknown name, or gives another shape than the
-        channels, complex numbers, or no number where its channels have one.
-
-    Examples
-    --------
-    >>> channels = {"pull": np.array([50.0, 60.0]), "pressure": np.array([1e5, 1e5])}
-    >>> evaluate_derived({"force": "pull - pressure * area"}, channels, {"area": 4e-4})["force"]
-    array([10., 20.])
-    >>> evaluate_derived({"force": "pul - 3"}, channels, {})
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: [import.derived] force: 'pul - 3' uses the unknown name 'pul' Fix: did you mean 'pull'?
     """
     known: dict[str, FloatArray] = dict(channels)
     clash = sorted(set(constants) & (set(channels) | set(derived)))

@@ -11,27 +11,13 @@ from ropefric.traces.readers.marks import find_decimal, find_separator
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.text import HEAD_BYTES, HEAD_LINES, Text
 
-__all__ = ["Dialect", "find_dialect"]
-
 _MOST_LINES = 400
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """The layout of a text table.
-
-    Attributes
-    ----------
-    style : CellStyle
-        Separator, decimal mark, texts for "no value".
-    header_row, units_row, data_row : int
-        1-based line numbers; 0 where there is no header or units row.
-    header, units : tuple of str
-        Cells of those rows.
-    n_cells : int
-        Cells of the first data row.
-    """
+    """The layout of a text table."""
 
     style: CellStyle
     header_row: int
@@ -43,25 +29,7 @@ class Dialect:
 
 
 def find_dialect(text: Text, profile: ImportProfile) -> Dialect:
-    r"""Return the layout of a text table: the profile's word, and what the file shows where that is open.
-
-    Raises
-    ------
-    InputError
-        RF110, if the profile contradicts itself.
-    DataError
-        RF104, if separator or decimal mark are ambiguous; RF101, if there are no data rows.
-
-    Examples
-    --------
-    >>> import pathlib
-    >>> from ropefric.traces.readers.source import Source
-    >>> source = Source(path=pathlib.Path("a.csv"), shown="a.csv")
-    >>> data = b"Pull test\nt;F\ns;kN\n0,5;1,25\n1,0;1,5\n"
-    >>> found = find_dialect(Text(source=source, data=data, encoding="utf-8"), ImportProfile())
-    >>> found.style.separator, found.style.decimal, found.header_row, found.units_row, found.data_row
-    (';', ',', 2, 3, 4)
-    """
+    r"""Return the layout of a text table: the profile's word, and what the file shows where that is open."""
     _check(profile)
     head = text.data[: _end_of_head(text.data)]
     lines = b"\n".join(head.split(b"\n", _MOST_LINES)[:_MOST_LINES]).decode(errors="replace").split("\n")

@@ -16,8 +16,6 @@ from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 
-__all__ = ["READER"]
-
 Grid = list[list[Any]]
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")

@@ -11,8 +11,6 @@ from ropefric.traces.readers.marks import looks_numeric, typical_row
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.source import Source
 
-__all__ = ["HeadRows", "find_rows", "find_table_rows", "is_unit"]
-
 _MORE_UNITS = {
     "-",
     "1",
@@ -55,13 +53,7 @@ class HeadRows:
 
 
 def is_unit(cell: str) -> bool:
-    """Return whether a cell looks like a unit.
-
-    Examples
-    --------
-    >>> is_unit("[kN]"), is_unit("min"), is_unit("Force")
-    (True, True, False)
-    """
+    """Return whether a cell looks like a unit."""
     return bare_unit(cell) in _UNITS
 
 
@@ -83,18 +75,6 @@ def find_table_rows(rows: Sequence[Sequence[str]], profile: ImportProfile, sourc
 
     What the profile says holds. Left open, the data start at the first row of numbers, and the header is the
     nearest row of words above it, with a row of units allowed between. Rows further up are a preamble.
-
-    Raises
-    ------
-    DataError
-        RF101, if there is no data row.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> source = Source(path=Path("a.csv"), shown="a.csv")
-    >>> find_table_rows([["t", "F"], ["s", "N"], ["0", "1"]], ImportProfile(), source)
-    HeadRows(header_row=1, units_row=2, data_row=3)
     """
     reference = _reference(rows[-_N_REFERENCE:])
     found = _search(rows, reference, profile)

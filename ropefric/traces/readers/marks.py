@@ -8,8 +8,6 @@ from ropefric.traces.readers.cells import CellStyle, is_number, split_line
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.source import Source
 
-__all__ = ["find_decimal", "find_separator", "looks_numeric", "typical_row"]
-
 CANDIDATES = ("\t", ";", "|", ",", " ")
 """Separators by preference: TAB before blanks, and "," only where nothing stronger divides the numbers."""
 
@@ -25,24 +23,12 @@ _NUMBER_SHAPED = re.compile(
 
 
 def looks_numeric(cell: str) -> bool:
-    """Return whether a cell is written like a number in any country; it need not be readable.
-
-    Examples
-    --------
-    >>> looks_numeric("12,47"), looks_numeric("1.234.567,8"), looks_numeric("12.03.2021"), looks_numeric("N")
-    (True, True, False, False)
-    """
+    """Return whether a cell is written like a number in any country; it need not be readable."""
     return _NUMBER_SHAPED.fullmatch(cell) is not None and not cell.endswith(",")
 
 
 def typical_row(rows: Sequence[Sequence[str]]) -> Sequence[str]:
-    """Return the last row that is as wide as most of them, the wider where two widths are as common.
-
-    Examples
-    --------
-    >>> typical_row([["a"], ["1", "2"], ["3", "4"], ["5"]])
-    ['3', '4']
-    """
+    """Return the last row that is as wide as most of them, the wider where two widths are as common."""
     widths = Counter(len(row) for row in rows)
     common = max(widths, key=lambda width: (widths[width], width), default=0)
     return next((row for row in reversed(rows) if len(row) == common), ())
@@ -51,35 +37,7 @@ def typical_row(rows: Sequence[Sequence[str]]) -> Sequence[str]:
 def find_separator(
     data_lines: Sequence[str], lines: Sequence[str], profile: ImportProfile, source: Source
 ) -> str:
-    r"""Return the character that divides the data lines into the most alike rows of numbers.
-
-    Parameters
-    ----------
-    data_lines : sequence of str
-        Lines that hold the data, perhaps after a head.
-    lines : sequence of str
-        All lines from the start of the file.
-    profile : ImportProfile
-        For what it says of the decimal mark, of missing values and of the columns wanted.
-    source : Source
-        The file, for messages.
-
-    Raises
-    ------
-    DataError
-        RF104, if "," may be the separator as well as the decimal mark.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> source = Source(path=Path("a.csv"), shown="a.csv")
-    >>> find_separator(["0,5;1,2", "1,0;3,4"], [], ImportProfile(), source)
-    ';'
-    >>> find_separator(["12,47", "13,01"], [], ImportProfile(), source)
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: a.csv: '12,47' is one number with a decimal comma or two whole numbers...
-    """
+    r"""Return the character that divides the data lines into the most alike rows of numbers."""
     inked = [line for line in data_lines if line.strip()]
     sample = inked[-_N_SAMPLE:]
     if not sample:
@@ -133,23 +91,6 @@ def find_decimal(head: bytes, data_row: int, separator: str, source: Source) -> 
     r"""Return the decimal mark that the first 64 kB show; "." where there is none.
 
     A comma is never taken as a thousands separator.
-
-    Raises
-    ------
-    DataError
-        RF104, if every comma stands before exactly three digits, so that `1,234` may be 1.234 or 1234, or
-        if points and commas are mixed.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> source = Source(path=Path("a.csv"), shown="a.csv")
-    >>> find_decimal(b"0;1,25\n", 1, ";", source), find_decimal(b"0;1.25\n", 1, ";", source)
-    (',', '.')
-    >>> find_decimal(b"0;1,234\n", 1, ";", source)
-    Traceback (most recent call last):
-    ...
-    ropefric.errors.DataError: a.csv:1: '1,234' may mean 1.234 or 1234...
     """
     if b"," not in head or (separator == "," and b'"' not in head):
         return "."

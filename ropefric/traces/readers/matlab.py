@@ -14,8 +14,6 @@ from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 
-__all__ = ["READER"]
-
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 
 

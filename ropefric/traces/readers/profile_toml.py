@@ -6,8 +6,6 @@ from collections.abc import Iterator
 
 from ropefric.traces.readers.profile import Channel, ImportProfile
 
-__all__ = ["profile_to_toml"]
-
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+", re.ASCII)
 
 
@@ -15,28 +13,6 @@ def profile_to_toml(profile: ImportProfile) -> str:
     r"""Return the `[import]` section that says what a profile says; what is left open is left out.
 
     Constants are written as bare SI numbers.
-
-    Parameters
-    ----------
-    profile : ImportProfile
-        The profile.
-
-    Returns
-    -------
-    str
-        TOML text that ends in a line end.
-
-    Examples
-    --------
-    >>> channels = {"time": Channel(column=1, unit="ms"), "force": Channel(column="force_N")}
-    >>> print(profile_to_toml(ImportProfile(separator="\t", header_row=0, channels=channels)), end="")
-    [import]
-    separator = "\t"
-    header_row = 0
-    <BLANKLINE>
-    [import.channels]
-    time = { column = 1, unit = "ms" }
-    force = "force_N"
     """
     lines = ["[import]", *_plain(profile)]
     if profile.channels:

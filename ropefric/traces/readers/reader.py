@@ -9,30 +9,10 @@ from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 
-__all__ = ["Reader"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reader:
-    """A file format.
-
-    Attributes
-    ----------
-    name : str
-        What `[import] format` calls it.
-    suffixes : tuple of str
-        File name endings it is chosen for, lower case, with the dot.
-    description : str
-        One line for people.
-    tables : callable
-        `tables(source, profile)` returns the file's tables; one table is one recording.
-
-    Examples
-    --------
-    >>> from ropefric.traces.readers import READERS
-    >>> READERS["delimited"].suffixes[:2]
-    ('.csv', '.txt')
-    """
+    """A file format."""
 
     name: str
     suffixes: tuple[str, ...]

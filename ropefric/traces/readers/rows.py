@@ -6,8 +6,6 @@ import numpy.typing as npt
 from ropefric.traces.readers.cells import is_blank_line, split_line
 from ropefric.traces.readers.text import Block, Text
 
-__all__ = ["check_rows"]
-
 _NEWLINE = 10
 _PIECE = 65536
 _BLANKS = (9, 32)
@@ -26,26 +24,6 @@ def check_rows(
 
     pandas fills short rows up and turns surplus cells into an index, both in silence; so rows are counted
     here, on the bytes.
-
-    Parameters
-    ----------
-    text : Text
-        The file.
-    start_line : int
-        1-based line of the first row.
-    separator : str
-        As in `CellStyle`.
-    n_cells : int
-        Cells a row must have.
-    expected : str
-        Where that number comes from, for the message: "the header (line 3) names 19 columns".
-    block_columns : int
-        In wide files a row may end early, at the end of a block of this many columns; 0 otherwise.
-
-    Raises
-    ------
-    DataError
-        RF103, naming the first line that has another number of cells; RF101, if there is no row.
     """
     n_rows, is_gapless, ends_blank = 0, True, False
     for block in text.blocks(start_line):

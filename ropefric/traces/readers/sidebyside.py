@@ -9,8 +9,6 @@ from ropefric.traces.readers.header import is_unit
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.text import Text
 
-__all__ = ["find_blocks"]
-
 
 def find_blocks(text: Text, dialect: Dialect, profile: ImportProfile) -> ImportProfile | None:
     """Return the profile with the block layout that the head shows, or None for an ordinary table.

@@ -33,35 +33,7 @@ def inspect_file(
     shown_as: str = "",
     everything: bool = False,
 ) -> Inspection:
-    r"""Return what can be found out about a recording file, and the profile that would read it.
-
-    Parameters
-    ----------
-    path : str or path
-        The file.
-    profile : ImportProfile, optional
-        What is known already; it holds.
-    shown_as : str
-        What messages and the result call the file; its path as given where empty.
-    everything : bool
-        Whether a large text is read whole; otherwise its first and last megabyte, which the doubts then say.
-
-    Raises
-    ------
-    DataError
-        As `read_recordings`, where the file cannot be read in any way. An ambiguous decimal mark and a header
-        that does not fit its rows become doubts instead.
-
-    Examples
-    --------
-    >>> import tempfile, pathlib
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder) / "pull.csv"
-    ...     _ = path.write_text("Time (ms);Force (kN)\n0;0,5\n10;0,75\n20;1,0\n")
-    ...     found = inspect_file(path, shown_as="pull.csv")
-    >>> found.decimal, found.sampling_rate_Hz, found.columns[1].maximum
-    (',', 100.0, 1.0)
-    """
+    r"""Return what can be found out about a recording file, and the profile that would read it."""
     shown, known = shown_as or str(path), profile or ImportProfile()
 
     def look(file: InputFile) -> Inspection:

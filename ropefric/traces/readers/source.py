@@ -9,8 +9,6 @@ from pathlib import Path
 from ropefric.errors import DataError
 from ropefric.files.read import BLOCK_BYTES, InputFile
 
-__all__ = ["Source"]
-
 GZIP_MAGIC = b"\x1f\x8b"
 
 MOST_UNPACKED_BYTES = 4 * 2**30
@@ -39,24 +37,7 @@ class _Stream:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
-    """A file as it is opened, and as its owner wrote it.
-
-    Attributes
-    ----------
-    path : Path
-        Where the file is.
-    shown : str
-        What messages and results call it.
-    file : InputFile, optional
-        The file, open.
-    most_bytes : int
-        How much of it is read, from its beginning, or, where negative, from its end; 0 for everything.
-
-    Examples
-    --------
-    >>> str(Source(path=Path("/lab/run07.csv"), shown="run07.csv").error("the file is empty", fix="record again"))
-    'run07.csv: the file is empty Fix: record again'
-    """
+    """A file as it is opened, and as its owner wrote it."""
 
     path: Path
     shown: str
@@ -75,13 +56,7 @@ class Source:
         return self.opened.part(0, len(GZIP_MAGIC)) == GZIP_MAGIC
 
     def unpacked(self) -> Iterator[bytes]:
-        """Return an iterator over the file's content in blocks, unpacked where it is gzip; the whole is never held.
-
-        Raises
-        ------
-        DataError
-            RF101, if it cannot be read, is empty, or is damaged gzip or unpacks to more than anybody records.
-        """
+        """Return an iterator over the file's content in blocks, unpacked where it is gzip; the whole is never held."""
         start = self.opened.part(0, len(GZIP_MAGIC))
         if not start:
             raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
@@ -127,13 +102,7 @@ class Source:
             raise self.error("the file is empty (gzip of 0 bytes)")
 
     def raw_bytes(self) -> bytes:
-        """Return the file's content as it is on disk.
-
-        Raises
-        ------
-        DataError
-            RF101, if there is no such file, or it cannot be read, or is empty.
-        """
+        """Return the file's content as it is on disk."""
         data = self.opened.read()
         if not data:
             raise self.error("the file is empty (0 bytes)", fix="record or copy it again")

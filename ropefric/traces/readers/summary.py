@@ -15,8 +15,6 @@ from ropefric.traces.readers.inspection import ColumnSummary, Inspection
 from ropefric.traces.readers.profile import Channel
 from ropefric.traces.readers.table import Table
 
-__all__ = ["MIN_RUN", "summarise", "widen"]
-
 MIN_RUN = 3
 """Samples in a row at a converter's limit that make a hint."""
 
@@ -25,15 +23,7 @@ _UNIFORM = 0.05
 
 
 def summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
-    """Return an inspection completed by what the columns of the first recording hold.
-
-    Parameters
-    ----------
-    found : Inspection
-        What the layout told.
-    tables : sequence of Table
-        The file's recordings.
-    """
+    """Return an inspection completed by what the columns of the first recording hold."""
     table = tables[0]
     values = _load(table)
     columns = tuple(_column(table, index, array) for index, array in enumerate(values))

@@ -15,8 +15,6 @@ from ropefric.traces.readers.reader import Reader
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 
-__all__ = ["READER"]
-
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
 

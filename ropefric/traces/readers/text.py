@@ -11,8 +11,6 @@ from ropefric.errors import DataError
 from ropefric.traces.readers.cells import split_line
 from ropefric.traces.readers.source import Source
 
-__all__ = ["HEAD_BYTES", "HEAD_LINES", "WHOLE_BYTES", "Block", "Text", "is_cut", "load_text", "start_of"]
-
 HEAD_BYTES = 65536
 """Marks are looked for in this much of a file; the whole file is then held to what was found."""
 HEAD_LINES = 32
@@ -32,23 +30,7 @@ _MARKS = (  # UTF-32 first: its little-endian mark starts with UTF-16's
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Text:
-    r"""A text file's content: UTF-8 without byte-order mark, every line, the last one too, ending in `\n`.
-
-    Attributes
-    ----------
-    source : Source
-        The file.
-    data : bytes
-        The content as far as it is kept: whole lines from the first on, `HEAD_BYTES` and `HEAD_LINES` at least.
-    encoding : str
-        How the file itself is encoded.
-    is_whole : bool
-        Whether `data` is everything; where it is not, the rest is read whenever it is asked for.
-    is_ended : bool
-        Whether the last line of the data ended in the file, too; where not, the file may have been cut within it.
-    separator : str
-        Of a text that is not whole: what stands between cells, so that a last row that was cut can be left out.
-    """
+    r"""A text file's content: UTF-8 without byte-order mark, every line, the last one too, ending in `\n`."""
 
     source: Source
     data: bytes
@@ -127,30 +109,6 @@ def load_text(source: Source, encoding: str = "") -> Text:
 
     Without an encoding a byte-order mark decides, else UTF-8, else cp1252, which is what Windows loggers
     write. Old Macintosh and Windows line ends become `\n`.
-
-    Parameters
-    ----------
-    source : Source
-        The file.
-    encoding : str
-        Its encoding; "" to find out.
-
-    Raises
-    ------
-    DataError
-        RF101 where the file cannot be read or is binary, RF108 where it cannot be decoded.
-
-    Examples
-    --------
-    >>> import tempfile, pathlib
-    >>> from ropefric.files.read import open_file
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder) / "a.csv"
-    ...     _ = path.write_bytes("Kraft [N]\r\n1 µ".encode("cp1252"))
-    ...     with open_file(path) as file:
-    ...         text = load_text(Source(path=path, shown="a.csv", file=file))
-    >>> text.encoding, text.data
-    ('cp1252', b'Kraft [N]\n1 \xc2\xb5\n')
     """
     raw, size = [], 0
     for block in source.unpacked():

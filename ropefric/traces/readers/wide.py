@@ -16,8 +16,6 @@ from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 from ropefric.traces.readers.text import Text
 
-__all__ = ["READER"]
-
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return one table per block of columns; rows that are empty at a block's end belong to longer blocks."""

@@ -5,18 +5,11 @@ from statistics import NormalDist
 from ropefric.traces.trace import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule, beyond, max_z
 
-__all__ = ["RULE", "limit"]
-
 
 def limit(n: int) -> float:
     """Return the |z| that half a value of n normal ones is expected to exceed: n·P(|z| > limit) = 1/2.
 
     Source: Taylor, An Introduction to Error Analysis, 2nd ed. (1997) chapter 6.
-
-    Examples
-    --------
-    >>> round(limit(10), 2)
-    1.96
     """
     return NormalDist().inv_cdf(1.0 - 1.0 / (4.0 * max(n, 1)))
 

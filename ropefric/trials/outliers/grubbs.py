@@ -8,8 +8,6 @@ from ropefric.errors import InputError
 from ropefric.traces.trace import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule, beyond
 
-__all__ = ["RULE", "critical_value"]
-
 _ALPHA = 0.05
 _TIED = 1e-12
 
@@ -19,25 +17,6 @@ def critical_value(n: int, alpha: float = _ALPHA, *, sides: int = 2) -> float:
 
     G = (n − 1)/√n · √(t²/(n − 2 + t²)), with t the upper α/(sides·n) quantile of Student's distribution with
     n − 2 degrees of freedom. Source: ASTM E178; Grubbs, Technometrics 11 (1969) 1.
-
-    Parameters
-    ----------
-    n : int
-        Number of values.
-    alpha : float
-        Probability of rejecting the extreme of a clean normal series, between 0 and 1.
-    sides : {1, 2}
-        2: the outlier may be high or low; 1: the side was fixed before looking.
-
-    Raises
-    ------
-    InputError
-        If `alpha` or `sides` is out of range.
-
-    Examples
-    --------
-    >>> round(critical_value(10), 3), round(critical_value(10, sides=1), 3)
-    (2.29, 2.176)
     """
     if not 0.0 < alpha < 1.0 or sides not in {1, 2}:
         raise InputError(

@@ -5,8 +5,6 @@ import numpy as np
 from ropefric.traces.trace import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule
 
-__all__ = ["RULE"]
-
 _LIMIT = 3.5
 _CONSISTENT = 0.6745  # MAD/σ of a normal distribution, as printed in the source
 _MEAN_CONSISTENT = 0.797885  # mean absolute deviation/σ, √(2/π)

@@ -5,8 +5,6 @@ import numpy as np
 from ropefric.traces.trace import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule
 
-__all__ = ["RULE"]
-
 
 def _judge(deviations: FloatArray) -> BoolArray:
     return np.zeros(deviations.shape, dtype=np.bool_)

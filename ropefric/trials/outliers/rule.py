@@ -10,8 +10,6 @@ import numpy.typing as npt
 from ropefric.errors import InputError
 from ropefric.traces.trace import BoolArray, FloatArray
 
-__all__ = ["OutlierRule", "Scaled", "beyond", "max_z", "scaled"]
-
 _LARGEST = 1e300
 _ROUNDING = 1e-12  # a value on the limit, but for rounding, counts as inside
 
@@ -87,17 +85,7 @@ class OutlierRule:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scaled:
-    """Values as `shift` + `scale`·`deviations`, with deviations of order 1.
-
-    Attributes
-    ----------
-    shift : float
-        The middle value.
-    scale : float
-        A power of two, so that scaling rounds nothing.
-    deviations : ndarray, shape (n,)
-        Distances from `shift`, at most 1 in size.
-    """
+    """Values as `shift` + `scale`·`deviations`, with deviations of order 1."""
 
     shift: float
     scale: float
@@ -118,21 +106,6 @@ def scaled(values: npt.ArrayLike) -> Scaled:
     """Return values relative to their middle one, so that a large common offset costs no digits.
 
     The difference of nearby floats is exact; squares are formed only afterwards (two-pass).
-
-    Parameters
-    ----------
-    values : array_like, shape (n,)
-        Finite numbers, at most 1e300 in size.
-
-    Raises
-    ------
-    InputError
-        RF311 if a value is missing or not finite, or the shape is another one.
-
-    Examples
-    --------
-    >>> scaled([1e9 + 1.0, 1e9, 1e9 + 2.0]).deviations.tolist()
-    [0.0, -0.5, 0.5]
     """
     try:
         array = np.array(values, dtype=np.float64)
@@ -160,20 +133,7 @@ def scaled(values: npt.ArrayLike) -> Scaled:
 
 
 def beyond(deviations: FloatArray, z_limit: float) -> BoolArray:
-    """Return which values lie more than `z_limit` sample standard deviations from the mean.
-
-    Parameters
-    ----------
-    deviations : ndarray, shape (n,)
-        At least two numbers of order 1, from `scaled`.
-    z_limit : float
-        Limit of |z| [-]; a value on it, but for rounding, is inside.
-
-    Examples
-    --------
-    >>> beyond(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5]), 2.0).nonzero()[0]
-    array([6])
-    """
+    """Return which values lie more than `z_limit` sample standard deviations from the mean."""
     distance = np.abs(deviations - deviations.mean())
     flagged: BoolArray = distance > z_limit * (1.0 + _ROUNDING) * float(deviations.std(ddof=1))
     return flagged
@@ -183,10 +143,5 @@ def max_z(n: int) -> float:
     """Return the largest |z| that one of n values can reach, (n − 1)/√n; 0 for no value.
 
     Source: Shiffler, The American Statistician 42 (1988) 79.
-
-    Examples
-    --------
-    >>> round(max_z(5), 3), round(max_z(6), 3)
-    (1.789, 2.041)
     """
     return (n - 1) / math.sqrt(n) if n > 0 else 0.0

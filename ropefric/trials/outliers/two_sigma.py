@@ -3,8 +3,6 @@
 from ropefric.traces.trace import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule, beyond, max_z
 
-__all__ = ["RULE"]
-
 _LIMIT = 2.0
 
 

@@ -8,8 +8,6 @@ from ropefric.systems.press.transient.inputs import SPEED_SQUARED
 from ropefric.systems.press.transient.motion import Motion
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["POWERS", "Energies", "elastic_energy_J", "energies_of", "kinetic_energy_J", "power_forms"]
-
 POWERS = ("drive", "load", "belt", "tensioner", "slip", "centrifugal")
 """Works that are counted: done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and
 done by the running belts' momentum ρAv² on the tensioners."""
@@ -17,19 +15,7 @@ done by the running belts' momentum ρAv² on the tensioners."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Energies:
-    """Works since the start and energies, each of shape (n_times,) [J].
-
-    Attributes
-    ----------
-    drive, load : ndarray
-        Work of the drivers, and work against the load torques.
-    belt, tensioner, slip : ndarray
-        Dissipated in the belts, in the tensioners' dampers, and between slipping belts and rollers.
-    centrifugal : ndarray
-        Work of ρAv² on the tensioners; negative where they give way to it.
-    kinetic, elastic : ndarray
-        Stored in what moves, and in belts and tensioners together with their preload.
-    """
+    """Works since the start and energies, each of shape (n_times,) [J]."""
 
     drive: FloatArray
     load: FloatArray

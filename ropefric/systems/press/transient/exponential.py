@@ -14,31 +14,12 @@ from scipy.linalg import expm, matrix_balance
 
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["Propagator"]
-
 _TAYLOR_TERMS = 24
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Propagator:
-    """Steps of z = (y, p_r … p_0), the state beside the powers of the time since the start of a piece.
-
-    Attributes
-    ----------
-    state : ndarray, shape (n, n)
-        A.
-    drive : ndarray, shape (n, m)
-        B, the action of the m inputs.
-    taylor : ndarray, shape (m, r + 1)
-        Derivatives of the inputs at the start of the piece.
-
-    Examples
-    --------
-    >>> fall = Propagator(state=np.array([[-1e9]]), drive=np.array([[1e9]]), taylor=np.array([[0.0, 1.0]]))
-    >>> z = fall.step(1.0) @ fall.lift(np.array([0.0]), 0.0)
-    >>> float(z[0].round(12))
-    0.999999999
-    """
+    """Steps of z = (y, p_r … p_0), the state beside the powers of the time since the start of a piece."""
 
     state: FloatArray
     drive: FloatArray
@@ -83,21 +64,7 @@ class Propagator:
         return np.asarray(weights[:, None] * expm(length_s * generator) / weights)
 
     def integrals(self, forms: FloatArray, length_s: float) -> FloatArray:
-        """Return the matrices X with zᵀ X z = ∫ wᵀ S w dt over a step that starts at z.
-
-        Parameters
-        ----------
-        forms : ndarray, shape (k, n + m, n + m)
-            Symmetric S over w = (y, u).
-        length_s : float
-            Length of the step [s].
-
-        Returns
-        -------
-        ndarray, shape (k, n + r + 1, n + r + 1)
-            From dX/dh = Gᵀ X + X G + S by its series over a short step and then
-            X(2h) = X(h) + Φ(h)ᵀ X(h) Φ(h), which stays accurate where a closed formula overflows.
-        """
+        """Return the matrices X with zᵀ X z = ∫ wᵀ S w dt over a step that starts at z."""
         generator, weights = self._balanced
         reading = self.read * weights
         doublings = max(

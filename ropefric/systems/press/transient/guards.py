@@ -10,8 +10,6 @@ from ropefric.systems.press.transient.mode import BACKWARD, FORWARD, STICK, Mode
 from ropefric.systems.press.transient.motion import Motion
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["Guard", "guards_of", "switched"]
-
 What = Literal["slip", "stick", "hold", "release", "pressed", "taut", "strained"]
 T = TypeVar("T")
 
@@ -22,21 +20,7 @@ _SPEED_M_S = 1e-11
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Guard:
-    """One condition of a mode.
-
-    Attributes
-    ----------
-    row : ndarray, shape (n_w,)
-        Its value is row · w.
-    tolerance : float
-        It has fired when its value is below minus this.
-    what : str
-        What then changes.
-    place : int
-        Index of the roller or span.
-    direction : int
-        For "slip" and "release", which way.
-    """
+    """One condition of a mode."""
 
     row: FloatArray
     tolerance: float

@@ -14,8 +14,6 @@ from ropefric.systems.press.transient.motion import FrictionLimit, Motion
 from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.result import SlipInterval
 
-__all__ = ["histories_of", "slip_intervals"]
-
 
 def histories_of(
     motions: Sequence[Motion],
@@ -26,21 +24,7 @@ def histories_of(
     times_s: FloatArray,
     limit: FrictionLimit | None,
 ) -> dict[str, Any]:
-    """Return the arrays of a `StartUp` by name.
-
-    Parameters
-    ----------
-    motions : sequence of Motion
-        What holds at each of n times, or one for all.
-    states, works : ndarray, shapes (n, 2 n_q) and (n, 6)
-        The solution.
-    inputs : Inputs
-        Drive and loads.
-    times_s : ndarray, shape (n,)
-        Times [s].
-    limit : FrictionLimit, optional
-        Friction, for the utilisation.
-    """
+    """Return the arrays of a `StartUp` by name."""
     model = motions[0].model
     radius = np.array([roller.radius_m for roller in model.press.rollers])
     rest = np.array(
@@ -114,14 +98,7 @@ def _apply_limit(side: int, w: FloatArray, chosen: list[tuple[Motion, np.ndarray
 
 
 def slip_intervals(names: Sequence[str], changes: Sequence[Change], end_s: float) -> tuple[SlipInterval, ...]:
-    """Return all slips from the changes of mode; instants without duration are left out.
-
-    Examples
-    --------
-    >>> changes = [Change(time_s=1.0, what="slip", place=0, direction=1), Change(time_s=1.5, what="stick", place=0)]
-    >>> [(slip.roller, slip.end_s) for slip in slip_intervals(["2"], changes, 4.0)]
-    [('2', 1.5)]
-    """
+    """Return all slips from the changes of mode; instants without duration are left out."""
     open_slips: dict[int, Change] = {}
     found: list[SlipInterval] = []
 

@@ -17,28 +17,13 @@ from ropefric.systems.press.transient.phase import Phase, first_dip
 from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.problem import starting_state
 
-__all__ = ["Change", "HybridSolution", "solve_hybrid"]
-
 _SWITCHES_AT_ONCE = 60
 _MAX_SWITCHES = 3_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """A change of mode.
-
-    Attributes
-    ----------
-    time_s : float
-        When.
-    what : str
-        "slip", "stick", "hold" and "release" of a roller; "pressed", "taut" and "strained" of a span, which change
-        to and fro.
-    place : int
-        Index of the roller or span.
-    direction : int
-        1 or −1 where a slip or a release has a direction.
-    """
+    """A change of mode."""
 
     time_s: float
     what: str
@@ -48,19 +33,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HybridSolution:
-    """States at the times asked for.
-
-    Attributes
-    ----------
-    states : ndarray, shape (n_times, 2 n_q)
-        (q, dq/dt).
-    works : ndarray, shape (n_times, 6)
-        In the order of `POWERS` [J].
-    motions : tuple of Motion
-        The equations of motion that hold at each time.
-    changes : tuple of Change
-        All changes of mode, in their order.
-    """
+    """States at the times asked for."""
 
     states: FloatArray
     works: FloatArray
@@ -75,22 +48,6 @@ def solve_hybrid(
 
     Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
     guards of the mode are looked at 24 times in a period of its fastest oscillation.
-
-    Parameters
-    ----------
-    model : ElasticPress
-        The press, with the mass of the belts on the rollers.
-    inputs : Inputs
-        Drive and loads.
-    limit : FrictionLimit
-        Friction.
-    times_s : ndarray, shape (n_times,)
-        Rising times from 0 on [s].
-
-    Raises
-    ------
-    SolverError
-        If the states of the contacts cannot be settled, or change too often.
     """
     solver = _Solver(model=model, inputs=inputs, limit=limit)
     return solver.run(times_s)

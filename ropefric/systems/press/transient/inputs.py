@@ -9,8 +9,6 @@ from ropefric.errors import InputError
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.polynomial import FloatArray, PiecewisePolynomial, common_pieces
 
-__all__ = ["ACCELERATION", "LOAD", "ONE", "SPEED", "SPEED_SQUARED", "Inputs", "Loads", "press_inputs"]
-
 Loads = Literal["with-speed", "constant"] | PiecewisePolynomial
 
 ONE, LOAD, SPEED, ACCELERATION, SPEED_SQUARED, FIRST_DRIVER = range(6)
@@ -19,15 +17,7 @@ ONE, LOAD, SPEED, ACCELERATION, SPEED_SQUARED, FIRST_DRIVER = range(6)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Inputs:
-    """Inputs u(t) of a press, polynomials on common pieces.
-
-    Attributes
-    ----------
-    starts_s : ndarray, shape (m,)
-        Starts of the pieces [s].
-    taylor : ndarray, shape (m, n_inputs, r + 1)
-        Derivatives of each input at the start of each piece, from its right.
-    """
+    """Inputs u(t) of a press, polynomials on common pieces."""
 
     starts_s: FloatArray
     taylor: FloatArray
@@ -43,25 +33,7 @@ class Inputs:
 
 
 def press_inputs(model: ElasticPress, speed: PiecewisePolynomial, loads: Loads) -> Inputs:
-    """Return the inputs of a press.
-
-    Parameters
-    ----------
-    model : ElasticPress
-        The press.
-    speed : PiecewisePolynomial
-        Surface speed of the drive over time [m/s].
-    loads : {"with-speed", "constant"} or PiecewisePolynomial
-        The factor on all load torques over time [-]. A torque of the sludge resists motion and has no value of
-        its own at rest: "with-speed" lets all loads rise from zero in proportion to the drive's speed and reach
-        their full values at the speed it ends with; "constant" starts from a machine that the full loads have already
-        stretched, as one that was stopped under load; a function says it directly.
-
-    Raises
-    ------
-    InputError
-        For an unknown name, or "with-speed" with a drive that does not settle at a positive speed.
-    """
+    """Return the inputs of a press."""
     if isinstance(loads, PiecewisePolynomial):
         factor = loads
     elif loads == "with-speed":

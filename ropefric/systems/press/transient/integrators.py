@@ -16,21 +16,12 @@ from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.spectrum import rk4_limit_s
 
-__all__ = ["INTEGRATORS", "Settings"]
-
-
 MOST_STEPS = 500_000
 """Of a start-up; each takes some 50 µs."""
 
 
 def check_steps(needed: float) -> None:
-    """Refuse a start-up of more steps than anybody waits for; return quietly otherwise.
-
-    Raises
-    ------
-    SolverError
-        RF524, with the limit.
-    """
+    """Refuse a start-up of more steps than anybody waits for; return quietly otherwise."""
     if not needed <= MOST_STEPS:
         raise SolverError(
             f"the start-up takes more than {MOST_STEPS} steps, the limit: its fastest oscillation, or the step or"
@@ -43,15 +34,7 @@ def check_steps(needed: float) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """What integrators can be told; each reads what concerns it.
-
-    Attributes
-    ----------
-    tolerance : float
-        Relative error that a step of an adaptive method may make.
-    step_s : float, optional
-        Step of a method of fixed step [s]; by default a tenth of its limit of stability.
-    """
+    """What integrators can be told; each reads what concerns it."""
 
     tolerance: float = 1e-6
     step_s: float | None = None
@@ -59,20 +42,7 @@ class Settings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Integrator:
-    """A way to integrate.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    meaning : str
-        What it is good for.
-    control : {"exact", "step", "tolerance"}
-        What sets its error.
-    solve : callable
-        `solve(problem, times_s, settings)` returns states beside works, shape (n_times, n_state + 6), at sorted
-        times from 0 on.
-    """
+    """A way to integrate."""
 
     name: str
     meaning: str
@@ -196,13 +166,6 @@ def _adaptively(
 
     Steps are such that the tensions, too, are off by no more than some times the tolerance, however stiff the belt;
     where nothing damps it, errors add up over the periods.
-
-    Raises
-    ------
-    InputError
-        If the tolerance is not between 1e-13 and 1.
-    SolverError
-        If the method gives up.
     """
     if not 1e-13 <= settings.tolerance < 1.0:
         raise InputError(

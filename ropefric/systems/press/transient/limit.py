@@ -9,8 +9,6 @@ from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import FrictionLimit
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["friction_limit", "friction_utilisation"]
-
 _LEAST_GRIP = 1e-7
 """A thousand times what `guards.guards_of` takes for zero, as a share of the tension."""
 
@@ -18,23 +16,7 @@ _LEAST_GRIP = 1e-7
 def friction_limit(
     model: ElasticPress, friction: float | WrapFriction, *, told: frozenset[str] = EVERYTHING
 ) -> FrictionLimit:
-    """Return what gross slip on each roller is governed by.
-
-    Parameters
-    ----------
-    model : ElasticPress
-        The press. A law that depends on the tension is evaluated at the standstill's and kept: while the tensions
-        swing, M stays.
-    friction : float or WrapFriction
-        A constant μ, or a law.
-    told : frozenset of str
-        What of a contact the law is told, see `WrapFriction.exponent`.
-
-    Raises
-    ------
-    InputError
-        As `ropefric.systems.press.slip.grip_on`.
-    """
+    """Return what gross slip on each roller is governed by."""
     press = model.press
     growth, share = np.empty(len(press.rollers)), np.empty(len(press.rollers))
     spin = np.array([1.0 / roller.radius_m for roller in press.rollers])
@@ -69,22 +51,6 @@ def friction_utilisation(
 
     U = |F| / (T'_slack (e^M − 1) ± m b'' (1/κ − 1)): 0 without friction, 1 in gross slip, and without acceleration
     the utilisation of `ropefric.systems.press.slip`. Infinite where friction acts on a belt that has lifted off.
-
-    Parameters
-    ----------
-    limit : FrictionLimit
-        The friction.
-    friction_N, upstream_N, downstream_N : ndarray, shape (..., n_rollers)
-        F, and T' on both sides [N].
-    arc_force_N : ndarray, shape (..., n_rollers)
-        m b'' of the belts on each roller [N].
-
-    Examples
-    --------
-    >>> limit = FrictionLimit(growth=np.array([3.0]), share=np.array([0.55]))
-    >>> force = {"upstream_N": np.array([500.0]), "downstream_N": np.array([1000.0])}
-    >>> friction_utilisation(limit, friction_N=np.array([500.0]), arc_force_N=np.array([0.0]), **force).tolist()
-    [0.5]
     """
     forward = friction_N >= 0.0
     slack_N = np.where(forward, upstream_N, downstream_N)

@@ -4,30 +4,13 @@ from dataclasses import dataclass
 
 from ropefric.systems.press.transient.model import ElasticPress
 
-__all__ = ["BACKWARD", "FORWARD", "STICK", "Mode", "sticking"]
-
 STICK, FORWARD, BACKWARD = 0, 1, -1
 """The belt goes with the roller, runs ahead of it (a driven roller slips), or lags behind it (a driver slips)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mode:
-    """State of every roller and span.
-
-    Attributes
-    ----------
-    contact : tuple of int
-        `STICK`, `FORWARD` or `BACKWARD` for each roller.
-    turning : tuple of int
-        1 for a roller that turns forward, −1 backward, 0 for one at rest that its load holds: a load resists
-        motion and drives nothing.
-    pressed : tuple of bool
-        Whether each span's belts press on the rollers beside it, T > ρAv²; else friction there is nil.
-    taut : tuple of bool
-        Whether each span carries a tension; a slack one has T = 0.
-    strained : tuple of bool
-        Whether each span's spring alone would pull; an energy is stored only then.
-    """
+    """State of every roller and span."""
 
     contact: tuple[int, ...]
     turning: tuple[int, ...]

@@ -19,40 +19,10 @@ from ropefric.systems.press.statics import (
 from ropefric.systems.press.transient.ingredients import Ingredients
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["ElasticPress", "elastic_press", "standstill_tension_N"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ElasticPress:
-    """A press ready to be moved. Rollers are described at their rims: s = Rθ [m], mass J/R² [kg], load M/R [N].
-
-    Attributes
-    ----------
-    press : Press
-        The machine.
-    ingredients : Ingredients
-        What was put in.
-    incidence : ndarray, shape (n_rollers, n_spans)
-        D: D T is the belts' net pull on each rim; spans are stretched by e = −Dᵀ s − Pᵀ ξ.
-    pull : ndarray, shape (n_tensioners, n_spans)
-        P: pull on each tensioner along its travel.
-    stiffness_N_m, damping_N_s_m : ndarray, shape (n_spans,)
-        k = Σ EA/L and Σ η EA/L over the belts of each span.
-    density_kg_m : ndarray, shape (n_spans,)
-        Mass per length of all belts of each span; zero where the centrifugal force is left out.
-    preload_N : ndarray, shape (n_spans,)
-        Tension T_0 at e = 0, with the tensioners at their travel at rest.
-    roller_mass_kg, arc_mass_kg, load_N : ndarray, shape (n_rollers,)
-        J/R², ρA R α of all belts on the roller (zero if left out), and M/R.
-    driven : ndarray of int, shape (n_driven,)
-        Rollers that obey a torque balance; the others are drivers.
-    drivers : ndarray of int, shape (n_drivers,)
-        The drivers; the first is the reference of all relative angles.
-    overspeed : ndarray, shape (n_drivers,)
-        Surface speed of each driver against the drive's speed, less one.
-    tensioner_mass_kg, tensioner_damping_N_s_m, spring_N_m : ndarray, shape (n_tensioners,)
-        m, C1 and k1.
-    """
+    """A press ready to be moved. Rollers are described at their rims: s = Rθ [m], mass J/R² [kg], load M/R [N]."""
 
     press: Press
     ingredients: Ingredients
@@ -77,21 +47,6 @@ def standstill_tension_N(press: Press) -> FloatArray:
     """Return the tensions of a press that stands still and unloaded, shape (n_spans,) [N].
 
     Without torques each belt has one tension all around, and the tensioners' balance k1 x + F = P T says which.
-
-    Raises
-    ------
-    InputError
-        If the tensioners do not settle the tension of every belt, or one would be slack.
-
-    Examples
-    --------
-    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
-    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
-    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner",
-    ...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
-    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1)
-    >>> standstill_tension_N(Press(rollers=(drive, load), belts=(belt,), speed_m_s=1.0)).tolist()
-    [500.0, 500.0]
     """
     belts_in = carried_belts(press)
     by_belt = pull_matrix(press) @ belts_in.T
@@ -121,23 +76,7 @@ def elastic_press(
     ingredients: Ingredients | None = None,
     preload_N: npt.ArrayLike | None = None,
 ) -> ElasticPress:
-    """Return a press with elastic belts as arrays.
-
-    Parameters
-    ----------
-    press : Press
-        The machine; belts need EA and span lengths, rollers J, tensioners m.
-    ingredients : Ingredients, optional
-        What to put in; everything by default.
-    preload_N : array_like, shape (n_spans,), optional
-        Tensions at rest [N]; by default those of an unloaded standstill. Travels count from the place that balances
-        them.
-
-    Raises
-    ------
-    InputError
-        If data is missing (every missing key is named), or the preload has not one positive tension for each span.
-    """
+    """Return a press with elastic belts as arrays."""
     parts = Ingredients() if ingredients is None else ingredients
     _refuse_missing(press)
     preload = standstill_tension_N(press) if preload_N is None else np.array(preload_N, dtype=np.float64)

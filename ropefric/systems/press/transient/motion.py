@@ -31,20 +31,10 @@ from ropefric.systems.press.transient.mode import STICK, Mode
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["FrictionLimit", "Motion"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FrictionLimit:
-    """What gross slip on each roller is governed by.
-
-    Attributes
-    ----------
-    growth : ndarray, shape (n_rollers,)
-        e^M [-].
-    share : ndarray, shape (n_rollers,)
-        κ [-], see the module's text; M/(e^M − 1) for constant μ.
-    """
+    """What gross slip on each roller is governed by."""
 
     growth: FloatArray
     share: FloatArray
@@ -52,17 +42,7 @@ class FrictionLimit:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """One mode of a press as rows over w = (q, dq/dt, u).
-
-    Attributes
-    ----------
-    model : ElasticPress
-        The press.
-    mode : Mode
-        State of its contacts and spans.
-    limit : FrictionLimit, optional
-        Friction; without it nothing may slip, and the coordinates δ do not exist.
-    """
+    """One mode of a press as rows over w = (q, dq/dt, u)."""
 
     model: ElasticPress
     mode: Mode

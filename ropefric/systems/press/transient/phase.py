@@ -14,8 +14,6 @@ from ropefric.systems.press.transient.integrators import check_steps
 from ropefric.systems.press.transient.motion import Motion
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["Phase", "first_dip"]
-
 _STEPS_PER_PERIOD = 24
 """Guards are looked at this often in a period of the fastest oscillation; extremes between are interpolated."""
 
@@ -25,15 +23,7 @@ _FIRST_STEPS = (64.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Phase:
-    """One mode during one piece of the drive.
-
-    Attributes
-    ----------
-    motion : Motion
-        The equations of motion.
-    taylor : ndarray, shape (n_inputs, r + 1)
-        Derivatives of the inputs at the start of the piece.
-    """
+    """One mode during one piece of the drive."""
 
     motion: Motion
     taylor: FloatArray
@@ -74,12 +64,7 @@ class Phase:
         return 2.0 * np.pi / (float(swinging.max()) * _STEPS_PER_PERIOD) if swinging.size else np.inf
 
     def lengths(self, whole_s: float, *, fresh: bool) -> list[float]:
-        """Return steps that cover a time; where the mode is fresh, short ones first, since fast motions die early.
-
-        Examples
-        --------
-        See `ropefric.systems.press.transient.hybrid.solve_hybrid`.
-        """
+        """Return steps that cover a time; where the mode is fresh, short ones first, since fast motions die early."""
         longest = min(self.step_s, whole_s)
         first = [longest / part for part in _FIRST_STEPS] if fresh else []
         left = whole_s - sum(first)

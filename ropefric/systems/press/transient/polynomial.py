@@ -9,33 +9,12 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError
 
-__all__ = ["FloatArray", "PiecewisePolynomial", "common_pieces"]
-
 FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PiecewisePolynomial:
-    """A function Σ c_j (t − t_i)^j on each piece from t_i to t_(i+1); the first starts at 0, the last never ends.
-
-    Attributes
-    ----------
-    starts_s : ndarray, shape (n,)
-        Start of each piece [s]; rising from 0.
-    coefficients : ndarray, shape (n, r + 1)
-        c_j of each piece, lowest power first.
-
-    Raises
-    ------
-    InputError
-        If the pieces do not start at 0 and rise, or a number is not finite.
-
-    Examples
-    --------
-    >>> ramp = PiecewisePolynomial.of([0.0, 2.0], [[0.0, 0.5], [1.0, 0.0]])
-    >>> ramp([0.0, 1.0, 5.0]).tolist(), ramp.integral()(3.0).tolist(), ramp.derivative()(1.0).tolist()
-    ([0.0, 0.5, 1.0], 2.0, 0.5)
-    """
+    """A function Σ c_j (t − t_i)^j on each piece from t_i to t_(i+1); the first starts at 0, the last never ends."""
 
     starts_s: FloatArray
     coefficients: FloatArray
@@ -63,13 +42,7 @@ class PiecewisePolynomial:
 
     @property
     def final(self) -> float:
-        """Return the value the function ends with.
-
-        Raises
-        ------
-        InputError
-            If its last piece is not constant.
-        """
+        """Return the value the function ends with."""
         if self.coefficients[-1, 1:].any():
             raise InputError("the function never settles", fix="let its last piece be constant")
         return float(self.coefficients[-1, 0])
@@ -119,23 +92,7 @@ class PiecewisePolynomial:
 
 
 def common_pieces(functions: Sequence[PiecewisePolynomial]) -> tuple[FloatArray, FloatArray]:
-    """Return the starts of pieces on which all n functions are polynomials, and their Taylor coefficients.
-
-    Returns
-    -------
-    starts_s : ndarray, shape (m,)
-        Starts of the pieces [s].
-    taylor : ndarray, shape (m, n, r + 1)
-        Derivatives of order 0 to r of each function at each start, from its right.
-
-    Examples
-    --------
-    >>> step = PiecewisePolynomial.of([0.0, 1.0], [[0.0], [1.0]])
-    >>> square = PiecewisePolynomial.of([0.0], [[0.0, 0.0, 1.0]])
-    >>> starts_s, taylor = common_pieces([step, square])
-    >>> starts_s.tolist(), taylor[1].tolist()
-    ([0.0, 1.0], [[1.0, 0.0, 0.0], [1.0, 2.0, 2.0]])
-    """
+    """Return the starts of pieces on which all n functions are polynomials, and their Taylor coefficients."""
     starts = np.unique(np.concatenate([function.starts_s for function in functions]))
     degree = max(function.coefficients.shape[1] for function in functions)
     taylor = np.zeros((len(starts), len(functions), degree))

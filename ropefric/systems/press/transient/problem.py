@@ -15,8 +15,6 @@ from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.rest import resting_coordinates
 from ropefric.systems.press.transient.spectrum import spectrum_of
 
-__all__ = ["LinearStartUp", "starting_state"]
-
 
 def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
     """Return (q, dq/dt) of a machine at rest in balance with the loads of the first moment, shape (2 n_q,).
@@ -36,15 +34,7 @@ def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinearStartUp:
-    """A start-up in which no belt slips or goes slack.
-
-    Attributes
-    ----------
-    model : ElasticPress
-        The press.
-    inputs : Inputs
-        Its drive and loads.
-    """
+    """A start-up in which no belt slips or goes slack."""
 
     model: ElasticPress
     inputs: Inputs

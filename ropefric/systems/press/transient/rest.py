@@ -9,18 +9,11 @@ from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import Motion
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["resting_coordinates", "settled_tension_N"]
-
 
 def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
     """Return the coordinates at which nothing accelerates under constant inputs u, shape (n_q,).
 
     Belts that slip do not take part: their δ stay zero.
-
-    Raises
-    ------
-    InputError
-        If no such place is determined.
     """
     n_q = motion.n_coordinates
     free = len(motion.model.driven) + len(motion.model.spring_N_m)
@@ -40,20 +33,6 @@ def settled_tension_N(model: ElasticPress, *, speed_m_s: float, load_factor: flo
 
     It is what a start-up tends to; with the tensioners' damping alone that takes hours, and with no damping at all it
     is only the mean.
-
-    Parameters
-    ----------
-    model : ElasticPress
-        The press; all drivers run at one surface speed.
-    speed_m_s : float
-        That speed [m/s].
-    load_factor : float
-        Factor on all loads [-].
-
-    Raises
-    ------
-    InputError
-        If drivers differ in speed: without creep the belts between them would be stretched without end.
     """
     if np.ptp(model.overspeed) > 0.0 and speed_m_s != 0.0:
         raise InputError(

@@ -10,24 +10,10 @@ from ropefric.systems.press.machine import Press
 from ropefric.systems.press.transient.energy import Energies
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["SlipInterval", "StartUp"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlipInterval:
-    """One time during which a belt slipped on a roller.
-
-    Attributes
-    ----------
-    roller : str
-        Which.
-    start_s, end_s : float
-        From when to when [s]; the end of the start-up where it still slips then.
-    direction : int
-        1 where the belt ran ahead of the roller, −1 where it lagged behind it, as on a driver.
-    ends_stuck : bool
-        Whether the belt caught the roller again.
-    """
+    """One time during which a belt slipped on a roller."""
 
     roller: str
     start_s: float
@@ -38,42 +24,7 @@ class SlipInterval:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StartUp:
-    """A start-up of a press.
-
-    Attributes
-    ----------
-    press : Press
-        The machine; arrays have the order of its rollers, spans and tensioners.
-    integrator : str
-        How it was solved.
-    time_s : ndarray, shape (n,)
-        Times [s].
-    drive_speed_m_s : ndarray, shape (n,)
-        Surface speed of the drive [m/s].
-    tension_N : ndarray, shape (n, n_spans)
-        T of all belts of each span together [N].
-    roller_speed_rad_s : ndarray, shape (n, n_rollers)
-        θ' [rad/s].
-    relative_angle_rad : ndarray, shape (n, n_rollers)
-        How far each roller is ahead of what the first driver would have turned it by [rad].
-    travel_m : ndarray, shape (n, n_tensioners)
-        x of the tensioners [m].
-    contact : ndarray of int, shape (n, n_rollers)
-        0 where belt and roller move together, 1 and −1 where the belt slips forward and backward.
-    slip_m, slip_speed_m_s : ndarray, shape (n, n_rollers)
-        How far [m] and how fast [m/s] the belt runs ahead of the roller.
-    friction_N : ndarray, shape (n, n_rollers)
-        Friction force that drives each rim [N]; negative on a driver.
-    utilisation : ndarray, shape (n, n_rollers), or None
-        Required over available friction [-], 1 in gross slip; None where no friction was given. Above 1, or infinite
-        where a belt has lifted off, only if slip was not allowed.
-    energy : Energies
-        Works and energies.
-    slips : tuple of SlipInterval
-        All slips, by their start.
-    settled_tension_N : ndarray, shape (n_spans,), or None
-        What the tensions tend to while nothing slips [N]; None where nothing settles.
-    """
+    """A start-up of a press."""
 
     press: Press
     integrator: str
@@ -123,14 +74,7 @@ class StartUp:
         return total
 
     def summary(self) -> dict[str, Any]:
-        """Return what the histories amount to, as plain data.
-
-        Returns
-        -------
-        dict
-            `peak_tension_N`, `lowest_tension_N`, `peak_utilisation`, `first_slip_s`, `slipping_s`, `drive_work_J`,
-            `slip_loss_J`, `energy_residual` (relative) and `settled_tension_N`.
-        """
+        """Return what the histories amount to, as plain data."""
         spans = [span.name for span in self.press.spans]
         lowest = self.tension_N.min(axis=0).tolist()
         settled = None if self.settled_tension_N is None else self.settled_tension_N.tolist()

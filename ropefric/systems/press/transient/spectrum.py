@@ -10,20 +10,10 @@ from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import Motion
 from ropefric.systems.press.transient.polynomial import FloatArray
 
-__all__ = ["Spectrum", "rk4_limit_s", "spectrum_of"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Spectrum:
-    """How a press swings while no belt slips.
-
-    Attributes
-    ----------
-    frequencies_Hz : ndarray, shape (n_q,)
-        Undamped natural frequencies, rising [Hz].
-    eigenvalues : ndarray of complex, shape (2 n_q,)
-        Of the damped press [1/s].
-    """
+    """How a press swings while no belt slips."""
 
     frequencies_Hz: FloatArray
     eigenvalues: np.ndarray
@@ -52,11 +42,6 @@ def rk4_limit_s(eigenvalues: np.ndarray) -> float:
 
     |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1 has to hold for z = hλ of every eigenvalue. Seen from 0 the region's border is
     more than 2 away in every direction of the left half-plane, 2√2 along the imaginary axis.
-
-    Examples
-    --------
-    >>> round(rk4_limit_s(np.array([1.0j, -1.0j])), 6), round(rk4_limit_s(np.array([-10.0 + 0.0j])), 6)
-    (2.828427, 0.278529)
     """
     limits = [_border(value / abs(value)) / abs(value) for value in eigenvalues if abs(value) > 0.0]
     return float(min(limits, default=np.inf))

@@ -19,8 +19,6 @@ from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.rest import settled_tension_N
 from ropefric.systems.press.transient.result import SlipInterval, StartUp
 
-__all__ = ["start_up"]
-
 
 def start_up(
     press: Press,
@@ -41,59 +39,6 @@ def start_up(
     and none goes slack, the problem is linear and any integrator may solve it. With friction and `slip` a belt does
     not push, and a roller takes no more than T'_tight = T'_slack e^M with what accelerating the belt adds; between
     two changes of a contact the solution is exact.
-
-    Parameters
-    ----------
-    press : Press
-        The machine, with EA, span lengths, J and m.
-    speed : PiecewisePolynomial
-        Surface speed of the first driver [m/s], from a member of `DRIVE_LAWS`; others run `overspeed` faster.
-    time_s : array_like, shape (n,)
-        Rising times from 0 on at which the answer is wanted [s].
-    friction : float or WrapFriction, optional
-        Constant μ, or a law, evaluated at the standstill's tensions.
-    slip : bool
-        Whether belts may slip and go slack; without it the utilisation says where they would.
-    loads : {"with-speed", "constant"} or PiecewisePolynomial
-        Factor on the load torques over time, see `press_inputs`.
-    ingredients : Ingredients, optional
-        What to put in; everything by default.
-    preload_N : array_like, shape (n_spans,), optional
-        Tensions at rest [N]; by default those of the unloaded standstill.
-    integrator : str
-        A member of `INTEGRATORS`.
-    settings : Settings, optional
-        Its step or tolerance.
-
-    Returns
-    -------
-    StartUp
-        Histories and what they amount to.
-
-    Raises
-    ------
-    InputError
-        If data is missing, times do not rise from 0 on, or slip is to be solved without the belts' mass on the
-        rollers or by another integrator than "exact".
-    UnknownNameError
-        For an unknown integrator.
-    SolverError
-        If an integrator fails, or refuses an unstable step.
-
-    Examples
-    --------
-    >>> from ropefric.systems.press.machine import Belt, Roller, Tensioner
-    >>> from ropefric.systems.press.transient.drives import DRIVE_LAWS
-    >>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
-    >>> load = Roller(name="load", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", gravity_torque_N_m=5.0,
-    ...     inertia_kg_m2=0.5, tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0, mass_kg=100.0))
-    >>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=1, thickness_m=0.005, width_m=1,
-    ...     axial_stiffness_N=2e5, damping_s=0.01, span_lengths_m=(1.0, 1.0))
-    >>> press = Press(rollers=(drive, load), belts=(belt,), speed_m_s=1.0)
-    >>> run_up = DRIVE_LAWS["s-curve"].speed(speed_m_s=1.0, duration_s=1.0)
-    >>> found = start_up(press, speed=run_up, time_s=np.linspace(0.0, 60.0, 601), friction=0.3)
-    >>> found.tension_N[-1].round(3).tolist(), found.slips
-    ([476.0, 526.0], ())
     """
     times = _times(time_s)
     model = elastic_press(press, ingredients=ingredients, preload_N=preload_N)

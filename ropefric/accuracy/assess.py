@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.accuracy.study import Outcome, Setting
+from ropefric.arrays import FloatArray
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -27,7 +28,7 @@ class Counted(Generic[P, R]):
         return self._function(*args, **kwargs)
 
 
-def relative_errors(answer: npt.ArrayLike, reference: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def relative_errors(answer: npt.ArrayLike, reference: npt.ArrayLike) -> FloatArray:
     """Return answer/reference − 1; not a number where there is no answer."""
     exact = np.asarray(reference, dtype=np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
@@ -61,7 +62,7 @@ def against(
     return Setting(method=method, setting=setting, call=lambda: solve(function), assess=assess, quick=quick)
 
 
-def over_seeds(errors: Sequence[float] | npt.NDArray[np.float64], evaluations: float) -> Outcome:
+def over_seeds(errors: Sequence[float] | FloatArray, evaluations: float) -> Outcome:
     """Return the outcome of repetitions: root mean square, mean and standard deviation of their relative errors."""
     found = np.asarray(errors, dtype=np.float64)
     if not np.isfinite(found).all():

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from ropefric.api.campaigns import PathLike, as_campaign
 from ropefric.api.inputs import as_fit
+from ropefric.arrays import FloatArray
 from ropefric.fitting.design import design as find_design
 from ropefric.fitting.design_result import Design, SolveFor
 from ropefric.fitting.predict import predict as predict_lift
@@ -121,7 +122,7 @@ def run(
     return result
 
 
-def _rope(fit: FitResult, given_m: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+def _rope(fit: FitResult, given_m: npt.ArrayLike | None) -> FloatArray:
     if given_m is None:
         given_m = fit.only_rope_radius_m()
     return np.asarray(given_m, dtype=np.float64)

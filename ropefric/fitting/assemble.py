@@ -6,10 +6,10 @@ from math import inf, log, nan, sqrt
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import stdtrit
 
 import ropefric
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
@@ -31,8 +31,6 @@ from ropefric.fitting.structure import find_trends, lack_of_fit
 from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import group_means
 from ropefric.friction.condition import Conditions
-
-FloatArray = npt.NDArray[np.float64]
 
 # Repeats of one value have a standard deviation of this or less, by rounding.
 _RESIDUE = 1e-14

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.comparison import Comparison
 from ropefric.fitting.predict import predict
-from ropefric.fitting.problem import FloatArray
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 

@@ -6,12 +6,12 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError, UnknownNameError
 from ropefric.fitting.levenberg import BatchFit, batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.reduced import MANY, pooled
 from ropefric.fitting.scatter import TwoLevelScatter, two_level_scatter
-from ropefric.friction.condition import FloatArray
 from ropefric.registry import did_you_mean
 
 BootstrapKind = Literal["parametric", "clustered"]
@@ -120,7 +120,7 @@ def _refit_drawn_scatter(
 
 def _refit_drawn_conditions(
     problem: FitProblem, best: FloatArray, n: int, rng: np.random.Generator
-) -> tuple[BatchFit, npt.NDArray[np.bool_]]:
+) -> tuple[BatchFit, BoolArray]:
     _, group = np.unique(problem.group, return_inverse=True)
     k, p = int(group.max()) + 1, problem.n_varying
     if k <= p:

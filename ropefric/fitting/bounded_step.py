@@ -1,9 +1,8 @@
 """Damped Gauss-Newton steps inside bounds for many small problems at once."""
 
 import numpy as np
-import numpy.typing as npt
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 
 # Keeps the scaled normal equations invertible where the data do not see a direction at all.
 _RIDGE = 1e-13
@@ -20,7 +19,7 @@ def bounded_steps(
     curvature: FloatArray,
     low: FloatArray,
     high: FloatArray,
-    vary: npt.NDArray[np.bool_],
+    vary: BoolArray,
     damping: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the steps that lower ‖r + J s‖² + sᵀS s most among those inside the bounds, and their squared length.
@@ -66,7 +65,7 @@ def column_scale(normal: FloatArray) -> FloatArray:
 
 
 def _solve(
-    A: FloatArray, b: FloatArray, damping: FloatArray, held: npt.NDArray[np.bool_], fixed: FloatArray
+    A: FloatArray, b: FloatArray, damping: FloatArray, held: BoolArray, fixed: FloatArray
 ) -> FloatArray:
     """Return the minimum over the parameters that are not held, the others standing at their fixed steps."""
     system, right = A, b

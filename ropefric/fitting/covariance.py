@@ -3,13 +3,10 @@
 from math import floor, log10
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
 from ropefric.fitting.identifiability import NOT_SEEN, RANK_RATIO
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # A condition that fixes a parameter alone has a leverage of 1 and no residual to judge it by.
 _LARGEST_LEVERAGE = 0.999
@@ -27,7 +24,7 @@ def bread(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray
     return np.asarray(half @ half.T)
 
 
-def unseen_part(jacobian: FloatArray) -> npt.NDArray[np.bool_]:
+def unseen_part(jacobian: FloatArray) -> BoolArray:
     """Return which parameters belong to a combination that changes nothing, shape (q,)."""
     q = jacobian.shape[1]
     if not q:

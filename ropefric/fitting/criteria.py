@@ -7,8 +7,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import fdtrc
 
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.problem import FitProblem, FloatArray
+from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions
 
 _HALVINGS = 200
@@ -86,7 +87,7 @@ class ConditionMeans:
     conditions: Conditions
     log_lift: FloatArray
     std: FloatArray
-    size: npt.NDArray[np.int64]
+    size: IntArray
     scatter_within: float
 
     def __len__(self) -> int:

@@ -1,10 +1,9 @@
 """What Gauss-Newton leaves out, learnt from the steps themselves: the second derivatives of the model."""
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.fitting.bounded_step import column_scale
-from ropefric.friction.condition import FloatArray
 
 # A secant update divides by vᵀs; where that nearly vanishes it says nothing.
 _SKIP = 1e-8
@@ -25,7 +24,7 @@ def learnt_curvature(
     return np.where(good[:, np.newaxis, np.newaxis], curvature + update, curvature)
 
 
-def usable(normal: FloatArray, curvature: FloatArray) -> npt.NDArray[np.bool_]:
+def usable(normal: FloatArray, curvature: FloatArray) -> BoolArray:
     """Return where JᵀJ + S is safely positive definite, shape (m,): elsewhere a step might lead uphill."""
     scale = column_scale(normal + curvature)
     units = scale[:, :, np.newaxis] * scale[:, np.newaxis, :]

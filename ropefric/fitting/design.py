@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.fitting.design_result import QUANTITIES, Design, DesignStatus, SolveFor
 from ropefric.fitting.design_search import CHUNK, DesignSearch, LiftBound
 from ropefric.fitting.extrapolation import outside_range
-from ropefric.fitting.problem import FloatArray
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 
@@ -75,7 +75,7 @@ class DesignChart:
     lift_force_N: FloatArray
     lower_bound_N: FloatArray
     probability: float
-    extrapolated: npt.NDArray[np.bool_]
+    extrapolated: BoolArray
 
 
 def design_chart(

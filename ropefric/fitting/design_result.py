@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.fitting.problem import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
 
@@ -71,13 +71,13 @@ class Design:
     limits: tuple[float, float]
     limit_lift_N: FloatArray
     limit_bound_N: FloatArray
-    extrapolated: npt.NDArray[np.bool_]
+    extrapolated: BoolArray
 
     def __len__(self) -> int:
         return self.value.size
 
     @property
-    def reached(self) -> npt.NDArray[np.bool_]:
+    def reached(self) -> BoolArray:
         """Return which designs exist, shape (n,)."""
         return self.status <= DesignStatus.LOWER_LIMIT
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.design_result import QUANTITIES, DesignStatus, SolveFor
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
-from ropefric.fitting.problem import FloatArray
 from ropefric.fitting.propagation import LiftModel, linear_std, quantile
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.rising_root import first_crossing, rising_root
@@ -89,7 +89,7 @@ class LiftBound:
         std = linear_std(LiftModel(law=self.law), self.theta, self.covariance, conditions)
         return self.reach * np.hypot(std, self.scatter)
 
-    def answered(self, conditions: Conditions) -> npt.NDArray[np.bool_]:
+    def answered(self, conditions: Conditions) -> BoolArray:
         """Return where the law has an answer, shape (n,)."""
         columns = columns_of(self.theta, self.law.parameter_names, self.law.name)
         refused = np.zeros(len(conditions), dtype=np.bool_)

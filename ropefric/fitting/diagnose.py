@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.special import fdtrc, stdtr
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
@@ -15,7 +16,6 @@ from ropefric.fitting.comparison import Comparison, ComparisonEntry
 from ropefric.fitting.criteria import ConditionMeans, condition_means
 from ropefric.fitting.diagnosis import Cause, Diagnosis, Supported
 from ropefric.fitting.measured import measured_force
-from ropefric.fitting.problem import FloatArray
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS

@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray
 from ropefric.friction.condition import Conditions
 
 REGRESSORS = {
@@ -22,7 +22,7 @@ _SLACK = 1e-6
 Validity = Mapping[str, tuple[float, float]]
 
 
-def outside_range(validity: Validity, conditions: Conditions) -> npt.NDArray[np.bool_]:
+def outside_range(validity: Validity, conditions: Conditions) -> BoolArray:
     """Return which regressors lie outside the tested range, shape (n, 4), columns in the order of `REGRESSORS`."""
     outside = np.zeros((len(conditions), len(REGRESSORS)), dtype=np.bool_)
     for column, name in enumerate(REGRESSORS):

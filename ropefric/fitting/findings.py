@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from math import inf, isfinite
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.fitting.identifiability import Identifiability
 from ropefric.fitting.status import FitStatus, worst
 from ropefric.fitting.structure import LackOfFit, Trend
@@ -44,10 +44,10 @@ class Evidence:
 
     law: FrictionLaw
     conditions: Conditions
-    theta: npt.NDArray[np.float64]
-    std: npt.NDArray[np.float64]
-    vary: npt.NDArray[np.bool_]
-    at_bound: npt.NDArray[np.bool_]
+    theta: FloatArray
+    std: FloatArray
+    vary: BoolArray
+    at_bound: BoolArray
     converged: bool
     message: str
     n_conditions: int
@@ -124,7 +124,7 @@ def _slack(evidence: Evidence) -> Iterator[tuple[FitStatus, str]]:
         yield FitStatus.UNIDENTIFIABLE, text
 
 
-def _relative(std: npt.NDArray[np.float64], theta: npt.NDArray[np.float64]) -> list[float]:
+def _relative(std: FloatArray, theta: FloatArray) -> list[float]:
     return [
         abs(s / value) if value and not np.isnan(s) else (inf if s > 0 else 0.0)
         for s, value in zip(std.tolist(), theta.tolist(), strict=True)
@@ -158,7 +158,7 @@ def _there(count: int, what: str) -> str:
     return f"is only one {what}" if count == 1 else f"are only {count} {what}s"
 
 
-def _values(values: npt.NDArray[np.float64]) -> str:
+def _values(values: FloatArray) -> str:
     return ", ".join(f"{value:.4g}" for value in values)
 
 

@@ -6,11 +6,9 @@ from math import inf
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.digits import significant
-
-FloatArray = npt.NDArray[np.float64]
 
 # Rounding of the Jacobian alone gives ratios up to this.
 RANK_RATIO = 1e8
@@ -77,7 +75,7 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
 
 
 def _worst_pair(
-    values: FloatArray, rows: FloatArray, lost: npt.NDArray[np.bool_], names: Sequence[str]
+    values: FloatArray, rows: FloatArray, lost: BoolArray, names: Sequence[str]
 ) -> tuple[tuple[str, ...], float]:
     if len(names) < 2:
         return (), 0.0

@@ -6,11 +6,12 @@ from math import inf, isfinite
 import numpy as np
 from scipy.special import stdtrit
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.digits import to_share
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.covariance import bread
-from ropefric.fitting.problem import FitProblem, FloatArray
+from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.profile import profile_intervals
 from ropefric.fitting.result import FitResult
 from ropefric.registry import did_you_mean

@@ -28,9 +28,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import fdtrc
 
+from ropefric.arrays import FloatArray
 from ropefric.fitting.status import FitStatus
 from ropefric.glossary import counted
 
@@ -58,8 +58,6 @@ _LACK_OF_FIT_P = 1e-3
 _WIDTHS = 2.0
 # Forces that agree to this are the same whatever their intervals.
 _SAME = 1e-6
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

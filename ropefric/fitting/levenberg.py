@@ -5,14 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.bounded_step import bounded_steps
 from ropefric.fitting.curvature import learnt_curvature, usable
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.reduced import Reduced, reduced
-from ropefric.friction.condition import FloatArray
-
-BoolArray = npt.NDArray[np.bool_]
 
 _EPS = float(np.finfo(np.float64).eps)
 _FIRST_DAMPING = 1e-4

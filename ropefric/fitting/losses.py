@@ -3,9 +3,9 @@
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from ropefric.arrays import FloatArray
+
 Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
 
 LOSSES: tuple[Loss, ...] = ("linear", "soft_l1", "huber", "cauchy", "arctan")

@@ -8,12 +8,12 @@ dividing by ∂ ln F_A/∂ ln F_B shows it.
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import least_squares
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem, FloatArray
+from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import distinct
 
@@ -45,7 +45,7 @@ def measured_residual(problem: FitProblem, theta: FloatArray, measured: Measured
 
 def refit(
     problem: FitProblem, theta: FloatArray, *, measured: Measured, multiplicity: FloatArray | None = None
-) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+) -> tuple[FloatArray, BoolArray]:
     """Return the least-squares parameters in the measured force, and whether the search converged."""
     if measured == "lift" or "end-tension" not in problem.law.effects:
         found = batched_fit(problem, starts=theta, multiplicity=multiplicity)

@@ -9,11 +9,10 @@ import lmfit
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.losses import LOSSES, Loss, loss_cost, loss_weights
 
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 Model = Callable[[FloatArray], FloatArray]
 
 # Closer to a bound than this, by the larger of its size and the value's, an estimate is tried on the bound.

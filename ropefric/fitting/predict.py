@@ -4,12 +4,11 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.extrapolation import outside_range
 from ropefric.fitting.prediction import Method, Prediction
-from ropefric.fitting.problem import FloatArray
 from ropefric.fitting.propagation import LiftModel, drawn_range, linear_std, quantile
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
@@ -152,7 +151,7 @@ def _drawn(
         return None
 
 
-def _ends_agree(linear: FloatArray, drawn: FloatArray, draws: int) -> npt.NDArray[np.bool_]:
+def _ends_agree(linear: FloatArray, drawn: FloatArray, draws: int) -> BoolArray:
     """Return where both ends agree within 10 % of the half width, with room for the noise of few draws."""
     half = 0.5 * np.diff(linear, axis=1)
     # The 97.5 % point of N draws scatters by about 2.7 σ/√N; three times that is no disagreement.

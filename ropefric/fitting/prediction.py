@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.extrapolation import Validity, outside_words
 from ropefric.fitting.judgement import Doubt, Verdict, doubts_of_interval, verdict_of
-from ropefric.fitting.problem import FloatArray
 from ropefric.friction.condition import Conditions
 
 Method = Literal["linear", "monte-carlo"]
@@ -90,9 +89,9 @@ class Prediction:
     level: float
     dof: float
     method: Method
-    linear_agrees: npt.NDArray[np.bool_] | None
+    linear_agrees: BoolArray | None
     drawn_interval_N: FloatArray | None
-    outside: npt.NDArray[np.bool_]
+    outside: BoolArray
     validity: Validity
     draws: int
     seed: int
@@ -103,7 +102,7 @@ class Prediction:
         return len(self.conditions)
 
     @property
-    def extrapolated(self) -> npt.NDArray[np.bool_]:
+    def extrapolated(self) -> BoolArray:
         """Return which conditions lie outside the tested range in any regressor, shape (n,)."""
         return np.asarray(self.outside.any(axis=1))
 

@@ -7,12 +7,12 @@ import numpy.typing as npt
 from scipy.stats import chi2 as chi2_distribution
 from scipy.stats import f as f_distribution
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.profile_search import Search, search_ends
 from ropefric.fitting.reduced import reduced
-from ropefric.friction.condition import FloatArray
 
 _RIDGE = 1e-12
 _LOWER_MINIMUM = 1e-3
@@ -36,7 +36,7 @@ class ProfileResult:
     level: float
     theta: FloatArray
     ci: FloatArray
-    at_bound: npt.NDArray[np.bool_]
+    at_bound: BoolArray
     curves: tuple[ProfileCurve, ...]
     notes: tuple[str, ...]
 

@@ -6,9 +6,9 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
-from ropefric.friction.condition import FloatArray
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 IntArray = npt.NDArray[np.intp]
@@ -121,7 +121,7 @@ class _Walk:
     inside_delta: FloatArray = field(init=False)
     outside: FloatArray = field(init=False)
     outside_delta: FloatArray = field(init=False)
-    closed: npt.NDArray[np.bool_] = field(init=False)
+    closed: BoolArray = field(init=False)
 
     def __post_init__(self) -> None:
         count = self.parameter.size

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.problem import FloatArray
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.lift import log_lift_moving

@@ -10,9 +10,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 
 MANY = 2000
@@ -98,7 +99,7 @@ class Reduced:
         return (self.law.log_lift(theta, conditions),)
 
     def _misfit(
-        self, values: FloatArray, has_answer: npt.NDArray[np.bool_], rows: npt.NDArray[np.intp]
+        self, values: FloatArray, has_answer: BoolArray, rows: npt.NDArray[np.intp]
     ) -> tuple[FloatArray, FloatArray]:
         residual = _row(self.mean, rows) - values
         # A law may answer with 1e300, which no square can hold: such a set is no candidate.
@@ -203,7 +204,7 @@ def _table(name: str, values: npt.ArrayLike, problem: FitProblem) -> FloatArray:
     return np.broadcast_to(array, (len(array), problem.n_points))
 
 
-def _check(name: str, good: npt.NDArray[np.bool_], rule: str) -> None:
+def _check(name: str, good: BoolArray, rule: str) -> None:
     if not good.all():
         row, point = (int(i) for i in np.argwhere(~good)[0])
         raise InputError(f"{name} of point {point} in data set {row} must be {rule}", code="RF400", key=name)
@@ -223,7 +224,7 @@ def _each(
     theta: FloatArray,
     conditions: Conditions,
     *shapes: tuple[int, ...],
-) -> tuple[tuple[FloatArray, ...], npt.NDArray[np.bool_]]:
+) -> tuple[tuple[FloatArray, ...], BoolArray]:
     """Return the answers of a law, of these shapes a set, and which sets have them; the others' are zero."""
     has_answer = np.ones(len(theta), dtype=np.bool_)
     try:

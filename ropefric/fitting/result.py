@@ -6,8 +6,8 @@ from math import inf, isfinite, nan
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.identifiability import Identifiability
 from ropefric.fitting.judgement import Doubt, Verdict, doubts_of_fit, verdict_of
@@ -16,7 +16,6 @@ from ropefric.fitting.status import FitStatus
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 
-FloatArray = npt.NDArray[np.float64]
 CovarianceKind = Literal["absolute", "scaled", "clustered"]
 
 SCHEMA = "ropefric.fit/1"

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.fitting.problem import FloatArray
+from ropefric.arrays import FloatArray
 
 Rising = Callable[[FloatArray, npt.NDArray[np.intp]], tuple[FloatArray, FloatArray]]
 """`f(x, rows) -> (values, slopes)` of the functions numbered `rows` at one x each; −inf where there is no answer."""

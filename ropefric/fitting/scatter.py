@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.fitting.problem import FitProblem
-from ropefric.friction.condition import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

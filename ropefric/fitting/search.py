@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.digits import significant, to_share
 from ropefric.fitting.identifiability import RANK_RATIO
 from ropefric.fitting.levenberg import batched_fit
@@ -16,8 +16,6 @@ from ropefric.fitting.reduced import MANY, pooled
 from ropefric.fitting.settings import FitSettings
 from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import Scatter, pooled_scatter, shared_variance, trial_std
-
-FloatArray = npt.NDArray[np.float64]
 
 # Weights depend on the parameters through the errors of the settings; they settle in two rounds.
 _ROUNDS = 5
@@ -102,9 +100,7 @@ def _rounded(problem: FitProblem, minimum: Minimum) -> Minimum:
     return replace(minimum, theta=theta) if good else minimum
 
 
-def _least_known(
-    problem: FitProblem, theta: FloatArray, free: npt.NDArray[np.bool_]
-) -> tuple[int, float, float]:
+def _least_known(problem: FitProblem, theta: FloatArray, free: BoolArray) -> tuple[int, float, float]:
     """Return which free parameter takes most part in the weakest combination, its error, and how weak that is."""
     jacobian = problem.jacobian(theta)[:, free]
     length = np.linalg.norm(jacobian, axis=0)

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.fitting.criteria import ConditionMeans, ScatterFit, aicc, bic, f_test, scatter_fit
 from ropefric.fitting.measured import Measured, measured_residual, refit
-from ropefric.fitting.problem import FitProblem, FloatArray
+from ropefric.fitting.problem import FitProblem
 
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4

@@ -4,14 +4,11 @@ from dataclasses import dataclass
 from math import nan, sqrt
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import fdtrc
 
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.fitting.weights import Scatter, group_means
 from ropefric.friction.condition import Conditions, distinct
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 _SAME = 1e-9
 # Where there is no scatter at all, what is left over is rounding and where the search stopped: no trend.

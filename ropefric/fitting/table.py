@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.fitting.table_columns import OPTIONAL_NUMBERS, REQUIRED_NUMBERS, bind_table_columns
 from ropefric.fitting.table_rows import ParsedRows, parse_rows
@@ -17,8 +17,6 @@ from ropefric.trials.trial_table import CellTable, read_cells
 if TYPE_CHECKING:
     import pandas as pd
 
-
-FloatArray = npt.NDArray[np.float64]
 
 _NUMBERS = (*REQUIRED_NUMBERS, *OPTIONAL_NUMBERS)
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
@@ -77,7 +75,7 @@ class TrialTable:
     end_tension_std_N: FloatArray = 0.0  # type: ignore[assignment]
     wrap_std_rad: FloatArray = 0.0  # type: ignore[assignment]
     wheel_radius_std_m: FloatArray = 0.0  # type: ignore[assignment]
-    kept: npt.NDArray[np.bool_] = True  # type: ignore[assignment]
+    kept: BoolArray = True  # type: ignore[assignment]
     status: tuple[str, ...] = ()
     source: str = ""
     warnings: tuple[Problem, ...] = field(default=())
@@ -102,7 +100,7 @@ class TrialTable:
         return len(self.trial)
 
     @property
-    def used(self) -> npt.NDArray[np.bool_]:
+    def used(self) -> BoolArray:
         """Return which trials a fit uses, shape (N,): kept, status ok, with a force."""
         good = np.array([word == "ok" for word in self.status], dtype=bool)
         return np.asarray(self.kept & good & (self.peak_N > 0.0))
@@ -121,7 +119,7 @@ class TrialTable:
         """Return ln(F_A / 1 N) of the used trials, shape (n,)."""
         return np.log(self.peak_N[self.used])
 
-    def group(self) -> npt.NDArray[np.int64]:
+    def group(self) -> IntArray:
         """Return the number 0 … k − 1 of the condition of every used trial, in order of appearance, shape (n,).
 
         A condition is a wheel, a rope, a wrap and the force that was set: the end tension, or, where the slack
@@ -137,7 +135,7 @@ class TrialTable:
         by_end, by_lift = self._groups()
         return bool(by_lift.max(initial=-1) < by_end.max(initial=-1))
 
-    def _groups(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    def _groups(self) -> tuple[IntArray, IntArray]:
         used = self.used
         geometry = [self.wheel_radius_m, self.rope_radius_m, self.wrap_angle_rad]
         by_end = condition_groups(*(array[used] for array in [*geometry, self.end_tension_N]))

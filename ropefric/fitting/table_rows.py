@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import Problem
 from ropefric.files.plain_text import from_spreadsheet
 from ropefric.fitting.table_columns import OPTIONAL_NUMBERS, REQUIRED_NUMBERS
-from ropefric.friction.condition import FloatArray
 from ropefric.quantities import unit_factor
 from ropefric.trials.trial_cells import NUMBER, POSITIVE, Row, decimal_mark, read_row
 from ropefric.trials.trial_columns import BoundColumn
@@ -30,7 +29,7 @@ class ParsedRows:
 
     trial: list[str]
     status: list[str]
-    kept: npt.NDArray[np.bool_]
+    kept: BoolArray
     numbers: dict[str, FloatArray]
 
 
@@ -81,7 +80,7 @@ def _cleaned(cells: Sequence[str]) -> list[str]:
     return [meaning[cell] for cell in cells]
 
 
-def _numbers(cells: list[str], column: BoundColumn, decimal: str) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+def _numbers(cells: list[str], column: BoundColumn, decimal: str) -> tuple[FloatArray, BoolArray]:
     """Return a column's cells in SI, NaN where empty, and which must be read one by one to say what is wrong."""
     factor = unit_factor(column.unit, column.si_unit, name=column.header)
     exact, other = Decimal(repr(factor)), "," if decimal == "." else "."
@@ -102,7 +101,7 @@ def _numbers(cells: list[str], column: BoundColumn, decimal: str) -> tuple[Float
     return values, unread
 
 
-def _unusable(numbers: dict[str, FloatArray], given: Collection[str]) -> npt.NDArray[np.bool_]:
+def _unusable(numbers: dict[str, FloatArray], given: Collection[str]) -> BoolArray:
     """Return which rows lack a number, or have one that cannot be, if they are to be used."""
     peak_N, end_N = numbers["peak_N"], numbers["end_tension_N"]
     wrong = (peak_N <= end_N) | (peak_N == 0.0)
@@ -191,7 +190,7 @@ def _names_twice(names: Sequence[str], lines: Sequence[int], path: str) -> Itera
 
 
 def _rows_twice(
-    numbers: dict[str, FloatArray], kept: npt.NDArray[np.bool_], lines: Sequence[int], path: str
+    numbers: dict[str, FloatArray], kept: BoolArray, lines: Sequence[int], path: str
 ) -> Iterator[Problem]:
     """Yield a warning for rows that agree in every number: measured twice alike, or pasted twice."""
     values = np.stack([numbers[field] for field in REQUIRED_NUMBERS], axis=-1)

@@ -4,14 +4,11 @@ from dataclasses import dataclass
 from math import nan, sqrt
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.law import FrictionLaw
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Repeats that agree closer than this were not measured, or were copied.
 _SMALLEST_SCATTER = 1e-9

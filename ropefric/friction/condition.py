@@ -5,10 +5,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Nobody sets a wheel, a wrap or a weight to a millionth, and every conversion of units and every rounding of what is
 # written to nine digits stays a hundred times below it.
@@ -149,7 +147,7 @@ def condition_groups(*settings: npt.ArrayLike) -> IntArray:
     return np.asarray(rank[group])
 
 
-def same_setting(values: npt.ArrayLike, value: float) -> npt.NDArray[np.bool_]:
+def same_setting(values: npt.ArrayLike, value: float) -> BoolArray:
     """Return which settings are a given one, as near as those of one of the `levels`, shape (n,)."""
     array = np.asarray(values, dtype=np.float64)
     return np.asarray(np.abs(array - value) <= _SAME_SETTING * np.maximum(np.abs(array), abs(value)))

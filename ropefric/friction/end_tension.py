@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import exprel, wrightomega
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
-from ropefric.friction.condition import FloatArray
 from ropefric.friction.special import log1prel
 
 # Each step roughly squares the error (constant <= 1/2), so a step below this leaves less than rounding.

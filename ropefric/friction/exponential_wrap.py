@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.arrays import FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.end_tension import exponential_start_rad
 from ropefric.friction.physics import FROM_ZERO, Columns, Refusal, below_reference, refuse
 from ropefric.friction.special import exprel, exprel_slope

@@ -7,8 +7,8 @@ These are the wrap laws by themselves, on plain arrays and with a reference forc
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.friction.end_tension import exponential_start_rad, power_log_start
 from ropefric.friction.exponential_wrap import exponential_rise, exponential_rise_slopes
 from ropefric.friction.power_span import power_span

@@ -7,8 +7,9 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.parameter import Parameter, columns_of, vector_from
 from ropefric.friction.physics import Columns, Physics, evaluated, reason, refusals_of
 
@@ -233,7 +234,7 @@ class FrictionLaw:
             reason(refusal, conditions) for refusal in refusals_of(self.physics, columns, conditions)
         )
 
-    def admissible(self, theta: npt.ArrayLike, conditions: Conditions) -> npt.NDArray[np.bool_]:
+    def admissible(self, theta: npt.ArrayLike, conditions: Conditions) -> BoolArray:
         """Return which parameter sets have an answer for every condition, shape () or (m,).
 
         A fit that tries many sets at once uses this to turn down a step without an exception.

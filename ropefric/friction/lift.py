@@ -3,8 +3,9 @@
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.friction.condition import FloatArray
 from ropefric.friction.physics import Columns
 from ropefric.registry import did_you_mean
 

@@ -7,8 +7,9 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 
 Columns = tuple[FloatArray, ...]
 """The parameters one by one: each of shape () for one parameter set, or (m, 1) for m sets."""
@@ -18,7 +19,7 @@ Columns = tuple[FloatArray, ...]
 class Refusal:
     """A reason why a law has no answer, and where."""
 
-    mask: npt.NDArray[np.bool_]
+    mask: BoolArray
     values: FloatArray
     what: str
     fix: str

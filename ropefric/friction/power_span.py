@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.friction.special import exprel, exprel_slope
 
 # e^-800 is zero in floats, so an integral from this far below differs from one from zero by nothing.

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.arrays import FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.end_tension import power_log_start
 from ropefric.friction.law import Parameter
 from ropefric.friction.physics import Columns, Refusal, below_reference, refuse

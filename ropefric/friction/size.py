@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import Parameter
 from ropefric.friction.physics import Columns
 

@@ -4,6 +4,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import exprel
 
+from ropefric.arrays import FloatArray
+
 __all__ = ["exprel", "exprel_slope", "log1prel", "log1prel_slope"]
 
 # Below this the direct form has lost a factor 20, above it nine series terms leave 1e-16.
@@ -14,7 +16,7 @@ _EXPREL_SLOPE_SERIES = [
 _LOG1PREL_SLOPE_SERIES = [(-1.0) ** (k + 1) * (k + 1) / (k + 2) for k in range(16)]
 
 
-def exprel_slope(z: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def exprel_slope(z: npt.ArrayLike) -> FloatArray:
     """Return ψ(z) = ∫₀¹ t e^{zt} dt = (z e^z − expm1 z)/z², the derivative of exprel(z) = expm1(z)/z."""
     z = np.asarray(z, dtype=np.float64)
     small = np.abs(z) < _SERIES_BELOW
@@ -23,14 +25,14 @@ def exprel_slope(z: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return np.where(small, _horner(_EXPREL_SLOPE_SERIES, np.where(small, z, 0.0)), direct)
 
 
-def log1prel(z: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def log1prel(z: npt.ArrayLike) -> FloatArray:
     """Return log1p(z)/z, and 1 at z = 0."""
     z = np.asarray(z, dtype=np.float64)
     safe = np.where(z == 0.0, 1.0, z)
     return np.where(z == 0.0, 1.0, np.log1p(safe) / safe)
 
 
-def log1prel_slope(z: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def log1prel_slope(z: npt.ArrayLike) -> FloatArray:
     """Return the derivative of log1p(z)/z, that is (z/(1 + z) − log1p z)/z²; −1/2 at z = 0."""
     z = np.asarray(z, dtype=np.float64)
     small = np.abs(z) < _SERIES_BELOW
@@ -39,7 +41,7 @@ def log1prel_slope(z: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return np.where(small, _horner(_LOG1PREL_SLOPE_SERIES, np.where(small, z, 0.0)), direct)
 
 
-def _horner(coefficients: list[float], z: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _horner(coefficients: list[float], z: FloatArray) -> FloatArray:
     total = np.full_like(z, coefficients[-1])
     for coefficient in coefficients[-2::-1]:
         total = total * z + coefficient

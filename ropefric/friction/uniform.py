@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.arrays import FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.physics import Columns, Refusal, refuse
 
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, FloatArray, condition_groups, levels, same_setting
+from ropefric.friction.condition import Conditions, condition_groups, levels, same_setting
 
 _SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 
@@ -19,7 +20,7 @@ class ConditionPoints:
     """One point a condition."""
 
     conditions: Conditions
-    n: npt.NDArray[np.int64]
+    n: IntArray
     log_lift: FloatArray
     std_log: FloatArray
 
@@ -73,7 +74,7 @@ def condition_points(fit: FitResult) -> ConditionPoints:
     return ConditionPoints(conditions=Conditions(**columns), n=n, log_lift=log_lift, std_log=std)
 
 
-def same_settings(conditions: Conditions, settings: Mapping[str, float]) -> npt.NDArray[np.bool_]:
+def same_settings(conditions: Conditions, settings: Mapping[str, float]) -> BoolArray:
     """Return which conditions have the given settings, shape (n,)."""
     chosen = np.ones(len(conditions), dtype=np.bool_)
     for name, value in settings.items():
@@ -100,12 +101,12 @@ def swept(settings: Mapping[str, float], over: str, values: npt.ArrayLike) -> Co
     return Conditions(**(arrays | {over: np.asarray(values, dtype=np.float64)}))  # type: ignore[arg-type]
 
 
-def answered(fit: FitResult, conditions: Conditions) -> npt.NDArray[np.bool_]:
+def answered(fit: FitResult, conditions: Conditions) -> BoolArray:
     """Return for which conditions a fitted law has an answer that a float can hold, shape (n,)."""
     law, theta = fit.friction_law, fit.theta
     largest = math.log(np.finfo(np.float64).max)
 
-    def holds(part: Conditions) -> npt.NDArray[np.bool_]:
+    def holds(part: Conditions) -> BoolArray:
         try:
             return np.asarray(law.log_lift(theta, part) < largest)
         except InputError:

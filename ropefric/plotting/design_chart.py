@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import colormaps
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ropefric.fitting.design import DesignChart
-    from ropefric.friction.condition import FloatArray
 
 
 _MARKERS_A_LINE = 8

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ropefric.fitting.result import FitResult
-    from ropefric.friction.condition import FloatArray
 
 
 _STEPS = 121
@@ -38,7 +37,7 @@ class _Band:
 
     x: "FloatArray"
     columns: "FloatArray"
-    outside: npt.NDArray[np.bool_]
+    outside: BoolArray
 
 
 def draw_fit_band(

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray
 from ropefric.errors import InputError
 from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.glossary import counted
@@ -84,7 +84,7 @@ def _draw_points(axes: "Axes", points: ConditionPoints, settings: dict[str, floa
     x = REGRESSORS[over][2] * getattr(points.conditions, over)
     chosen = same_settings(points.conditions, settings)
     bars = _COVERAGE * np.nan_to_num(points.mu_std)
-    looks: tuple[tuple[npt.NDArray[np.bool_], dict[str, Any], str], ...] = (
+    looks: tuple[tuple[BoolArray, dict[str, Any], str], ...] = (
         (~chosen, {"color": GREY, "markerfacecolor": "white", "markersize": 3.5}, "other conditions"),
         (chosen, {"color": INK, "markersize": 5.5, "zorder": 4}, "conditions as in the heading"),
     )

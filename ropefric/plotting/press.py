@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import colormaps
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import typeset
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ropefric.friction.condition import FloatArray
     from ropefric.systems.press.sweep import PressSweep
     from ropefric.systems.press.transient.result import StartUp
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import figure_label, typeset
@@ -14,7 +15,7 @@ from ropefric.plotting.tracepanel import draw_outline_of, frame_means
 from ropefric.plotting.words import say_instead, shown
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.smoothing import smooth
-from ropefric.traces.trace import FloatArray, ForceTrace
+from ropefric.traces.trace import ForceTrace
 from ropefric.trials.outline import draw_outline
 from ropefric.trials.result import Outline
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ndtri
 
+from ropefric.arrays import FloatArray
 from ropefric.glossary import counted
 from ropefric.plotting.condition_points import condition_points
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ropefric.fitting.result import FitResult
-    from ropefric.friction.condition import FloatArray
 
 
 _LIMIT = 2.0

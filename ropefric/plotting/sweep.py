@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
@@ -14,7 +15,6 @@ from ropefric.plotting.style import house_style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropefric.friction.condition import FloatArray
     from ropefric.scenes.axis import Axis
     from ropefric.scenes.sweep import Sweep
 

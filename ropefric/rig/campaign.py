@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.files.write import write_file
 from ropefric.rig.bench import simulate_recording
@@ -14,7 +15,6 @@ from ropefric.rig.files import campaign_text, known_force, packed, recording_tex
 from ropefric.rig.plan import CampaignPlan, RigCondition
 from ropefric.rig.protocols import RIG_PROTOCOLS
 from ropefric.rig.story import RecordingTruth, SimulatedRecording
-from ropefric.traces.trace import FloatArray
 
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.rig.protocols import Story, draw_teeth
@@ -12,7 +13,6 @@ from ropefric.rig.sensing import Sensor
 from ropefric.rig.settings import Bench
 from ropefric.rig.story import BreakawayStory, draw_wander, lay_teeth
 from ropefric.traces.breakaway import Status
-from ropefric.traces.trace import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

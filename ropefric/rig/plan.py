@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
@@ -13,7 +14,6 @@ from ropefric.registry import did_you_mean
 from ropefric.rig.faults import FAULTS
 from ropefric.rig.protocols import RIG_PROTOCOLS
 from ropefric.rig.settings import Bench
-from ropefric.traces.trace import FloatArray
 
 DEFAULT_FAULTS: dict[str, float] = {fault.name: fault.rate for fault in FAULTS.values()}
 """Fraction of recordings each fault befalls in an ordinary campaign."""

@@ -6,11 +6,11 @@ from typing import Protocol as TypingProtocol
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
 from ropefric.rig.settings import Bench
 from ropefric.rig.story import BreakawayStory, RecordingTruth, Snap, Teeth, lay_teeth
 from ropefric.traces.breakaway import Phase, Status
-from ropefric.traces.trace import FloatArray
 
 
 class Story(TypingProtocol):

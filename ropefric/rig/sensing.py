@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.rig.settings import Bench
 from ropefric.traces.chain import Adc, ForceCell
-from ropefric.traces.trace import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,8 +6,9 @@ from math import nan
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.traces.breakaway import Phase, Status
-from ropefric.traces.trace import FloatArray, frozen_array
+from ropefric.traces.trace import frozen_array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.friction.condition import FloatArray
 from ropefric.registry import did_you_mean
 from ropefric.scenes.scene import Scene, read_scene
 from ropefric.trials.toml_document import TomlDocument

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, RopefricError
 from ropefric.files.read import kind_of_file
 from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
-from ropefric.friction.condition import Conditions, FloatArray, one_condition
+from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.schema import FrictionTable, ReferenceTable
 from ropefric.systems.friction import ScaleTo, WrapFriction

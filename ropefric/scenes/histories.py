@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.result import StartUp
 
 

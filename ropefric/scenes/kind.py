@@ -4,10 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.scenes.schema import SceneTable
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
@@ -29,7 +26,7 @@ class Failure:
     words: str
     measure: str
     value: FloatArray
-    fails: npt.NDArray[np.bool_]
+    fails: BoolArray
 
     def text(self) -> str:
         """Return what the first case that fails does not do."""
@@ -98,7 +95,7 @@ class Kind:
     tree: Callable[[Any, Any], dict[str, Any]]
     contacts: Callable[[Any], Mapping[str, FloatArray]]
     sweep_fields: Mapping[str, SweepField]
-    answerable: Callable[[Any], npt.NDArray[np.bool_]]
+    answerable: Callable[[Any], BoolArray]
     scene_key: Callable[[str], str]
     failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)

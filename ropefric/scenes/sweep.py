@@ -7,10 +7,9 @@ from math import prod
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
-from ropefric.friction.condition import FloatArray
 from ropefric.scenes.axis import MOST_POINTS, Axis, replaced
 from ropefric.scenes.kind import Quantity
 from ropefric.scenes.plan import make_plan
@@ -21,7 +20,6 @@ _PLANNED_POINTS = 1000
 """Up to here a grid gets a plan of its own; beyond, bounding the effects would cost more than simulating them."""
 
 Progress = Callable[[int, int, str], None]
-IntArray = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder
 from ropefric.files.plain_text import to_spreadsheet
-from ropefric.friction.condition import FloatArray
 from ropefric.scenes.sweep import Sweep
 
 _BLOCK = 50_000

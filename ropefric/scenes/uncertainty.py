@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.fitting.propagation import quantile
-from ropefric.friction.condition import FloatArray
 from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.kind import Quantity
 from ropefric.systems.friction import WrapFriction

@@ -6,8 +6,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.friction.condition import FloatArray
 
 P = TypeVar("P")
 

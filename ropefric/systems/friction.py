@@ -6,8 +6,9 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import Conditions, FloatArray, one_condition
+from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.parameter import columns_of
 from ropefric.friction.physics import refusals_of
@@ -104,7 +105,7 @@ class WrapFriction:
         rope_radius_m: FloatArray,
         wrap_angle_rad: FloatArray,
         slack_tension_N: FloatArray,
-    ) -> npt.NDArray[np.bool_]:
+    ) -> BoolArray:
         """Return for which of n contacts, arrays of shape (n,) in their valid range, `exponent` has an answer."""
         contacts = Conditions(
             wheel_radius_m=wheel_radius_m,

@@ -3,12 +3,13 @@
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray
 from ropefric.errors import InputError
 
 _LARGEST, _SMALLEST = 1e30, 1e-30
 
 
-def beyond_reach(values: npt.ArrayLike, *, may_vanish: bool) -> npt.NDArray[np.bool_]:
+def beyond_reach(values: npt.ArrayLike, *, may_vanish: bool) -> BoolArray:
     """Return where a quantity is above 1e30 in amount, or below 1e-30 if it may not vanish.
 
     Arguments as in `refuse_beyond_reach`.

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.quantities import si_unit_of, unit_factor
 from ropefric.registry import did_you_mean
-from ropefric.traces.arrays import FloatArray, IntArray
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.counts import as_counts
 from ropefric.traces.readers.derived import evaluate_derived

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.noise import noise_std, resolution
 
 BLOCK_S = 0.004

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.traces.calibration import Calibration
 
@@ -113,16 +114,14 @@ def _chain(calibration: Calibration) -> Iterator[Component]:
     yield _limit("quantisation", calibration.lsb_N / 2.0)
 
 
-def _line_std_N(force_N: npt.NDArray[np.float64], calibration: Calibration) -> npt.NDArray[np.float64]:
+def _line_std_N(force_N: FloatArray, calibration: Calibration) -> FloatArray:
     """Return the standard uncertainty of a reading by the calibration line, s √(1 + 1/n + (F − F̄)²/S)."""
     line = calibration.cell.line
     if line.n < 3:
         return np.zeros_like(force_N)
     # The line saw the rope rig's untared reading, not the force after the tare.
     distance_N = force_N + calibration.tare_N - line.mean_N
-    std_N: npt.NDArray[np.float64] = line.scatter_N * np.sqrt(
-        1.0 + 1.0 / line.n + distance_N**2 / line.spread_N2
-    )
+    std_N: FloatArray = line.scatter_N * np.sqrt(1.0 + 1.0 / line.n + distance_N**2 / line.spread_N2)
     return std_N
 
 
@@ -161,7 +160,7 @@ def combined_std_N(
     *,
     picking_std_N: npt.ArrayLike = 0.0,
     tare_std_N: npt.ArrayLike | None = None,
-) -> npt.NDArray[np.float64]:
+) -> FloatArray:
     """Return the combined standard uncertainty [N] of many forces: `force_budget(...).combined_N` for each."""
     force_N = np.atleast_1d(np.asarray(force_N, dtype=np.float64))
     present = np.isfinite(force_N)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import DataError
-from ropefric.traces.trace import BoolArray, FloatArray
 
 GAP_STEPS = 5.0
 """A step longer than this many median steps is a gap [-]."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray, IntArray, median
+from ropefric.arrays import FloatArray, IntArray, median
 
 MAX_SAMPLES_FOR_NOISE = 4096
 MAX_SPIKE_SAMPLES = 2

@@ -5,7 +5,7 @@ from math import nan
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.smoothing import average_over_samples, window_samples
 from ropefric.traces.window import choose_window, peak_uncertainty_N, window_bias_N
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.traces.blocks import Glance, glance
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.noise import noise_std, remove_spikes, resolution

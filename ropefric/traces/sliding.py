@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray, median
+from ropefric.arrays import FloatArray, median
 from ropefric.traces.blocks import Glance
 from ropefric.traces.loading import climb_to
 

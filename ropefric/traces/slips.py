@@ -6,7 +6,7 @@ is a record followed by a drop of more than the noise.
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.blocks import Glance
 
 DROP_SIGMAS = 6.0

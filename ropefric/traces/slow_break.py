@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray, median
+from ropefric.arrays import FloatArray, median
 from ropefric.traces.blocks import Glance
 from ropefric.traces.loading import Climb, climb_to
 from ropefric.traces.sliding import Sliding, sliding_after

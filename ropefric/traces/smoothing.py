@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
+from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import InputError
-from ropefric.traces.arrays import FloatArray, frozen_array
 from ropefric.traces.trace import ForceTrace
 
 _LARGEST = 1e290

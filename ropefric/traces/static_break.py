@@ -4,7 +4,7 @@ from math import inf
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.blocks import Glance
 from ropefric.traces.sliding import sliding_after
 from ropefric.traces.slips import breaks, is_slip

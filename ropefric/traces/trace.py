@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ropefric.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from ropefric.errors import DataError
-from ropefric.traces.arrays import BoolArray, FloatArray, IntArray, frozen_array
 
 if TYPE_CHECKING:
     from ropefric.traces.calibration import Calibration, Saturation

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.loading import climb_to
 from ropefric.traces.noise import noise_std

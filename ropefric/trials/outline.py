@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ropefric.traces.trace import FloatArray, ForceTrace
+from ropefric.arrays import FloatArray
+from ropefric.traces.trace import ForceTrace
 from ropefric.trials.result import Outline
 
 BINS = 300

@@ -6,11 +6,11 @@ from functools import lru_cache
 from math import isfinite, nan
 from typing import Any
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import Problem
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
-from ropefric.traces.trace import FloatArray
 
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because

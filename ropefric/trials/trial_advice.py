@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import Problem
-from ropefric.friction.condition import FloatArray, condition_groups, distinct
+from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
 from ropefric.trials.trial_spec import TrialSpec
 

@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.accuracy.assess import largest_error
 from ropefric.accuracy.measured import Measured
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
 from ropefric.systems.bandsaw.ends import CLAMPED
 from ropefric.systems.bandsaw.galerkin import ScaledBeam, free_freedoms, galerkin_frequencies, widths_for

@@ -9,7 +9,7 @@ from scipy.special import wrightomega
 
 from ropefric.accuracy.assess import Counted, against
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.friction.end_tension import exponential_start_rad, power_log_start
 
 Values = Callable[[FloatArray], tuple[FloatArray, FloatArray]]

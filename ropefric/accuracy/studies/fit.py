@@ -9,10 +9,11 @@ from scipy.optimize import least_squares
 
 from ropefric.accuracy.assess import Counted, largest_error
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.arrays import FloatArray
 from ropefric.fitting import nonlinear
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 
 TRUTH = (0.2, -0.5, 0.1)

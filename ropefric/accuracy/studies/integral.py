@@ -14,7 +14,7 @@ from ropefric.accuracy.assess import against
 from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case
 from ropefric.accuracy.study import Case, Setting, Study
 from ropefric.accuracy.words import time_text
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.friction.integral import power_integral
 from ropefric.friction.power_span import power_span
 

@@ -10,7 +10,7 @@ from ropefric.accuracy.assess import largest_error
 from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
 from ropefric.accuracy.words import time_text
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.inputs import press_inputs

@@ -12,12 +12,13 @@ from scipy.special import ndtri
 
 from ropefric.accuracy.assess import largest_error, over_seeds
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.arrays import FloatArray
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.covariance import bread
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.profile import profile_intervals
 from ropefric.fitting.propagation import LiftModel, drawn_range
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
 
 SIZE_SHARE = 0.25

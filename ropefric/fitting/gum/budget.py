@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.gum.model import MeasurementModel
 from ropefric.fitting.gum.quantity import Block, Evaluation, Quantity
 from ropefric.fitting.propagation import quantile
-from ropefric.friction.condition import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

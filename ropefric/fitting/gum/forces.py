@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.gum.model import MeasurementModel
 from ropefric.fitting.gum.quantity import Quantity, limit_of_error
-from ropefric.friction.condition import FloatArray
 
 GRAVITY_LIMIT = 0.0027
 """Half the range of the acceleration of gravity at sea level, 9.780 to 9.832 m/s², over its mean [-]."""

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.gum.budget import effective_dof
 from ropefric.fitting.gum.model import MeasurementModel
 from ropefric.fitting.gum.quantity import Block, Quantity, normal
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, FloatArray, one_condition
+from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.physics import refusals_of
 

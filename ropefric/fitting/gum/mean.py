@@ -3,8 +3,8 @@
 import math
 from collections.abc import Sequence
 
+from ropefric.arrays import FloatArray
 from ropefric.fitting.gum.quantity import Quantity, repeats
-from ropefric.friction.condition import FloatArray
 
 
 def mean_force(

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.gum.quantity import Block, Quantity
-from ropefric.friction.condition import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

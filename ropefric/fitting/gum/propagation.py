@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.gum.budget import LinearBudget
 from ropefric.fitting.gum.model import MeasurementModel
-from ropefric.friction.condition import FloatArray
 
 _FEWEST, _MOST = 10_000, 10_000_000
 # The end of a 95 % interval from N draws scatters by about 2.7 σ/√N; U is about 2 σ.

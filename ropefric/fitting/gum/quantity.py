@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 
 Evaluation = Literal["A", "B"]
 Distribution = Literal["normal", "rectangular"]

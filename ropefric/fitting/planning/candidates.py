@@ -3,14 +3,12 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray
 from ropefric.fitting.planning.limits import FACTORS, RigLimits
 from ropefric.fitting.planning.precision import PlannedLaw
 from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.friction.physics import refusals_of
-
-BoolArray = npt.NDArray[np.bool_]
 
 
 def allowed_conditions(

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray, IntArray
 
 Criterion = Literal["v", "d"]
-IntArray = npt.NDArray[np.int64]
 
 BALANCE = 0.3
 """Weight of the parameters' ellipsoid in a plan for a prediction [-]; it costs that prediction a few per cent."""

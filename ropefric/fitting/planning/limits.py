@@ -7,8 +7,9 @@ from itertools import product
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 
 FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
 """What a plan may vary; the rope is the same throughout."""

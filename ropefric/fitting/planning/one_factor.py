@@ -1,10 +1,8 @@
 """The plan to compare with: one factor at a time about a centre, as such campaigns are usually made."""
 
 import numpy as np
-import numpy.typing as npt
 
-IntArray = npt.NDArray[np.int64]
-BoolArray = npt.NDArray[np.bool_]
+from ropefric.arrays import BoolArray, IntArray
 
 
 def middle_of(allowed: BoolArray) -> tuple[int, ...]:

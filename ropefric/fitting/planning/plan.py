@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.covariance import bread, unseen_part
 from ropefric.fitting.extrapolation import REGRESSORS, outside_words
@@ -14,9 +14,7 @@ from ropefric.fitting.planning.limits import FACTORS, RigLimits
 from ropefric.fitting.planning.one_factor import middle_of, nearest_to, one_factor_plan
 from ropefric.fitting.planning.precision import PlannedLaw, expected_std
 from ropefric.fitting.planning.result import LabPlan, Outlook
-from ropefric.friction.condition import Conditions, FloatArray
-
-BoolArray = npt.NDArray[np.bool_]
+from ropefric.friction.condition import Conditions
 
 _MOST = 1000
 
@@ -128,9 +126,7 @@ def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
         )
 
 
-def _one_factor_plans(
-    limits: RigLimits, free: BoolArray, wanted: Conditions, n: int
-) -> dict[str, npt.NDArray[np.int64]]:
+def _one_factor_plans(limits: RigLimits, free: BoolArray, wanted: Conditions, n: int) -> dict[str, IntArray]:
     """Return one-factor plans about the middle of the settings, and about the first wanted condition."""
     allowed = free.reshape(limits.shape)
     spots: list[float] = []

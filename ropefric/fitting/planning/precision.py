@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.identifiability import RANK_RATIO
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
 
@@ -44,7 +45,7 @@ class PlannedLaw:
 
     law: FrictionLaw
     theta: FloatArray
-    free: npt.NDArray[np.bool_]
+    free: BoolArray
     scatter: MeanScatter
     known: FloatArray
     tested: Conditions | None = None

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.fitting.planning.exchange import Criterion
 from ropefric.fitting.planning.precision import PlannedLaw
 from ropefric.fitting.propagation import quantile
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.friction.condition import Conditions
 
 SCHEMA = "ropefric.test-plan/1"
 

@@ -4,7 +4,8 @@ from functools import partial
 
 import numpy as np
 
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.arrays import FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw, Parameter
 from ropefric.friction.size import same_for_all, same_for_all_slopes, unmoved_by_radius
 from ropefric.friction.start import mean_mu, searched_start

@@ -4,7 +4,8 @@ from functools import partial
 
 import numpy as np
 
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.arrays import FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw, Parameter
 from ropefric.friction.physics import Columns
 from ropefric.friction.size import unmoved_by_radius

@@ -5,7 +5,8 @@ from functools import partial
 
 import numpy as np
 
-from ropefric.friction.condition import Conditions, FloatArray
+from ropefric.arrays import FloatArray
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw, Parameter
 from ropefric.friction.physics import Columns, Refusal, refuse
 from ropefric.friction.special import log1prel, log1prel_slope

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.scenes.kind import Kind, Quantity, SweepField
 from ropefric.scenes.kinds.saw_report import saw_tree
 from ropefric.scenes.kinds.saw_schema import SawScene

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import model_validator
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.scenes.kind import Failure, Kind, Quantity, SweepField
 from ropefric.scenes.schema import FrictionTable, SceneTable, optional
 from ropefric.systems.friction import WrapFriction

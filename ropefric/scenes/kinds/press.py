@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.scenes.kind import Kind, SweepField
 from ropefric.scenes.kinds.press_machine import press_problem
 from ropefric.scenes.kinds.press_report import press_failures, press_quantities, press_tree
@@ -45,7 +44,7 @@ def _in_one_call(problem: PressProblem) -> bool:
     return problem.start_up is None
 
 
-def _answerable(problem: PressProblem) -> npt.NDArray[np.bool_]:
+def _answerable(problem: PressProblem) -> BoolArray:
     """Return where no span is slack at rest; speed can only slacken further."""
     still = steady_state(
         solve_statics(problem.press, closure=problem.closure),

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.friction.condition import FloatArray
 from ropefric.scenes.jsonable import finite
 from ropefric.systems.bandsaw.answer import SawAnswer, SideAnswer
 from ropefric.systems.bandsaw.effects import SawProblem

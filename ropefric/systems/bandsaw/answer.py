@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.ends import Ends
 from ropefric.systems.bandsaw.saw import Side

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import CLAMPED, Ends
 from ropefric.systems.bandsaw.galerkin import (
     MAX_ORDER,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.resonance import Crossing, Excitation, find_crossings
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 

@@ -9,8 +9,8 @@ string.
 import numpy as np
 import scipy.linalg
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.galerkin import ScaledBeam
 
 

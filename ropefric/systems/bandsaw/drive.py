@@ -5,8 +5,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 
 PRINTED_TORQUE_FACTOR = 9549.0
 """The factor of M = 9549 P/n with P in kW and n in 1/min; unrounded it is 30000/π = 9549.2966."""

@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, solve_saw
 from ropefric.systems.bandsaw.ends import CLAMPED, Ends
@@ -118,7 +117,7 @@ def _pull_N(problem: SawProblem) -> FloatArray:
     return _zeros(problem) if problem.tension_difference_N is None else 0.5 * problem.tension_difference_N
 
 
-def answerable(problem: SawProblem) -> npt.NDArray[np.bool_]:
+def answerable(problem: SawProblem) -> BoolArray:
     """Return for which of m cases both sides are tight and slower than their critical speed, shape (m,)."""
     inertia_N = _inertia_N(problem)
     stiff_N = _zeros(problem)

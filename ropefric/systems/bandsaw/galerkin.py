@@ -9,8 +9,8 @@ import numpy.typing as npt
 import scipy.linalg
 from scipy.special import ive, jv
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import Ends
 
 
@@ -218,7 +218,7 @@ def interpolate(
     return np.concatenate([nodal, *bubbles])
 
 
-def free_freedoms(n_elements: int, order: int, *, turning_ends: bool) -> npt.NDArray[np.bool_]:
+def free_freedoms(n_elements: int, order: int, *, turning_ends: bool) -> BoolArray:
     """Return which freedoms are not held at the ends, as a boolean array."""
     kept = np.ones(2 * (n_elements + 1) + (order - 3) * n_elements, dtype=np.bool_)
     kept[[0, 2 * n_elements]] = False

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import gammaincc
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import FitError, InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.inverse import preload_for_N
 from ropefric.systems.bandsaw.models import MODELS

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.drive import PRINTED_TORQUE_FACTOR
 from ropefric.systems.bandsaw.saw import Saw, Side
 from ropefric.systems.bandsaw.string import frequency_Hz

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 
 

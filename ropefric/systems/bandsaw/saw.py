@@ -7,8 +7,8 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.ends import CLAMPED, Ends
 from ropefric.systems.bandsaw.span import Span

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.bandsaw.ends import PINNED
 from ropefric.systems.bandsaw.span import Span, refuse_overspeed
 

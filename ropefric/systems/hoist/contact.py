@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.friction import WrapFriction
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))

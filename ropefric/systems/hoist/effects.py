@@ -13,9 +13,8 @@ from functools import lru_cache
 from itertools import product
 
 import numpy as np
-import numpy.typing as npt
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.registry import Registry
 from ropefric.systems.bound import worst_case
 from ropefric.systems.effect import Effect, Method, System
@@ -106,7 +105,7 @@ def _shortest_contact(problem: HoistProblem) -> FloatArray:
     return problem.wrap_angle_rad - _lifted(problem, least_pressing_N(problem) + bending_N(problem))
 
 
-def answerable(problem: HoistProblem) -> npt.NDArray[np.bool_]:
+def answerable(problem: HoistProblem) -> BoolArray:
     """Return for which of n cases there is an answer with all effects in, shape (n,).
 
     The rope has to press on the wheel and touch it, and the law to have an answer to what presses.

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ropefric.friction.condition import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.reach import refuse_beyond_reach
 from ropefric.systems.spread import Rule, spread

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.condition import FloatArray
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import SlipTable, slip_table, steady_contacts

@@ -42,8 +42,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, Problem
 from ropefric.registry import Registry
 from ropefric.systems.press.machine import Press, Roller
@@ -79,7 +79,7 @@ class Closure:
     basis: str
     statements: Callable[[Press], tuple[Statement, ...]]
 
-    def equations(self, press: Press) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    def equations(self, press: Press) -> tuple[FloatArray, FloatArray]:
         """Return the statements as a matrix, shape (k, n_spans), and its right-hand side, shape (k,) [N]."""
         statements = self.statements(press)
         matrix = [[said.coefficients.get(span.name, 0.0) for span in press.spans] for said in statements]

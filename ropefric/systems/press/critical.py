@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import UnknownNameError
 from ropefric.registry import did_you_mean
 from ropefric.systems.friction import EVERYTHING, WrapFriction
@@ -16,7 +17,6 @@ from ropefric.systems.press.statics import Statics
 from ropefric.systems.press.steady import SteadyState, steady_state
 
 Change = Literal["preload", "speed", "load", "friction"]
-FloatArray = npt.NDArray[np.float64]
 
 CHANGES = {
     "preload": "preload of all tensioners falls [N]",

@@ -15,8 +15,8 @@ from itertools import product
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
-from ropefric.friction.condition import FloatArray
 from ropefric.registry import Registry
 from ropefric.systems.bound import worst_case
 from ropefric.systems.effect import Effect, Method, System

@@ -6,9 +6,8 @@ Both ways: from sludge and belt to torques, and from torques back to the product
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-
-FloatArray = npt.NDArray[np.float64]
 
 GRAVITY_M_S2 = 9.81
 """g [m/s²]."""

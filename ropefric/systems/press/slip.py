@@ -18,13 +18,12 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError, UnknownNameError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.statics import spans_into, spans_out_of
 from ropefric.systems.press.steady import SteadyState
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -372,7 +371,7 @@ def _needed_share(contact: Contact, grip: Grip) -> FloatArray:
 
 
 def _newton(
-    contact: Contact, grip: Grip, required_N: FloatArray, share: FloatArray, pressed: npt.NDArray[np.bool_]
+    contact: Contact, grip: Grip, required_N: FloatArray, share: FloatArray, pressed: BoolArray
 ) -> FloatArray:
     """Return the root; the available pull is convex in the share, so after one step all others go one way."""
     for _ in range(_MAX_STEPS):

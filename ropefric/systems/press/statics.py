@@ -33,13 +33,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.press.closures import CLOSURES, Closure
 from ropefric.systems.press.machine import Press
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def spans_into(press: Press) -> FloatArray:
@@ -94,7 +92,7 @@ def load_torques_N_m(press: Press) -> FloatArray:
     return np.array([roller.torque_N_m for roller in press.rollers])
 
 
-def has_balance(press: Press) -> npt.NDArray[np.bool_]:
+def has_balance(press: Press) -> BoolArray:
     """Return which rollers obey a torque balance, shape (n_rollers,): all but the drivers."""
     return np.array([roller.role != "driver" for roller in press.rollers])
 

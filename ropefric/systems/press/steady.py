@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, Problem, SolverError, UnknownNameError
-from ropefric.friction.condition import FloatArray
 from ropefric.registry import did_you_mean
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.statics import (
@@ -91,7 +91,7 @@ class SteadyState:
     speed_m_s: FloatArray
     load_factor: FloatArray
     effective_tension_N: FloatArray
-    slack: npt.NDArray[np.bool_]
+    slack: BoolArray
 
     @property
     def tension_N(self) -> FloatArray:

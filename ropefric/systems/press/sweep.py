@@ -6,13 +6,12 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.slip import SlipTable, slip_table, steady_contacts
 from ropefric.systems.press.statics import Statics
 from ropefric.systems.press.steady import steady_state
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -24,7 +23,7 @@ class PressSweep:
     spans: tuple[str, ...]
     rollers: tuple[str, ...]
     effective_tension_N: FloatArray
-    slack: npt.NDArray[np.bool_]
+    slack: BoolArray
     slip: SlipTable
 
     @property

@@ -8,7 +8,7 @@ from collections import deque
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.prepare import Prepared, failed, prepare, too_short
 from ropefric.traces.protocols.protocol import Protocol

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.outcome import peak_between, peak_result
 from ropefric.traces.prepare import prepare, too_short

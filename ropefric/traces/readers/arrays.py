@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.readers.source import Source
 from ropefric.traces.readers.table import Table
 

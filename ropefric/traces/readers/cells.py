@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
-from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.source import Source
 
 NAN_TEXTS = ("nan", "NaN", "NAN", "Nan", "-nan", "-NaN")

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.files.read import FileChangedError
-from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.cells import NAN_TEXTS, is_blank_line, parse_rows, split_line
 from ropefric.traces.readers.dialect import Dialect, find_dialect
 from ropefric.traces.readers.profile import ImportProfile

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.registry import did_you_mean
-from ropefric.traces.arrays import FloatArray
 
 FUNCTIONS: dict[str, Any] = {
     name: getattr(np, name)

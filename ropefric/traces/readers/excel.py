@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.registry import did_you_mean
-from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.cells import CellStyle, bad_cell, is_number
 from ropefric.traces.readers.header import find_table_rows
 from ropefric.traces.readers.profile import ImportProfile

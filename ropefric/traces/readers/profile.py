@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-import numpy.typing as npt
+from ropefric.arrays import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +42,6 @@ class RawRecording:
     name: str
     source: str
     sample: str
-    columns: Mapping[str, npt.NDArray[np.float64]]
+    columns: Mapping[str, FloatArray]
     units: Mapping[str, str]
     first_line: int = 0

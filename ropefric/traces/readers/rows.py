@@ -1,8 +1,8 @@
 """Whether every row of a text table has as many cells as there are columns."""
 
 import numpy as np
-import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, IntArray
 from ropefric.traces.readers.cells import is_blank_line, split_line
 from ropefric.traces.readers.text import Block, Text
 
@@ -84,7 +84,7 @@ def _rows_if_regular(block: Block, separator: str, n_cells: int) -> int | None:
     return n_rows if marks == wanted * n_rows else None
 
 
-def _cells_per_line(block: Block, separator: str, text: Text) -> npt.NDArray[np.int64]:
+def _cells_per_line(block: Block, separator: str, text: Text) -> IntArray:
     """Return the number of cells of each line of a block, 0 for a blank one."""
     if b'"' in block:
         return _quoted_cells_per_line(block, separator, text)
@@ -99,7 +99,7 @@ def _cells_per_line(block: Block, separator: str, text: Text) -> npt.NDArray[np.
     return np.where(n_ink > 0, _per_line(marks, ends) + 1, 0)
 
 
-def _quoted_cells_per_line(block: Block, separator: str, text: Text) -> npt.NDArray[np.int64]:
+def _quoted_cells_per_line(block: Block, separator: str, text: Text) -> IntArray:
     counts = []
     for number, line in block.lines():
         if line.count('"') % 2:
@@ -113,7 +113,7 @@ def _quoted_cells_per_line(block: Block, separator: str, text: Text) -> npt.NDAr
     return np.array(counts, dtype=np.int64)
 
 
-def _per_line(flags: npt.NDArray[np.bool_], ends: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _per_line(flags: BoolArray, ends: IntArray) -> IntArray:
     """Return how many flags are set in each line; lines end at the given bytes."""
     return np.diff(np.cumsum(flags)[ends], prepend=0)
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.quantities import split_unit_suffix
-from ropefric.traces.arrays import FloatArray
 from ropefric.traces.assemble import si_factor
 from ropefric.traces.clock import GAP_STEPS, mend_clock
 from ropefric.traces.readers.columns import bare_unit, guess_channels

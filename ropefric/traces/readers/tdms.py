@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.registry import did_you_mean
-from ropefric.traces.arrays import FloatArray
 from ropefric.traces.readers.arrays import array_table
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.reader import Reader

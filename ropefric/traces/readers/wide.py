@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ropefric.traces.arrays import FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.traces.readers.cells import split_line
 from ropefric.traces.readers.delimited import ends_empty, open_text, parse_columns
 from ropefric.traces.readers.dialect import Dialect

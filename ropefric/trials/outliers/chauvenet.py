@@ -2,7 +2,7 @@
 
 from statistics import NormalDist
 
-from ropefric.traces.trace import BoolArray, FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule, beyond, max_z
 
 

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.traces.trace import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule, beyond
 
 _ALPHA = 0.05

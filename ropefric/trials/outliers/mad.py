@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ropefric.traces.trace import BoolArray, FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule
 
 _LIMIT = 3.5

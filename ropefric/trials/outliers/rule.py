@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.traces.trace import BoolArray, FloatArray
 
 _LARGEST = 1e300
 _ROUNDING = 1e-12  # a value on the limit, but for rounding, counts as inside

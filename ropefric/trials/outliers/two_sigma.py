@@ -1,6 +1,6 @@
 """The ±2s rule of the paper: mean and s of all values, once."""
 
-from ropefric.traces.trace import BoolArray, FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.trials.outliers.rule import OutlierRule, beyond, max_z
 
 _LIMIT = 2.0

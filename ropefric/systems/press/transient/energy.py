@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.inputs import SPEED_SQUARED
 from ropefric.systems.press.transient.motion import Motion
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 POWERS = ("drive", "load", "belt", "tensioner", "slip", "centrifugal")
 """Works that are counted: done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and

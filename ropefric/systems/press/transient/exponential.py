@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import expm, matrix_balance
 
-from ropefric.systems.press.transient.polynomial import FloatArray
+from ropefric.arrays import FloatArray
 
 _TAYLOR_TERMS = 24
 

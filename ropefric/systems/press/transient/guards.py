@@ -5,10 +5,10 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.inputs import LOAD
 from ropefric.systems.press.transient.mode import BACKWARD, FORWARD, STICK, Mode
 from ropefric.systems.press.transient.motion import Motion
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 What = Literal["slip", "stick", "hold", "release", "pressed", "taut", "strained"]
 T = TypeVar("T")

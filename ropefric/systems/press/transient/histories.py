@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.energy import energies_of
 from ropefric.systems.press.transient.hybrid import Change
 from ropefric.systems.press.transient.inputs import SPEED, Inputs
 from ropefric.systems.press.transient.limit import friction_utilisation
 from ropefric.systems.press.transient.mode import STICK
 from ropefric.systems.press.transient.motion import FrictionLimit, Motion
-from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.result import SlipInterval
 
 

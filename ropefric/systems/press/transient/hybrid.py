@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
 from ropefric.systems.press.transient.guards import Guard, switched
 from ropefric.systems.press.transient.inputs import Inputs
@@ -14,7 +14,6 @@ from ropefric.systems.press.transient.mode import Mode, sticking
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import FrictionLimit, Motion
 from ropefric.systems.press.transient.phase import Phase, first_dip
-from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.problem import starting_state
 
 _SWITCHES_AT_ONCE = 60
@@ -172,7 +171,7 @@ class _Solver:
         return switched(phase.motion, guard, y, u)
 
 
-def _first(phase: Phase, z: FloatArray, fired: npt.NDArray[np.bool_], bound: float) -> tuple[Guard, float]:
+def _first(phase: Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:
     """Return the guard that is the first to fall below zero, given some that have by `bound`, and when."""
     rows = phase.watch[: len(phase.guards)] / phase.tolerances[:, None]
     passed = bound

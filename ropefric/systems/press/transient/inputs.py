@@ -5,9 +5,10 @@ from typing import Literal
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.press.transient.model import ElasticPress
-from ropefric.systems.press.transient.polynomial import FloatArray, PiecewisePolynomial, common_pieces
+from ropefric.systems.press.transient.polynomial import PiecewisePolynomial, common_pieces
 
 Loads = Literal["with-speed", "constant"] | PiecewisePolynomial
 

@@ -9,10 +9,10 @@ from typing import Any, Literal
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.registry import Registry
 from ropefric.systems.press.transient.exponential import Propagator
-from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.spectrum import rk4_limit_s
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.slip import available_pull_N, contacts_of, grip_on
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import FrictionLimit
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 _LEAST_GRIP = 1e-7
 """A thousand times what `guards.guards_of` takes for zero, as a share of the tension."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, Problem
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.statics import (
@@ -17,7 +18,6 @@ from ropefric.systems.press.statics import (
     span_density_kg_m,
 )
 from ropefric.systems.press.transient.ingredients import Ingredients
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

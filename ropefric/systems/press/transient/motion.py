@@ -19,6 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.inputs import (
     ACCELERATION,
     FIRST_DRIVER,
@@ -29,7 +30,6 @@ from ropefric.systems.press.transient.inputs import (
 )
 from ropefric.systems.press.transient.mode import STICK, Mode
 from ropefric.systems.press.transient.model import ElasticPress
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -4,15 +4,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eigvals
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.systems.press.transient.energy import power_forms
 from ropefric.systems.press.transient.exponential import Propagator
 from ropefric.systems.press.transient.guards import Guard, guards_of
 from ropefric.systems.press.transient.integrators import check_steps
 from ropefric.systems.press.transient.motion import Motion
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 _STEPS_PER_PERIOD = 24
 """Guards are looked at this often in a period of the fastest oscillation; extremes between are interpolated."""
@@ -94,7 +93,7 @@ class Phase:
 
 def first_dip(
     phase: Phase, z: FloatArray, values: tuple[FloatArray, FloatArray, FloatArray, FloatArray], length: float
-) -> tuple[npt.NDArray[np.bool_], float]:
+) -> tuple[BoolArray, float]:
     """Return which guards dip below zero inside a step that they begin and end above it, and where the first does."""
     g0, s0, g1, s1 = values
     fired = np.zeros(len(g0), dtype=np.bool_)

@@ -6,12 +6,12 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.energy import power_forms
 from ropefric.systems.press.transient.inputs import ACCELERATION, SPEED, Inputs
 from ropefric.systems.press.transient.mode import sticking
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import Motion
-from ropefric.systems.press.transient.polynomial import FloatArray
 from ropefric.systems.press.transient.rest import resting_coordinates
 from ropefric.systems.press.transient.spectrum import spectrum_of
 

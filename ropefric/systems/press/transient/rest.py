@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.press.transient.inputs import LOAD, ONE, SPEED, SPEED_SQUARED
 from ropefric.systems.press.transient.mode import sticking
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import Motion
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 
 def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.transient.energy import Energies
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

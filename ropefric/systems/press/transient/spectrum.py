@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigvals
 
+from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.mode import sticking
 from ropefric.systems.press.transient.model import ElasticPress
 from ropefric.systems.press.transient.motion import Motion
-from ropefric.systems.press.transient.polynomial import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

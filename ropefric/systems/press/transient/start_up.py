@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
@@ -14,7 +15,7 @@ from ropefric.systems.press.transient.inputs import Loads, press_inputs
 from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
 from ropefric.systems.press.transient.limit import friction_limit
 from ropefric.systems.press.transient.model import ElasticPress, elastic_press
-from ropefric.systems.press.transient.polynomial import FloatArray, PiecewisePolynomial
+from ropefric.systems.press.transient.polynomial import PiecewisePolynomial
 from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.rest import settled_tension_N
 from ropefric.systems.press.transient.result import SlipInterval, StartUp

@@ -20,9 +20,9 @@ from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.recording import blocks_of
-from ropefric.trials.repeatability import Repeatability, summarise
 from ropefric.trials.result import Extraction
 from ropefric.trials.tared import tared_trace
 

@@ -25,7 +25,7 @@ from ropefric.trials.result import Extraction
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ropefric.fitting.table import TrialTable
+    from ropefric.trials.table import TrialTable
 
 
 def budget(

@@ -28,9 +28,9 @@ from ropefric.fitting.result import CovarianceKind, FitResult, FitStatistics, Fi
 from ropefric.fitting.search import Found
 from ropefric.fitting.settings import FitSettings
 from ropefric.fitting.structure import find_trends, lack_of_fit
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import group_means
 from ropefric.friction.condition import Conditions
+from ropefric.trials.table import TrialTable
 
 # Repeats of one value have a standard deviation of this or less, by rounding.
 _RESIDUE = 1e-14

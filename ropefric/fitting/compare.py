@@ -17,10 +17,10 @@ from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.standing import NESTED, Standing, leave_one_out, nested_test, standing
 from ropefric.fitting.status import FitStatus
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
+from ropefric.trials.table import TrialTable
 
 ALWAYS = ("constant", "constant-offset")
 """Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""

@@ -16,9 +16,9 @@ from ropefric.fitting.comparison import Comparison, ComparisonEntry
 from ropefric.fitting.criteria import ConditionMeans, condition_means
 from ropefric.fitting.diagnosis import Cause, Diagnosis, Supported
 from ropefric.fitting.measured import measured_force
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 # Differences of AICc: an effect is supported when it makes the data e^3 = 20 times likelier after its price.
 _STRONG = 6.0

@@ -13,10 +13,10 @@ from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.search import search
 from ropefric.fitting.settings import FitSettings, check_settings
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 _LARGEST = 1e100
 """Beyond this the squares of residuals and slopes, and their sums, are no floats."""

@@ -14,8 +14,8 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import distinct
+from ropefric.trials.table import TrialTable
 
 Measured = Literal["lift", "end-tension"]
 

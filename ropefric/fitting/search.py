@@ -14,8 +14,8 @@ from ropefric.fitting.nonlinear import Minimum, least_squares
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.reduced import MANY, pooled
 from ropefric.fitting.settings import FitSettings
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import Scatter, pooled_scatter, shared_variance, trial_std
+from ropefric.trials.table import TrialTable
 
 # Weights depend on the parameters through the errors of the settings; they settle in two rounds.
 _ROUNDS = 5

@@ -108,7 +108,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     >>> import tempfile
     >>> import numpy as np
     >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
+    >>> from ropefric.trials.table import TrialTable
     >>> table = TrialTable(
     ...     trial=("a", "b", "c"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9],
     ...     end_tension_N=20, peak_N=[36.6, 66.1, 121.7],

@@ -14,7 +14,7 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.settings import FitSettings, check_settings
 from ropefric.fitting.store import load_fit
-from ropefric.fitting.table import read_trial_table
+from ropefric.trials.table import read_trial_table
 
 # Part of a standard error that another processor's rounding may move an estimate by.
 _MOST = 1e-3

@@ -7,8 +7,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.law import FrictionLaw
+from ropefric.trials.table import TrialTable
 
 # Repeats that agree closer than this were not measured, or were copied.
 _SMALLEST_SCATTER = 1e-9

@@ -9,9 +9,9 @@ from pydantic import BaseModel
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.scene import Scene, read_scene
-from ropefric.trials.toml_document import TomlDocument
 
 MOST_POINTS = 10_000_000
 """Of an axis, and of a whole grid: some 2.5 GB."""

@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError, Problem, RopefricError, data_error, raise_problems
+from ropefric.files.toml import TomlDocument, is_campaign, read_toml
+from ropefric.files.toml_model import validate_document
 from ropefric.registry import did_you_mean
 from ropefric.scenes.friction_source import FrictionSource, friction_source
 from ropefric.scenes.kind import Kind
 from ropefric.scenes.kinds import KINDS
 from ropefric.scenes.schema import SceneTable
-from ropefric.trials.file_kind import is_campaign
-from ropefric.trials.toml_document import TomlDocument, read_toml
-from ropefric.trials.toml_validation import validate_document
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -4,9 +4,9 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, PlainValidator, model_validator
 
+from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, text
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.quantities import LARGEST, SMALLEST, in_range
-from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, text
 
 
 def number(value: object) -> float:

@@ -22,8 +22,8 @@ from ropefric.files.read import read_file
 from ropefric.files.write import write_file
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.calibration import Calibration
+from ropefric.trials.campaign_model import TrialSpec
 from ropefric.trials.result import Outline, TrialResult
-from ropefric.trials.trial_spec import TrialSpec
 
 SCHEMA = "ropefric.extraction-cache/3"
 """Raise the number when the form of an entry changes."""

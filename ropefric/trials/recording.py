@@ -16,11 +16,10 @@ from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.outline import draw_outline
 from ropefric.trials.result import TrialResult
 from ropefric.trials.tared import tared_trace
-from ropefric.trials.trial_spec import TrialSpec
 
 STATUS_CODES = {
     Status.SATURATED: "RF230",

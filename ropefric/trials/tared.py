@@ -12,8 +12,7 @@ from ropefric.traces.prepare import MIN_SAMPLES
 from ropefric.traces.readers.profile import RawRecording
 from ropefric.traces.recalibration import recalibrate
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.trial_spec import TrialSpec
+from ropefric.trials.campaign_model import Campaign, TrialSpec
 
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""

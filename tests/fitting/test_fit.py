@@ -14,10 +14,10 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting import reduced, search
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.weights import pooled_scatter, trial_std
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
 
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench" / "truth.toml"
 

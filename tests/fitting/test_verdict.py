@@ -13,9 +13,9 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.identifiability import identify
 from ropefric.fitting.status import ADVICE, FitStatus
 from ropefric.fitting.structure import find_trends
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.trials.table import TrialTable
 
 TWELVE_WRAPS = np.linspace(np.pi / 2, 4 * np.pi, 12)
 

@@ -14,7 +14,7 @@ from ropefric.fitting.gum.measured import condition_numbered, with_measured_end
 from ropefric.fitting.gum.propagation import propagate
 from ropefric.fitting.gum.quantity import limit_of_error, normal, repeats
 from ropefric.fitting.gum.statement import BudgetStatus, improvements, state_uncertainty
-from ropefric.fitting.table import TrialTable
+from ropefric.trials.table import TrialTable
 
 FORCES = (318.0, 322.0, 325.0, 317.0, 321.0)
 WRAP = normal("wrap angle", "φ", "rad", 0.03, estimate=7.0)

@@ -14,9 +14,9 @@ from ropefric.fitting.gum.propagation import propagate
 from ropefric.fitting.gum.quantity import Block
 from ropefric.fitting.gum.statement import state_uncertainty
 from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 WHEEL = one_condition(0.04, 0.005, 8.0, 60.0)
 UNSURE = WheelUncertainty(wheel_radius_m=2e-4, rope_radius_m=5e-5, wrap_angle_rad=0.03, end_tension_N=0.5)

@@ -8,7 +8,7 @@ from ropefric.fitting.gum.forces import GRAVITY_LIMIT, ForceSide, weights
 from ropefric.fitting.gum.instrument import instrument_quantities
 from ropefric.fitting.gum.mean import mean_force, pooled_scatter
 from ropefric.fitting.gum.measured import MeasuredCondition
-from ropefric.trials.repeatability import trimming_bias
+from ropefric.trials.conditions import trimming_bias
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
 
 

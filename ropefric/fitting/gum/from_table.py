@@ -9,7 +9,7 @@ from ropefric.fitting.gum.forces import GRAVITY_LIMIT, ForceSide, weights
 from ropefric.fitting.gum.mean import mean_force, pooled_scatter
 from ropefric.fitting.gum.measured import MeasuredCondition
 from ropefric.fitting.gum.quantity import normal
-from ropefric.fitting.table import TrialTable
+from ropefric.trials.table import TrialTable
 
 _RECTANGULAR = math.sqrt(3.0)
 

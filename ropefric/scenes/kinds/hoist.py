@@ -8,13 +8,13 @@ import numpy as np
 from pydantic import model_validator
 
 from ropefric.arrays import FloatArray
+from ropefric.files.toml_model import StrictTable, reject
 from ropefric.scenes.kind import Failure, Kind, Quantity, SweepField
 from ropefric.scenes.schema import FrictionTable, SceneTable, optional
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import Lift
 from ropefric.systems.hoist.effects import SYSTEM, answerable
 from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
-from ropefric.trials.toml_fields import StrictTable, reject
 
 
 class WheelTable(StrictTable):

@@ -4,11 +4,11 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, PlainValidator, model_validator
 
+from ropefric.files.toml_model import StrictTable, choice, got, reject, whole_number
 from ropefric.scenes.schema import FrictionTable, SceneTable, number, optional, positive
 from ropefric.systems.press.closures import CLOSURES
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS
-from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
 
 _ROLES = ("driver", "driven", "tensioner")
 

@@ -5,13 +5,13 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
+from ropefric.files.toml_model import StrictTable, choice, got, reject, whole_number
 from ropefric.scenes.schema import SceneTable, number, optional
 from ropefric.systems.bandsaw.drive import tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.ends import ENDS
 from ropefric.systems.bandsaw.resonance import Excitation, fixed_frequency, tooth_passing, wheel_rotation
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.section import Section
-from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
 
 _SIDES = tuple(side.value for side in Side)
 

@@ -21,9 +21,9 @@ from ropefric.fitting.criteria import (
 from ropefric.fitting.measured import measured_force
 from ropefric.fitting.predict import predict
 from ropefric.fitting.standing import NESTED
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.trials.table import TrialTable
 
 
 def _average_form_rss(wrap, y, shape, rates):

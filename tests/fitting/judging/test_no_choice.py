@@ -8,8 +8,8 @@ import pytest
 from ropefric.errors import InputError
 from ropefric.fitting.average import averaged_prediction
 from ropefric.fitting.compare import ALWAYS, compare_laws
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import one_condition
+from ropefric.trials.table import TrialTable
 
 
 def pulls(wraps, log_lift, repeats=6, within=0.01):

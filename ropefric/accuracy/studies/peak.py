@@ -8,8 +8,8 @@ import numpy as np
 from ropefric.accuracy.assess import over_seeds
 from ropefric.accuracy.measured import Measured, in_case
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
-from ropefric.rig.bench import simulate_recording
-from ropefric.rig.settings import Bench
+from ropefric.rig.bench import Bench
+from ropefric.rig.recording import simulate_recording
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.protocols.breakaway import pick_breakaway
 from ropefric.traces.settings import PickSettings

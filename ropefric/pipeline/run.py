@@ -18,9 +18,8 @@ from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.conditions import set_aside_impossible
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.result import Extraction, count_trials
+from ropefric.trials.result import Extraction, count_trials, write_tables
 from ropefric.trials.table import read_trial_table
-from ropefric.trials.tables import write_tables
 
 _RANKING = (
     "law",

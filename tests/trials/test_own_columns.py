@@ -6,8 +6,8 @@ import pytest
 
 from ropefric.errors import DataError
 from ropefric.trials.campaign import check_campaign
+from ropefric.trials.result import write_tables
 from ropefric.trials.table import read_trial_table
-from ropefric.trials.tables import write_tables
 
 OWN = {"note": "rope jumped; later", "weather": "wet, 8 °C", "operator": "A"}
 

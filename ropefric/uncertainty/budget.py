@@ -1,7 +1,7 @@
 """The law of propagation of uncertainty (JCGM 100): one line a source, their sum, and the expanded uncertainty."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,17 +9,47 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.gum.model import MeasurementModel
-from ropefric.fitting.gum.quantity import Block, Evaluation, Quantity
-from ropefric.fitting.propagation import quantile
+from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, directions, quantile
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Direction:
-    """An independent direction of a block: its quantities change together by one standard uncertainty."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MeasurementModel:
+    """A measurement equation y = f(x), x the k single quantities and then the q of a block."""
 
-    changes: Mapping[str, float]
-    contribution: float
+    name: str
+    symbol: str
+    unit: str
+    quantities: tuple[Quantity, ...]
+    evaluate: Callable[[FloatArray], FloatArray]
+    sensitivities: FloatArray
+    block: Block | None = None
+
+    def __post_init__(self) -> None:
+        if self.sensitivities.shape != self.inputs.shape:
+            raise InputError(
+                f"{self.name}: {self.sensitivities.size} sensitivities for {self.inputs.size} inputs",
+                key=self.name,
+            )
+        if not (np.isfinite(self.estimate) and np.isfinite(self.sensitivities).all()):
+            raise InputError(f"{self.name}: there is no answer at the estimates of the inputs", key=self.name)
+
+    @property
+    def inputs(self) -> FloatArray:
+        """Return the estimates of all inputs, shape (k + q,)."""
+        singles = np.array([item.estimate for item in self.quantities])
+        return singles if self.block is None else np.concatenate([singles, self.block.estimates])
+
+    @property
+    def estimate(self) -> float:
+        """Return y at the estimates of the inputs."""
+        return float(self.evaluate(self.inputs[np.newaxis, :])[0])
+
+    def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
+        """Return the answer to n draws of the inputs, shape (n,); NaN where there is none."""
+        columns = [item.draw(rng, n)[:, np.newaxis] for item in self.quantities]
+        if self.block is not None:
+            columns.append(self.block.draw(rng, n))
+        return self.evaluate(np.hstack(columns))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +60,8 @@ class BudgetLine:
     sensitivity: float
     contribution: float
     share: float
-    directions: tuple[Direction, ...] = ()
+    correlated: tuple[dict[str, Any], ...] = ()
+    """For a block its independent directions: `changes` of its quantities together, and their `contribution`."""
 
     @property
     def name(self) -> str:
@@ -61,6 +92,7 @@ class BudgetLine:
             "contribution": self.contribution,
             "share": self.share,
             "dof": self.dof if math.isfinite(self.dof) else None,
+            "correlated": list(self.correlated),
         }
         if isinstance(self.source, Quantity):
             item = self.source
@@ -74,20 +106,11 @@ class BudgetLine:
                 "distribution": item.distribution,
                 "sensitivity": self.sensitivity,
                 "assumed": item.assumed or None,
-                "correlated": [],
             }
+        row |= dict.fromkeys(("unit", "estimate", "stated", "divisor", "standard_uncertainty", "sensitivity"))
         return row | {
             "symbol": ", ".join(self.source.symbols),
-            "unit": None,
-            "estimate": None,
-            "stated": None,
-            "divisor": None,
-            "standard_uncertainty": None,
             "distribution": "multivariate normal" if math.isinf(self.dof) else "multivariate t",
-            "sensitivity": None,
-            "correlated": [
-                {"changes": dict(part.changes), "contribution": part.contribution} for part in self.directions
-            ],
         }
 
 
@@ -129,28 +152,30 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
         raise InputError(
             f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
         )
-    k = len(model.quantities)
-    found: list[tuple[Quantity | Block, float, float, tuple[Direction, ...]]] = [
+    k, block = len(model.quantities), model.block
+    found: list[tuple[Quantity | Block, float, float, tuple[dict[str, Any], ...]]] = [
         (item, float(c), abs(float(c)) * item.std, ())
         for item, c in zip(model.quantities, model.sensitivities[:k], strict=True)
     ]
-    if model.block is not None:
-        directions = _directions(model.block, model.sensitivities[k:])
-        found.append((model.block, math.nan, math.hypot(*(d.contribution for d in directions)), directions))
+    if block is not None:
+        columns = directions(block.covariance)
+        worth = model.sensitivities[k:] @ columns
+        parts = tuple(
+            {
+                "changes": dict(zip(block.symbols, columns[:, i].tolist(), strict=True)),
+                "contribution": float(worth[i]),
+            }
+            for i in np.argsort(-np.abs(worth), kind="stable")
+        )
+        found.append((block, math.nan, math.hypot(*worth.tolist()), parts))
     combined = math.hypot(*(contribution for _, _, contribution, _ in found))
     if combined == 0.0:
         raise InputError(
             f"nothing that goes into {model.name} is uncertain", key=model.name, fix="give an uncertainty"
         )
     lines = [
-        BudgetLine(
-            source=source,
-            sensitivity=c,
-            contribution=contribution,
-            share=(contribution / combined) ** 2,
-            directions=directions,
-        )
-        for source, c, contribution, directions in found
+        BudgetLine(source=source, sensitivity=c, contribution=u, share=(u / combined) ** 2, correlated=parts)
+        for source, c, u, parts in found
     ]
     dof = effective_dof([line.contribution for line in lines], [line.dof for line in lines])
     return LinearBudget(
@@ -160,18 +185,4 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
         effective_dof=dof,
         level=level,
         coverage_factor=quantile(0.5 + 0.5 * level, dof),
-    )
-
-
-def _directions(block: Block, sensitivities: FloatArray) -> tuple[Direction, ...]:
-    """Return the directions of a block, the one that matters most first."""
-    columns = block.directions()
-    worth = sensitivities @ columns
-    order = np.argsort(-np.abs(worth), kind="stable")
-    return tuple(
-        Direction(
-            changes=dict(zip(block.symbols, columns[:, i].tolist(), strict=True)),
-            contribution=float(worth[i]),
-        )
-        for i in order
     )

@@ -1,4 +1,4 @@
-"""The measurement equation of a lift force that a fitted law predicts for a wheel known only so well."""
+"""The uncertainty of a lift force that a fitted law predicts for a wheel known only so well."""
 
 import math
 from dataclasses import dataclass
@@ -7,14 +7,15 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.gum.budget import effective_dof
-from ropefric.fitting.gum.model import MeasurementModel
-from ropefric.fitting.gum.quantity import Block, Quantity, normal
+from ropefric.fitting.extrapolation import outside_words
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.physics import refusals_of
+from ropefric.uncertainty.budget import MeasurementModel, effective_dof
+from ropefric.uncertainty.quantity import Block, Quantity, normal
+from ropefric.uncertainty.statement import BudgetStatus, Statement, state_uncertainty
 
 _STEP = 1e-5
 
@@ -96,6 +97,27 @@ def lift_model(
         block=block if free.any() else None,
         evaluate=evaluate,
         sensitivities=F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]]),
+    )
+
+
+def state_lift(
+    fit: FitResult,
+    at: Conditions,
+    uncertainty: WheelUncertainty,
+    *,
+    one_pull: bool = False,
+    level: float = 0.95,
+    draws: int = 200_000,
+    seed: int = 0,
+) -> Statement:
+    """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
+    return state_uncertainty(
+        lift_model(fit, at, uncertainty, one_pull=one_pull),
+        level=level,
+        draws=draws,
+        seed=seed,
+        status=BudgetStatus.OK if fit.trustworthy else BudgetStatus.FIT_NOT_TRUSTED,
+        notes=outside_words(fit.validity, at),
     )
 
 

@@ -5,11 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from ropefric.fitting.gum.budget import effective_dof, linear_budget
-from ropefric.fitting.gum.model import MeasurementModel
-from ropefric.fitting.gum.propagation import numerical_tolerance, propagate
-from ropefric.fitting.gum.quantity import Block, Quantity, limit_of_error, normal
-from ropefric.fitting.propagation import quantile
+from ropefric.uncertainty.budget import MeasurementModel, effective_dof, linear_budget
+from ropefric.uncertainty.quantity import Block, Quantity, limit_of_error, normal, quantile
+from ropefric.uncertainty.statement import numerical_tolerance, propagate
 
 
 def test_effective_degrees_of_freedom_of_g_4():

@@ -1,10 +1,11 @@
-"""What goes into a budget: single quantities, and a block of quantities known together with their covariance."""
+"""What goes into a budget: single quantities, quantities known together with their covariance, and their draws."""
 
 import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.special import ndtri, stdtrit
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
@@ -12,7 +13,52 @@ from ropefric.errors import InputError
 Evaluation = Literal["A", "B"]
 Distribution = Literal["normal", "rectangular"]
 
-_RECTANGULAR = math.sqrt(3.0)
+RECTANGULAR = math.sqrt(3.0)
+"""Half the width of a flat distribution over its standard deviation."""
+
+
+def quantile(probability: float, dof: float) -> float:
+    """Return Student's t quantile; the normal one for infinitely many degrees of freedom."""
+    return float(ndtri(probability)) if math.isinf(dof) else float(stdtrit(dof, probability))
+
+
+def _turned(covariance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return sizes (q,), and eigenvectors (q, q) with roots of eigenvalues (q,) of the correlation matrix.
+
+    Of the correlation matrix, so that they do not depend on units; a covariance may be singular.
+    """
+    size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    scale = np.where(size > 0.0, size, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return scale, vectors, np.sqrt(np.maximum(values, 0.0))
+
+
+def directions(covariance: FloatArray) -> FloatArray:
+    """Return the independent directions of a covariance, each one standard uncertainty long, shape (q, q).
+
+    Column i is a change of all quantities together, Σ eᵢ eᵢᵀ = covariance; largest first.
+    """
+    scale, vectors, roots = _turned(covariance)
+    # A direction and its opposite are the same; the sign that eigh returns depends on the library.
+    strongest = np.abs(vectors).argmax(axis=0)
+    signs = np.where(np.take_along_axis(vectors, strongest[None, :], axis=0)[0] < 0.0, -1.0, 1.0)
+    return np.asarray((vectors * roots * scale[:, None] * signs)[:, ::-1])
+
+
+def symmetric_root(covariance: FloatArray) -> FloatArray:
+    """Return a root of a covariance that no library's choice of signs and order of eigenvectors changes."""
+    scale, vectors, roots = _turned(covariance)
+    return np.asarray(scale[:, None] * ((vectors * roots) @ vectors.T))
+
+
+def joint_draws(
+    estimates: FloatArray, root: FloatArray, *, dof: float, n: int, rng: np.random.Generator
+) -> FloatArray:
+    """Return n draws from the multivariate normal, or t for finite degrees of freedom, shape (n, q)."""
+    changes = rng.standard_normal((n, estimates.size)) @ root.T
+    if math.isfinite(dof):
+        changes *= np.sqrt(dof / rng.chisquare(dof, n))[:, np.newaxis]
+    return np.asarray(estimates + changes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +102,7 @@ class Quantity:
         if self.std == 0.0:
             return np.full(n, self.estimate)
         if self.distribution == "rectangular":
-            half = _RECTANGULAR * self.std
+            half = RECTANGULAR * self.std
             return np.asarray(rng.uniform(self.estimate - half, self.estimate + half, n))
         shape = rng.standard_normal(n) if math.isinf(self.dof) else rng.standard_t(self.dof, n)
         return np.asarray(self.estimate + self.std * shape)
@@ -86,31 +132,13 @@ class Block:
                 fix="measure the conditions that would show it, or fit a simpler law",
             )
 
-    def directions(self) -> FloatArray:
-        """Return the independent directions of the covariance, each one standard uncertainty long, shape (q, q).
-
-        Column i is a change of all quantities together, E eᵢ eᵢᵀ = covariance. The eigenvectors are those of the
-        correlation matrix, so that they do not depend on units; largest first.
-        """
-        size = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
-        scale = np.where(size > 0.0, size, 1.0)
-        values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
-        columns = vectors * np.sqrt(np.maximum(values, 0.0)) * scale[:, None]
-        # A direction and its opposite are the same; the sign that eigh returns depends on the library.
-        strongest = np.abs(vectors).argmax(axis=0)
-        signs = np.where(np.take_along_axis(vectors, strongest[None, :], axis=0)[0] < 0.0, -1.0, 1.0)
-        return np.asarray((columns * signs)[:, ::-1])
-
     def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
-        """Return n draws from the multivariate normal, or t for finite degrees of freedom, shape (n, q)."""
-        spread = rng.standard_normal((n, len(self.symbols))) @ self.directions().T
-        if math.isfinite(self.dof):
-            spread *= np.sqrt(self.dof / rng.chisquare(self.dof, n))[:, np.newaxis]
-        return np.asarray(self.estimates + spread)
+        """Return n draws, shape (n, q); see `joint_draws`."""
+        return joint_draws(self.estimates, directions(self.covariance), dof=self.dof, n=n, rng=rng)
 
 
 def limit_of_error(
-    name: str, symbol: str, unit: str, half_width: float, *, estimate: float = 0.0
+    name: str, symbol: str, unit: str, half_width: float, *, estimate: float = 0.0, assumed: str = ""
 ) -> Quantity:
     """Return a quantity that lies anywhere within ± a limit of error: rectangular, divisor √3, type B."""
     return Quantity(
@@ -119,8 +147,9 @@ def limit_of_error(
         unit=unit,
         estimate=estimate,
         stated=half_width,
-        divisor=_RECTANGULAR,
+        divisor=RECTANGULAR,
         distribution="rectangular",
+        assumed=assumed,
     )
 
 

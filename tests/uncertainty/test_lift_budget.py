@@ -8,15 +8,14 @@ import pytest
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.gum.budget import linear_budget
-from ropefric.fitting.gum.lift import WheelUncertainty, lift_model, paired_log_lift
-from ropefric.fitting.gum.propagation import propagate
-from ropefric.fitting.gum.quantity import Block
-from ropefric.fitting.gum.statement import state_uncertainty
+from ropefric.fitting.lift_budget import WheelUncertainty, lift_model, paired_log_lift
 from ropefric.fitting.predict import predict
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.uncertainty.budget import linear_budget
+from ropefric.uncertainty.quantity import directions
+from ropefric.uncertainty.statement import propagate, state_uncertainty
 
 WHEEL = one_condition(0.04, 0.005, 8.0, 60.0)
 UNSURE = WheelUncertainty(wheel_radius_m=2e-4, rope_radius_m=5e-5, wrap_angle_rad=0.03, end_tension_N=0.5)
@@ -55,7 +54,7 @@ def test_of_an_exact_wheel_the_budget_is_the_prediction(wrap_fit):
     assert budget.combined == pytest.approx(found.std_N[0], rel=1e-9)
     assert budget.effective_dof == pytest.approx(found.dof)
     law = budget.lines[0]
-    assert math.hypot(*(part.contribution for part in law.directions)) == pytest.approx(budget.combined)
+    assert math.hypot(*(part["contribution"] for part in law.correlated)) == pytest.approx(budget.combined)
 
 
 def test_of_an_exact_wheel_the_draws_are_the_drawn_prediction(wrap_fit):
@@ -88,8 +87,7 @@ def test_directions_of_a_block_rebuild_its_covariance_in_any_unit(wrap_fit):
     covariance = np.asarray(wrap_fit.covariance)
     scale = np.diag([1e6, 1.0, 1e-6])
     for turned in (covariance, scale @ covariance @ scale):
-        names = ("a", "b", "c")
-        found = Block(name="law", symbols=names, estimates=np.zeros(3), covariance=turned).directions()
+        found = directions(turned)
         np.testing.assert_allclose(found @ found.T, turned, rtol=1e-9)
 
 

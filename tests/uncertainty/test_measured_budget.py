@@ -6,15 +6,20 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.fitting.gum.budget import linear_budget
-from ropefric.fitting.gum.forces import ForceSide, coefficient_model, force_model, weights
-from ropefric.fitting.gum.from_extraction import conditions_of_extraction
-from ropefric.fitting.gum.from_table import conditions_of_table
-from ropefric.fitting.gum.measured import condition_numbered, with_measured_end
-from ropefric.fitting.gum.propagation import propagate
-from ropefric.fitting.gum.quantity import limit_of_error, normal, repeats
-from ropefric.fitting.gum.statement import BudgetStatus, improvements, state_uncertainty
+from ropefric.fitting.measured_budget import (
+    ForceSide,
+    coefficient_model,
+    condition_numbered,
+    conditions_of_extraction,
+    conditions_of_table,
+    force_model,
+    weights,
+    with_measured_end,
+)
 from ropefric.fitting.table import TrialTable
+from ropefric.uncertainty.budget import linear_budget
+from ropefric.uncertainty.quantity import limit_of_error, normal, repeats
+from ropefric.uncertainty.statement import BudgetStatus, improvements, propagate, state_uncertainty
 
 FORCES = (318.0, 322.0, 325.0, 317.0, 321.0)
 WRAP = normal("wrap angle", "φ", "rad", 0.03, estimate=7.0)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ropefric.errors import DataError, RopefricError
 from ropefric.traces.assemble import assemble_trace, si_factor
-from ropefric.traces.readers.derived import FUNCTIONS, evaluate_derived
+from ropefric.traces.derived import FUNCTIONS, evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 
 

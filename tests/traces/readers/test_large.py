@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError
-from ropefric.files import read
-from ropefric.traces.readers import read_recordings, text
+from ropefric.files import read, text
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.readers.sniff import inspect_file
-from ropefric.traces.readers.source import MOST_UNPACKED_BYTES
 
 BY_NUMBER = ImportProfile(
     channels={"time": Channel(column=1, unit="s"), "force": Channel(column=2, unit="N")}
@@ -200,10 +199,8 @@ def test_what_is_wrong_at_the_end_of_a_large_file_is_a_doubt(large):
 
 
 def test_a_file_that_unpacks_without_end_is_refused(write, monkeypatch):
-    from ropefric.traces.readers import source
-
-    assert MOST_UNPACKED_BYTES >= 2**30
-    monkeypatch.setattr(source, "MOST_UNPACKED_BYTES", 20 * 2**20)
+    assert text.MOST_UNPACKED_BYTES >= 2**30
+    monkeypatch.setattr(text, "MOST_UNPACKED_BYTES", 20 * 2**20)
     member = gzip.compress(b"0.001,2.5\n" * 10**5)
     path = write(gzip.compress(b"time_s,force_N\n") + member * 30, "run.csv.gz")
     with pytest.raises(DataError, match="unpacks to more than"):

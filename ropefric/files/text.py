@@ -1,16 +1,23 @@
-"""Bytes to clean text: encoding found, line ends alike, nothing binary; a large file block by block."""
+"""The bytes of a text file as clean lines: unpacked, encoding found, line ends alike; a large file block by block."""
 
 import codecs
+import csv
+import gzip
+import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
+from pathlib import Path
 from typing import NamedTuple
 
 from ropefric.errors import DataError
-from ropefric.traces.readers.cells import split_line
-from ropefric.traces.readers.source import Source
+from ropefric.files.read import BLOCK_BYTES, InputFile
 
+GZIP_MAGIC = b"\x1f\x8b"
+
+MOST_UNPACKED_BYTES = 4 * 2**30
+"""Text that gzip may unpack to; a few megabytes can be made to unpack to terabytes."""
 HEAD_BYTES = 65536
 """Marks are looked for in this much of a file; the whole file is then held to what was found."""
 HEAD_LINES = 32
@@ -28,6 +35,100 @@ _MARKS = (  # UTF-32 first: its little-endian mark starts with UTF-16's
 )
 
 
+class _Stream:
+    """Blocks as the file that gzip wants to read."""
+
+    def __init__(self, blocks: Iterator[bytes]) -> None:
+        self._blocks = blocks
+        self._rest = memoryview(b"")
+
+    def read(self, size: int) -> bytes:
+        """Return `size` bytes, fewer at the end only: gzip takes a short read for the file's end."""
+        pieces = []
+        while size > 0:
+            if not self._rest:
+                self._rest = memoryview(next(self._blocks, b""))
+                if not self._rest:
+                    break
+            pieces.append(self._rest[:size])
+            size, self._rest = size - len(pieces[-1]), self._rest[size:]
+        return b"".join(pieces)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """A file as it is opened, and as its owner wrote it."""
+
+    path: Path
+    shown: str
+    file: InputFile
+    most_bytes: int = 0
+
+    def error(
+        self, message: str, *, code: str = "RF101", line: int | None = None, key: str = "", fix: str = ""
+    ) -> DataError:
+        """Return (not raise) an error that names this file."""
+        return DataError(message, code=code, path=self.shown, line=line, key=key, fix=fix)
+
+    @property
+    def is_packed(self) -> bool:
+        """Return whether the content is gzip."""
+        return self.file.part(0, len(GZIP_MAGIC)) == GZIP_MAGIC
+
+    def unpacked(self) -> Iterator[bytes]:
+        """Return an iterator over the file's content in blocks, unpacked where it is gzip; the whole is never held."""
+        start = self.file.part(0, len(GZIP_MAGIC))
+        if not start:
+            raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
+        if start == GZIP_MAGIC:
+            return self._up_to_here(self._gunzipped())
+        if self.path.suffix.lower() == ".gz":
+            raise self.error(
+                "the name ends in .gz, but the content is not gzip",
+                fix="rename the file without .gz, or copy it again",
+            )
+        if self.most_bytes:
+            size = min(abs(self.most_bytes), self.file.size)
+            return iter((self.file.part(0 if self.most_bytes > 0 else self.file.size - size, size),))
+        return self.file.blocks()
+
+    def _up_to_here(self, blocks: Iterator[bytes]) -> Iterator[bytes]:
+        left = self.most_bytes or MOST_UNPACKED_BYTES + BLOCK_BYTES
+        for block in blocks:
+            yield block[:left]
+            left -= len(block)
+            if left <= 0:
+                return
+
+    def _gunzipped(self) -> Iterator[bytes]:
+        n_bytes = 0
+        try:
+            with gzip.GzipFile(fileobj=_Stream(self.file.blocks()), mode="rb") as stream:  # type: ignore[call-overload]
+                while block := stream.read(BLOCK_BYTES):
+                    n_bytes += len(block)
+                    if n_bytes > MOST_UNPACKED_BYTES:
+                        raise self.error(
+                            f"the file unpacks to more than {MOST_UNPACKED_BYTES / 2**30:g} GB",
+                            fix="check what it holds; unpack it, and split it, if it is a recording",
+                        )
+                    yield block
+        except (OSError, EOFError, zlib.error) as error:
+            if isinstance(error, DataError):
+                raise
+            raise self.error(
+                f"the gzip data are damaged or cut off ({error})", fix="copy the file again from the logger"
+            ) from None
+        if not n_bytes:
+            raise self.error("the file is empty (gzip of 0 bytes)")
+
+    def raw_bytes(self) -> bytes:
+        """Return the file's content as it is on disk."""
+        data = self.file.read()
+        if not data:
+            raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
+        return data
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Text:
     r"""A text file's content: UTF-8 without byte-order mark, every line, the last one too, ending in `\n`."""
@@ -43,7 +144,7 @@ class Text:
         """Return an iterator over pieces of whole lines, from a 1-based line on."""
         first = 1
         for data in (self.data,) if self.is_whole else self._read():
-            start = start_of(data, line - first + 1)
+            start = _start_of(data, line - first + 1)
             if start < len(data):
                 yield Block(max(line, first), data, start)
             first += 0 if self.is_whole else data.count(b"\n")
@@ -51,13 +152,33 @@ class Text:
     def _read(self) -> Iterator[bytes]:
         above = b""
         for data in _clean_blocks(self.source.unpacked(), self.encoding, self.source):
-            if not data.endswith(b"\n"):
-                if self.separator and is_cut(above[above.rfind(b"\n", 0, -1) + 1 : -1], data, self.separator):
-                    return
-                yield data + b"\n"
-            else:
-                yield data
+            is_ended = data.endswith(b"\n")
+            if not is_ended and self.separator and _is_cut(above, data, self.separator):
+                return
+            yield data if is_ended else data + b"\n"
             above = data
+
+    def without_cut_number(self, separator: str, data_row: int) -> "Text":
+        """Return the text without its last row where the file ends within a number."""
+        if not self.is_whole:
+            return replace(self, separator=separator)
+        begin = self.data.rfind(b"\n", 0, -1) + 1
+        above = self.data.rfind(b"\n", 0, max(begin - 1, 0)) + 1
+        if self.is_ended or above < _start_of(self.data, data_row):
+            return self
+        is_cut = _is_cut(self.data[above:begin], self.data[begin:-1], separator)
+        return replace(self, data=self.data[:begin]) if is_cut else self
+
+    @property
+    def end_of_head(self) -> int:
+        """Return where the lines to look at end: after `HEAD_BYTES`, but at least after some lines; never within one."""
+        end = 0
+        for _ in range(HEAD_LINES):
+            end = self.data.find(b"\n", end) + 1
+            if end == 0:
+                return len(self.data)
+        n = len(self.data)
+        return n if n <= HEAD_BYTES else max(end, self.data.rfind(b"\n", 0, HEAD_BYTES) + 1)
 
     def line(self, number: int) -> str:
         """Return the text of a 1-based line, "" where there is none."""
@@ -84,17 +205,36 @@ class Block(NamedTuple):
         return enumerate(self.data[self.start : -1].decode(errors="replace").split("\n"), start=self.line)
 
 
-def is_cut(before: bytes, last: bytes, separator: str) -> bool:
+def split_line(line: str, separator: str) -> list[str]:
+    """Return a line's cells without blanks and quotes around them."""
+    if separator == " ":
+        return [cell.strip('"') for cell in line.split()]
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(separator)]
+    try:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=separator != "\t"), [])
+    except csv.Error:
+        cells = line.split(separator)
+    return [cell.strip() for cell in cells]
+
+
+def is_blank_line(line: str, separator: str) -> bool:
+    r"""Return whether a line holds nothing, not even an empty cell."""
+    return not line.strip(" " if separator == "\t" else " \t")
+
+
+def _is_cut(above: bytes, last: bytes, separator: str) -> bool:
     """Return whether a row that nothing ends breaks off within its last number, by the row before it.
 
     13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
     one before, which costs nothing. A row cut to fewer cells is refused later.
     """
+    before = above[above.rfind(b"\n", 0, -1) + 1 : -1]
     rows = [split_line(line.decode(errors="replace"), separator) for line in (before, last)]
     return len(rows[0]) == len(rows[1]) and 0 < len(rows[1][-1].strip()) < len(rows[0][-1].strip())
 
 
-def start_of(block: bytes, line: int) -> int:
+def _start_of(block: bytes, line: int) -> int:
     """Return the byte at which a 1-based line of a block starts; its end where there is no such line."""
     start = 0
     for _ in range(line - 1):

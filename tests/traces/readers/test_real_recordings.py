@@ -9,8 +9,8 @@ import pytest
 from ropefric.errors import DataError
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.readers.sniff import inspect_file
 
 MECMESIN = ImportProfile(
     header_row=1,

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from ropefric.errors import DataError, RopefricError
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import READERS, find_reader, read_recordings
+from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.readers.sniff import inspect_file
 
 START = dt.datetime(2024, 1, 1)  # noqa: DTZ001  (loggers write local time)
 T = np.arange(50) * 2.0

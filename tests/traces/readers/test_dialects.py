@@ -9,10 +9,8 @@ from hypothesis import strategies as st
 
 from ropefric.errors import DataError, RopefricError
 from ropefric.traces.readers import read_recordings
-from ropefric.traces.readers.cells import CellStyle, is_number, parse_rows
+from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.readers.sniff import inspect_file
-from ropefric.traces.readers.source import Source
 from ropefric.traces.trace import FloatArray
 
 CHANNELS = {"time": Channel(column=1, unit="s"), "force": Channel(column=2, unit="N")}
@@ -157,12 +155,10 @@ def slow_answer(texts, decimal) -> FloatArray | None:
     return np.array(values)
 
 
-def test_slow_rows_are_read_as_they_stand(tmp_path):
-    source = Source(path=tmp_path, shown="x")
-    lines = enumerate(['"1.5"; a', "", "2;b"], start=5)
-    (found,) = parse_rows(lines, [0], ["F", ""], CellStyle(separator=";"), source)
-    assert found.tolist() == [1.5, 2.0]
-    assert is_number("+1e-3", ".")
+def test_slow_rows_are_read_as_they_stand(write):
+    path = write('force_N;note\n"1.5"; a\n\n+2e0;b\n')
+    (found,) = read_recordings(path, ImportProfile(sampling_rate_Hz=1.0))
+    assert found.columns["force"].tolist() == [1.5, 2.0]
 
 
 PIECES = b'1 2.5 3,5 , ; " t F nan \xff\xfe \xef\xbb\xbf 1,234 time_s,force_N'.split()

@@ -123,6 +123,14 @@ def test_missing_values_become_nan(write):
     assert np.isnan(force).tolist() == [True] * 6 + [False]
 
 
+@pytest.mark.parametrize("cell", ["-999", " -999", "-999.0"])
+@pytest.mark.parametrize("end", ["", '0.3,"7"\n'])  # quotes are read the slow way
+def test_a_number_can_mean_missing(write, cell, end):
+    path = write(HEAD + f"0,1\n0.1,{cell}\n0.2,2\n" + end)
+    force = columns(path, ImportProfile(missing=("-999",)))["force"]
+    np.testing.assert_array_equal(force[:3], [1.0, np.nan, 2.0])
+
+
 def test_pandas_own_words_for_missing_are_not_taken(write):
     for word in ("None", "null", "N/A", "<NA>"):
         assert refused(write(f"{HEAD}0,1\n1,{word}\n")).code == "RF102"

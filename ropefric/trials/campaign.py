@@ -17,7 +17,7 @@ from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
 from ropefric.traces.calibration import Adc
-from ropefric.traces.readers.derived import evaluate_derived
+from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.settings import SIDES
 from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names

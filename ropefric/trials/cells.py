@@ -12,10 +12,9 @@ from pathlib import Path
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.read import use_file
+from ropefric.files.text import Source, load_text
 from ropefric.quantities import in_range, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
-from ropefric.traces.readers.source import Source
-from ropefric.traces.readers.text import load_text
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Weight per mass [m/s²], CGPM 1901; what turns `end_mass_kg` into a tension."""

@@ -14,7 +14,7 @@ from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.traces.budget import combined_std_N, end_tension_std_N
+from ropefric.traces.budget import end_tension_std_N, force_std_N
 from ropefric.traces.calibration import Calibration, tare_from_interval
 from ropefric.traces.prepare import MIN_SAMPLES
 from ropefric.traces.protocols import PROTOCOLS
@@ -148,10 +148,8 @@ def _result(
     known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
     measured = (breakaway.peak_N, nan)
     if breakaway.status is Status.OK:
-        std_N = combined_std_N(
-            [breakaway.peak_N], more.get("calibration"), picking_std_N=breakaway.peak_std_N
-        )
-        measured = (breakaway.peak_N, float(std_N[0]))
+        std_N = force_std_N(breakaway.peak_N, more.get("calibration"), picking_std_N=breakaway.peak_std_N)
+        measured = (breakaway.peak_N, std_N)
     measures_slack = campaign.protocol.needs_lift_force
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
     if peak_N <= end_N:
@@ -221,7 +219,7 @@ def _rate_problem(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> tup
             message=f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz",
             path=spec.file,
             key="[sampling] rate",
-    """Return a recording as its campaign says, calibrated and tared, what was taken off [N], and what is doubtful."""
+            fix="correct the unit of the time column or the rate; the time stamps were used",
             severity="warning",
         ),
     )
@@ -230,7 +228,7 @@ def _rate_problem(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> tup
 def tared_trace(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording
 ) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
-    """Return a recording as its campaign says, calibrated and tared, with what was taken off [N] and what is doubtful."""
+    """Return a recording calibrated and tared as its campaign says, what was taken off [N], and what is doubtful."""
     calibration = None
     if spec.cell and campaign.adc is not None:
         calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)

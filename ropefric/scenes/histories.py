@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.systems.press.transient.result import StartUp
+from ropefric.systems.press.transient.start_up import StartUp
 
 
 def start_up_columns(found: StartUp) -> dict[str, FloatArray]:

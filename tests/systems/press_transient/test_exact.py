@@ -11,12 +11,10 @@ from hypothesis import strategies as st
 from ropefric.errors import InputError
 from ropefric.systems.press.statics import has_balance, incidence, load_torques_N_m, radii_m, solve_statics
 from ropefric.systems.press.steady import speed_shift_kg_m
-from ropefric.systems.press.transient.energy import energies_of
-from ropefric.systems.press.transient.exponential import Propagator
-from ropefric.systems.press.transient.ingredients import Ingredients
-from ropefric.systems.press.transient.model import elastic_press
-from ropefric.systems.press.transient.rest import settled_tension_N
-from ropefric.systems.press.transient.start_up import start_up
+from ropefric.systems.press.transient.exact import Propagator
+from ropefric.systems.press.transient.model import MOVING, elastic_press
+from ropefric.systems.press.transient.motion import settled_tension_N
+from ropefric.systems.press.transient.start_up import energies_of, start_up
 
 POWERS = 6
 
@@ -114,7 +112,7 @@ def test_a_start_up_ends_in_the_steady_run(kit, EA_N, eta_s):
     loads = load_torques_N_m(press) / radii_m(press)
     np.testing.assert_allclose(net[has_balance(press)], loads[has_balance(press)], atol=1e-8)
     motion = problem.motion
-    w = np.concatenate([states[0, :-POWERS], problem.inputs.at(np.array([60.0]))[0]])
+    w = np.concatenate([states[0, :-POWERS], problem.inputs.at(60.0)])
     np.testing.assert_allclose(motion.rim_speed_m_s @ w, kit.speed_m_s, rtol=1e-9)
 
 
@@ -137,7 +135,7 @@ def test_the_steady_run_is_that_of_the_paper_s_equations(kit):
 def test_what_speed_does_to_the_tensions(kit, k1):
     """dT' = −ρAv²/(1 + s) with the belt's stiffness from its free spans, which is what the model stretches."""
     press = kit.small(k1=k1)
-    model = elastic_press(press, ingredients=Ingredients())
+    model = elastic_press(press)
     still, run = (settled_tension_N(model, speed_m_s=v) for v in (0.0, 2.0))
     c = 8.0 * 4.0
     s = 4.0 * (2e5 / (0.8 + 1.0 + 1.3)) / k1
@@ -176,7 +174,7 @@ def test_loads_from_the_start_begin_in_balance_with_them(kit):
         ({"time_s": []}, "finite times"),
         ({"loads": "sometimes"}, "unknown"),
         ({"friction": 0.3, "integrator": "rk4"}, "exactly between"),
-        ({"friction": 0.3, "ingredients": Ingredients(arc_inertia=False)}, "own mass"),
+        ({"friction": 0.3, "effects": MOVING - {"arc-inertia"}}, "own mass"),
         ({"friction": -0.3}, "positive"),
     ],
 )

@@ -143,7 +143,7 @@ WRONG = {
     ),
     "span names": (lambda p: replace(p, span_names=("a",)), "1 names for 14 spans: 1-2, 2-3"),
     "repeated span name": (lambda p: replace(p, span_names=("a",) * 14), "14 span_names are called 'a'"),
-    "speed": (lambda p: replace(p, speed_m_s=float("inf")), "the speed is inf m/s"),
+    "speed": (lambda p: replace(p, speed_m_s=float("inf")), "speed_m_s is inf"),
     "no belts": (lambda p: replace(p, belts=()), "a press without belts moves nothing"),
     "slack geometry": (
         lambda p: with_roller(

@@ -13,6 +13,7 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.critical import sweep_press
 from ropefric.systems.press.slip import (
     MEASURES,
     Contact,
@@ -23,7 +24,6 @@ from ropefric.systems.press.slip import (
 )
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
-from ropefric.systems.press.sweep import over_preload, over_speed, rim_speed_m_s
 
 MEASURED = ("as_printed", "as_plotted", "utilisation", "log", "mu_required")
 # belt_press.md, section 4: 50 rpm, 2000 N, μ = 1.2, closure "share".
@@ -75,8 +75,8 @@ def test_measures_are_described_and_misses_are_named(paper_slip):
 @pytest.fixture(scope="module")
 def trends(paper_press, paper_data):
     statics = solve_statics(paper_press)
-    preload = over_preload(statics, paper_data["mu"], preload_N=np.linspace(1500, 4000, 11))
-    speed = over_speed(statics, paper_data["mu"], speed_m_s=rim_speed_m_s(np.linspace(0, 100, 11), 0.175))
+    preload = sweep_press(statics, paper_data["mu"], preload_N=np.linspace(1500, 4000, 11))
+    speed = sweep_press(statics, paper_data["mu"], speed_m_s=2 * np.pi / 60 * 0.175 * np.linspace(0, 100, 11))
     return preload, speed
 
 

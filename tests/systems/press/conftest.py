@@ -8,7 +8,7 @@ import pytest
 
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 
-PUBLISHED = Path(__file__).parents[2] / "data" / "published"
+PUBLISHED = Path(__file__).parents[3] / "data" / "published"
 UPPER = ("1", "2", "3", "4", "5", "6", "7", "8", "9")
 LOWER = ("9", "10", "11", "12", "13", "5", "6", "7", "8")
 

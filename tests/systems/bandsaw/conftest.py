@@ -10,7 +10,7 @@ from ropefric.systems.bandsaw.drive import tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.saw import Saw, Side
 from ropefric.systems.bandsaw.section import STEEL_85_09
 
-PUBLISHED = Path(__file__).parents[2] / "data" / "published"
+PUBLISHED = Path(__file__).parents[3] / "data" / "published"
 
 
 def rows(name):

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.systems.press.transient.energy import elastic_energy_J, kinetic_energy_J
-from ropefric.systems.press.transient.ingredients import Ingredients
-from ropefric.systems.press.transient.model import elastic_press, standstill_tension_N
+from ropefric.systems.press.transient.model import MOVING, elastic_press, standstill_tension_N
+from ropefric.systems.press.transient.motion import elastic_energy_J, kinetic_energy_J
 
 
 def written_out(kit, press, model, *, way_m, speed_m_s, travel_m, travel_speed, v, g):
@@ -75,9 +74,7 @@ def test_the_papers_press_span_by_span(kit, random_state):
 
 
 def test_undamped_forces_are_the_gradient_of_the_energy(kit, random_state):
-    problem = kit.problem(
-        kit.paper(), ingredients=Ingredients(belt_damping=False, tensioner_damping=False, centrifugal=False)
-    )
+    problem = kit.problem(kit.paper(), effects={"arc-inertia"})
     motion = problem.motion
     n_q = motion.n_coordinates
     u = np.zeros(motion.n_inputs)
@@ -103,18 +100,18 @@ def test_standstill_is_at_rest_and_balances_the_tensioners(kit):
     np.testing.assert_allclose(preload, [upper] * 4 + [upper + lower] * 4 + [upper] + [lower] * 5, rtol=1e-14)
     problem = kit.problem(press)
     assert np.abs(problem.start).max() < 1e-15
-    assert np.abs(problem.rate(problem.start, problem.input_at(0, 0.0))).max() < 1e-9
+    assert np.abs(problem.rate(problem.start, problem.inputs.at(0.0))).max() < 1e-9
 
 
-@pytest.mark.parametrize("part", ["arc_inertia", "belt_damping", "tensioner_damping", "centrifugal"])
+@pytest.mark.parametrize("part", sorted(MOVING))
 def test_what_is_left_out_is_absent(kit, part):
-    model = elastic_press(kit.paper(), ingredients=Ingredients(**{part: False}))
+    model = elastic_press(kit.paper(), effects=MOVING - {part})
     whole = elastic_press(kit.paper())
     fields = {
-        "arc_inertia": "arc_mass_kg",
-        "belt_damping": "damping_N_s_m",
-        "tensioner_damping": "tensioner_damping_N_s_m",
-        "centrifugal": "density_kg_m",
+        "arc-inertia": "arc_mass_kg",
+        "belt-damping": "damping_N_s_m",
+        "tensioner-damping": "tensioner_damping_N_s_m",
+        "belt-inertia": "density_kg_m",
     }
     for name, field in fields.items():
         assert getattr(model, field).any() == (name != part)

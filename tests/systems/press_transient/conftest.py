@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.inputs import press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
+from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings
 from ropefric.systems.press.transient.model import elastic_press
-from ropefric.systems.press.transient.problem import LinearStartUp
 
 RADII_MM = [175, 75, 75, 75, 250, 200, 175, 150, 100, 175, 75, 75, 75]
 WRAPS_DEG = [177.6, 28.1, 163.3, 28.1, 56.7, 131.8, 157.0, 147.2, 91.1, 81.4, 79.6, 64.1, 126.1]

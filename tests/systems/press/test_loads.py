@@ -100,9 +100,9 @@ def test_a_load_is_no_negative_number(value):
 
 
 def test_what_is_divided_by_is_not_zero():
-    with pytest.raises(InputError, match="radius_m is zero"):
+    with pytest.raises(InputError, match="radius_m is 0; it must be finite and positive"):
         implied_squeeze_N_m(1.0, belt_width_m=2, radius_m=0.0)
-    with pytest.raises(InputError, match="sludge_height_m is zero"):
+    with pytest.raises(InputError, match="sludge_height_m is 0"):
         implied_drag_kg_m2(1.0, belt_width_m=2, radius_m=1.0, sludge_height_m=0.0)
-    with pytest.raises(InputError, match="youngs_modulus_Pa is zero"):
+    with pytest.raises(InputError, match="youngs_modulus_Pa is 0"):
         distortion_energy_J_m3(strength_Pa=1.0, poisson_ratio=0.3, youngs_modulus_Pa=0.0)

@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, SolverError, UnknownNameError
-from ropefric.systems.press.transient.ingredients import Ingredients
-from ropefric.systems.press.transient.integrators import INTEGRATORS
-from ropefric.systems.press.transient.model import elastic_press
-from ropefric.systems.press.transient.spectrum import rk4_limit_s, spectrum_of
+from ropefric.systems.press.transient.integrators import INTEGRATORS, rk4_limit_s
+from ropefric.systems.press.transient.model import MOVING
 
 TIMES_S = np.linspace(0.0, 1.5, 16)
 
@@ -64,32 +62,35 @@ def test_the_frequencies_and_limits_of_the_science_page(kit):
     """Within the page's ranges, which leave the span lengths open: 6 to 67 Hz, 7, 1.7, 3.0 and 0.32 ms."""
 
     def of(EA_N, eta_s):
-        return spectrum_of(elastic_press(kit.paper(EA_N=EA_N, eta_s=eta_s)))
+        return kit.problem(kit.paper(EA_N=EA_N, eta_s=eta_s)).eigenvalues
 
-    frequencies = of(2e6, 0.0).frequencies_Hz
+    frequencies = np.sort(np.abs(of(2e6, 0.0).imag)) / (2.0 * np.pi)
     assert frequencies[0] == pytest.approx(6.0, rel=0.2)
     assert frequencies[-1] == pytest.approx(67.0, rel=0.2)
     page_ms = {(2e6, 0.0): 7.0, (2e6, 1e-2): 1.7, (1e7, 0.0): 3.0, (1e7, 1e-2): 0.32}
     for (EA_N, eta_s), limit_ms in page_ms.items():
-        assert 1e3 * rk4_limit_s(of(EA_N, eta_s).eigenvalues) == pytest.approx(limit_ms, rel=0.3)
+        assert 1e3 * rk4_limit_s(of(EA_N, eta_s)) == pytest.approx(limit_ms, rel=0.3)
     # Where nothing is damped the limit is 2√2 over the highest frequency.
-    free = rk4_limit_s(of(2e6, 0.0).eigenvalues)
+    free = rk4_limit_s(of(2e6, 0.0))
     assert free == pytest.approx(np.sqrt(8.0) / (2.0 * np.pi * frequencies[-1]), rel=1e-4)
 
 
 def test_the_tensioners_damping_alone_leaves_motions_that_hardly_decay(kit):
-    slowest = spectrum_of(elastic_press(kit.paper(eta_s=0.0))).decay_rates_1_s[0]
+    def decay_rates_1_s(press, **model):
+        return np.sort(-kit.problem(press, **model).eigenvalues.real)
+
+    slowest = decay_rates_1_s(kit.paper(eta_s=0.0))[0]
     assert 0.5e-6 < slowest < 5e-6  # the page: "down to 2e-6 1/s"
-    assert spectrum_of(elastic_press(kit.paper(eta_s=1e-2))).decay_rates_1_s[0] > 1.0
-    bare = Ingredients(belt_damping=False, tensioner_damping=False)
-    undamped = spectrum_of(elastic_press(kit.paper(), ingredients=bare))
-    assert np.abs(undamped.decay_rates_1_s).max() < 1e-9 * np.abs(undamped.eigenvalues).max()
+    assert decay_rates_1_s(kit.paper(eta_s=1e-2))[0] > 1.0
+    bare = {"effects": MOVING - {"belt-damping", "tensioner-damping"}}
+    undamped = kit.problem(kit.paper(), **bare).eigenvalues
+    assert np.abs(decay_rates_1_s(kit.paper(), **bare)).max() < 1e-9 * np.abs(undamped).max()
 
 
 def test_the_jacobian_is_the_derivative_of_the_rate(case, random_state):
     problem, _ = case
     y = np.concatenate([1e-3 * random_state.standard_normal(problem.n_state), np.zeros(6)])
-    u = problem.input_at(0, 0.4)
+    u = problem.inputs.at(0.4, 0)
     rows = 1e-5 * np.eye(len(y))
     columns = [(problem.rate(y + row, u) - problem.rate(y - row, u)) / 2e-5 for row in rows]
     scale = np.abs(columns).max()

@@ -1,4 +1,7 @@
-"""Levenberg-Marquardt on thousands of data sets at once, inside bounds, with the analytic Jacobian of the law."""
+"""Levenberg-Marquardt on thousands of data sets at once, inside bounds, with the analytic Jacobian of the law.
+
+The one engine of every fit: of a law from several starts, of resamples, of profiles, of laws on condition means.
+"""
 
 from dataclasses import dataclass, field
 
@@ -7,10 +10,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.bounded_step import bounded_steps
-from ropefric.fitting.curvature import learnt_curvature, usable
-from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.reduced import Reduced, reduced
+from ropefric.fitting.problem import FitProblem, Loss, Reduced, reduced
 
 _EPS = float(np.finfo(np.float64).eps)
 _FIRST_DAMPING = 1e-4
@@ -23,6 +23,17 @@ _CAUTION = 20.0
 _HOPELESS_DAMPING = 1e14
 # ln F_A from a closed form carries an error of this relative size, so a step that moves it less is rounding.
 _MODEL_ROUNDING = 1e-14
+# Keeps the scaled normal equations invertible where the data do not see a direction at all.
+_RIDGE = 1e-13
+# Near the smallest floats a square is held only in part.
+_NOTHING = 1e-280
+# A scaled gradient below this is rounding.
+_PUSH = 1e-12
+# A secant update divides by vᵀs; where that nearly vanishes it says nothing.
+_SKIP = 1e-8
+# The least part of JᵀJ that must remain in every direction.
+_REMAINS = 0.05
+_POSITIVE = 1e-11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,6 +54,7 @@ def batched_fit(
     std: npt.ArrayLike | None = None,
     multiplicity: npt.ArrayLike | None = None,
     vary: npt.ArrayLike | None = None,
+    loss: Loss = "linear",
     tolerance: float = 1e-9,
     max_iterations: int = 300,
 ) -> BatchFit:
@@ -53,9 +65,8 @@ def batched_fit(
     (`bounded_steps`). Data sets that are done leave the batch. Repeats of a condition are summed first, so the law
     is evaluated once per distinct condition.
     """
-    data = reduced(
-        problem, *(None if x is None else np.asarray(x, np.float64) for x in (log_lift, std, multiplicity))
-    )
+    given = (None if x is None else np.asarray(x, np.float64) for x in (log_lift, std, multiplicity))
+    data = reduced(problem, *given, loss=loss)
     p = problem.start.size
     theta = np.atleast_2d(np.asarray(problem.start if starts is None else starts, dtype=np.float64))
     free = np.atleast_2d(np.asarray(problem.vary if vary is None else vary, dtype=np.bool_))
@@ -236,3 +247,90 @@ class _Search:
         new = np.where(gain > 0.75, lowered, np.where(gain < 0.25, 2.0 * old, old))
         self.damping[rows] = np.where(better, new, raised)
         self.alive[rows[raised > _HOPELESS_DAMPING]] = False
+
+
+def bounded_steps(
+    normal: FloatArray,
+    downhill: FloatArray,
+    *,
+    curvature: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    vary: BoolArray,
+    damping: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the steps that lower ‖r + J s‖² + sᵀS s most among those inside the bounds, and their squared length.
+
+    The columns are scaled to unit length first, so parameters of any units are solved alike. A parameter that
+    presses against its bound is held there, one that would pass it stops at it, and the others are solved again
+    with that known, until no parameter wants to change sides (or 2 p rounds are over).
+    """
+    whole = normal + curvature
+    scale = column_scale(whole)
+    A = whole / (scale[:, :, np.newaxis] * scale[:, np.newaxis, :])
+    b = downhill / scale
+    floor, roof = low * scale, high * scale
+    held = ~vary | ((low >= 0.0) & (b < 0.0)) | ((high <= 0.0) & (b > 0.0))
+    stop = np.zeros(b.shape)
+    step = _solve(A, b, damping, held, stop)
+    for _ in range(2 * b.shape[1]):
+        beyond = ~held & ((step < floor) | (step > roof))
+        inward = held & vary
+        if not (np.count_nonzero(beyond) or np.count_nonzero(inward)):
+            break
+        if np.count_nonzero(inward):
+            push = b - np.einsum("mij,mj->mi", A, step)
+            inward &= np.where(step <= floor, push > _PUSH, push < -_PUSH)
+            # Letting go waits until nothing is beyond a bound, or two parameters could swap for ever.
+            inward &= ~beyond.any(axis=1, keepdims=True)
+        again = np.flatnonzero((beyond | inward).any(axis=1))
+        if not again.size:
+            break
+        stop = np.where(beyond, np.clip(step, floor, roof), np.where(inward, 0.0, stop))
+        held = (held | beyond) & ~inward
+        step[again] = _solve(A[again], b[again], damping[again], held[again], stop[again])
+    step = np.minimum(np.maximum(step / scale, low), high)
+    # Two products of two: einsum is slow with three.
+    length2 = ((normal @ step[:, :, np.newaxis])[:, :, 0] * step).sum(axis=1)
+    return step, np.maximum(length2, 0.0)
+
+
+def column_scale(normal: FloatArray) -> FloatArray:
+    """Return the lengths of the columns of J from JᵀJ, shape (m, p), and 1 where there is none."""
+    square = normal.diagonal(axis1=1, axis2=2)
+    return np.sqrt(np.where(square > _NOTHING, square, 1.0))
+
+
+def _solve(
+    A: FloatArray, b: FloatArray, damping: FloatArray, held: BoolArray, fixed: FloatArray
+) -> FloatArray:
+    """Return the minimum over the parameters that are not held, the others standing at their fixed steps."""
+    system, right = A, b
+    if np.count_nonzero(held):
+        system = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, A)
+        right = np.where(held, fixed, b - np.einsum("mij,mj->mi", A, fixed))
+    system = np.array(system, order="C")
+    # The diagonal is a view: what is added to it is added to the system.
+    diagonal = system.reshape(len(b), -1)[:, :: b.shape[1] + 1]
+    diagonal += np.where(diagonal > 0.0, damping[:, np.newaxis] + _RIDGE, 1.0)
+    return np.asarray(np.linalg.solve(system, right[..., np.newaxis])[..., 0])
+
+
+def learnt_curvature(
+    curvature: FloatArray, normal: FloatArray, step: FloatArray, change: FloatArray
+) -> FloatArray:
+    """Return S after a step, so that JᵀJ + S explains how the gradient changed over it."""
+    v = change - np.einsum("mij,mj->mi", normal + curvature, step)
+    along = np.einsum("mi,mi->m", v, step)
+    size = np.sqrt((v**2).sum(axis=1) * (step**2).sum(axis=1))
+    good = np.abs(along) > _SKIP * size
+    update = v[:, :, np.newaxis] * v[:, np.newaxis, :] / np.where(good, along, 1.0)[:, np.newaxis, np.newaxis]
+    return np.where(good[:, np.newaxis, np.newaxis], curvature + update, curvature)
+
+
+def usable(normal: FloatArray, curvature: FloatArray) -> BoolArray:
+    """Return where JᵀJ + S is safely positive definite, shape (m,): elsewhere a step might lead uphill."""
+    scale = column_scale(normal + curvature)
+    units = scale[:, :, np.newaxis] * scale[:, np.newaxis, :]
+    remains = ((1.0 - _REMAINS) * normal + curvature) / units
+    return np.asarray(np.linalg.eigvalsh(remains)[:, 0] > _POSITIVE)

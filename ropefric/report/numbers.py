@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.fitting.predict import REGRESSORS
 
 
 def plain(value: float | None, form: str = ".4g") -> str:

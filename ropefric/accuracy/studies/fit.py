@@ -10,7 +10,6 @@ from scipy.optimize import least_squares
 from ropefric.accuracy.assess import Counted, largest_error
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
 from ropefric.arrays import FloatArray
-from ropefric.fitting import nonlinear
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions
@@ -101,16 +100,6 @@ def _settings(case: str) -> tuple[Setting, ...]:
             quick=tolerance in _QUICK_TOLERANCES,
         )
 
-    def by_house(residuals: Callable[[FloatArray], FloatArray], slopes: Any) -> FloatArray:
-        return nonlinear.least_squares(
-            residuals, slopes, problem.start, lower=problem.lower, upper=problem.upper
-        ).theta
-
-    def assess_house() -> Outcome:
-        residuals, slopes = Counted(problem.residuals), Counted(problem.jacobian)
-        error = largest_error(by_house(residuals, slopes), exact)
-        return Outcome(error=error, evaluations=float(residuals.calls + slopes.calls))
-
     ways = (
         ("2-point Jacobian", "2-point"),
         ("3-point Jacobian", "3-point"),
@@ -119,12 +108,6 @@ def _settings(case: str) -> tuple[Setting, ...]:
     return (
         *(scipy_setting(name, jacobian, tolerance) for name, jacobian in ways for tolerance in _TOLERANCES),
         *(batched_setting(tolerance) for tolerance in _TOLERANCES),
-        Setting(
-            method="ropefric, one by one",
-            setting="",
-            call=lambda: by_house(problem.residuals, problem.jacobian),
-            assess=assess_house,
-        ),
     )
 
 
@@ -134,7 +117,7 @@ STUDY = Study(
     question="What does an analytic Jacobian save, and how tight must the tolerance be for the digits wanted?",
     reference="minimiser of the same sum of squares in 50-digit arithmetic (mpmath)",
     counted="evaluations of the law or of its slopes at all pulls",
-    used="analytic Jacobian, one fit by one or batched",
+    used="analytic Jacobian, batched",
     cases=(
         Case(
             name="wide",

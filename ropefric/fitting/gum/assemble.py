@@ -3,12 +3,12 @@
 from typing import Literal
 
 from ropefric.errors import InputError
-from ropefric.fitting.extrapolation import outside_words
 from ropefric.fitting.gum.forces import coefficient_model, force_model
 from ropefric.fitting.gum.lift import WheelUncertainty, lift_model
 from ropefric.fitting.gum.measured import MeasuredCondition
 from ropefric.fitting.gum.quantity import normal
 from ropefric.fitting.gum.statement import BudgetStatus, Statement, state_uncertainty
+from ropefric.fitting.predict import outside_words
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 

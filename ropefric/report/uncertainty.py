@@ -7,8 +7,7 @@ from ropefric.fitting.gum.budget import BudgetLine
 from ropefric.fitting.gum.propagation import DISAGREEMENT, numerical_tolerance
 from ropefric.fitting.gum.quantity import Quantity
 from ropefric.fitting.gum.statement import Statement
-from ropefric.report.numbers import interval, plain
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, Table, interval, plain
 
 _HEADINGS = (
     "source",

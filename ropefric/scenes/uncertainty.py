@@ -8,8 +8,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.fitting.propagation import quantile
-from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.kind import Quantity
+from ropefric.scenes.scene import FrictionSource
 from ropefric.systems.friction import WrapFriction
 
 _STEP = 1e-3

@@ -3,7 +3,7 @@
 The one engine of every fit: of a law from several starts, of resamples, of profiles, of laws on condition means.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,8 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem, Loss, Reduced, reduced
+
+Rows = npt.NDArray[np.intp]
 
 _EPS = float(np.finfo(np.float64).eps)
 _FIRST_DAMPING = 1e-4
@@ -84,50 +86,28 @@ def batched_fit(
     m = lengths.pop() if lengths else 1
     free = np.broadcast_to(free, (m, p))
     theta = np.where(free, np.clip(theta, problem.lower, problem.upper), theta)
-    search = _Search(data=data, problem=problem, theta=np.broadcast_to(theta, (m, p)).copy(), vary=free)
-    search.begin(same_start=bool((theta == theta[0]).all()))
-    steps = search.run(tolerance, max_iterations)
-    return BatchFit(theta=search.theta, chi2=search.chi2, converged=search.converged, n_iterations=steps)
+    batch = _Batch(data, problem, np.broadcast_to(theta, (m, p)).copy(), free)
+    steps = batch.run(tolerance, max_iterations)
+    return BatchFit(theta=batch.theta, chi2=batch.chi2, converged=batch.converged, n_iterations=steps)
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
-class _Search:
+class _Batch:
     """The state of m fits on their way; one row a data set."""
 
-    data: Reduced
-    problem: FitProblem
-    theta: FloatArray
-    vary: BoolArray
-    chi2: FloatArray = field(init=False)
-    normal: FloatArray = field(init=False)
-    downhill: FloatArray = field(init=False)
-    curvature: FloatArray = field(init=False)
-    damping: FloatArray = field(init=False)
-    last_length2: FloatArray = field(init=False)
-    slow: BoolArray = field(init=False)
-    converged: BoolArray = field(init=False)
-    alive: BoolArray = field(init=False)
-    curved: bool = False
-
-    def begin(self, *, same_start: bool) -> None:
+    def __init__(self, data: Reduced, problem: FitProblem, theta: FloatArray, vary: BoolArray) -> None:
         """Evaluate the starts; where the law has no answer, try the problem's own start."""
-        m = len(self.theta)
-        rows = np.arange(m)
-        shared = self.data.evaluate_shared(self.theta[0], m) if same_start else None
-        if shared is not None:
-            self.chi2, self.normal, self.downhill = shared
-        else:
-            nowhere = np.full(m, np.inf)
-            self.chi2, self.normal, self.downhill = self.data.evaluate(self.theta, rows, nowhere)
-            lost = np.flatnonzero(~np.isfinite(self.chi2))
-            if lost.size:
-                self.theta[lost] = np.where(self.vary[lost], self.problem.start, self.theta[lost])
-                self.chi2[lost], self.normal[lost], self.downhill[lost] = self.data.evaluate(
-                    self.theta[lost], lost, nowhere[lost]
-                )
-        self.curvature = np.zeros_like(self.normal)
-        self.damping = np.zeros(m)
-        self.last_length2 = np.full(m, np.inf)
+        self.data, self.problem, self.theta, self.vary = data, problem, theta, vary
+        m, nowhere = len(theta), np.full(len(theta), np.inf)
+        shared = data.evaluate_shared(theta[0], m) if (theta == theta[0]).all() else None
+        if shared is None:
+            shared = data.evaluate(theta, np.arange(m), nowhere)
+            lost = np.flatnonzero(~np.isfinite(shared[0]))
+            theta[lost] = np.where(vary[lost], problem.start, theta[lost])
+            for whole, again in zip(shared, data.evaluate(theta[lost], lost, nowhere[lost]), strict=True):
+                whole[lost] = again
+        self.chi2, self.normal, self.downhill = shared
+        self.curvature, self.curved = np.zeros_like(self.normal), False
+        self.damping, self.last_length2 = np.zeros(m), nowhere
         self.slow = np.zeros(m, dtype=np.bool_)
         self.converged = np.zeros(m, dtype=np.bool_)
         self.alive = np.isfinite(self.chi2)
@@ -159,17 +139,17 @@ class _Search:
                 step[damped], length2[damped] = self._propose(rows[damped], self.damping[rows[damped]])
                 final[damped] = False
             slack = np.where(blind, 4.0 * blur, 0.0)
-            if not np.count_nonzero(done):
+            if np.count_nonzero(done):
+                self.converged[rows[done]] = True
+                self.alive[rows[done]] = False
+                left = ~done
+                rows, step, length2 = rows[left], step[left], length2[left]
+                slack, final = slack[left], final[left]
+            if rows.size:
                 self._try(rows, step, length2, slack, final)
-                continue
-            self.converged[rows[done]] = True
-            self.alive[rows[done]] = False
-            left = (~done).nonzero()[0]
-            if left.size:
-                self._try(rows[left], step[left], length2[left], slack[left], final[left])
         return max_iterations
 
-    def _propose(self, rows: npt.NDArray[np.intp], damping: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _propose(self, rows: Rows, damping: FloatArray) -> tuple[FloatArray, FloatArray]:
         at = slice(None) if rows.size == len(self.theta) else rows
         theta = self.theta[at]
         return bounded_steps(
@@ -183,70 +163,44 @@ class _Search:
         )
 
     def _try(
-        self,
-        rows: npt.NDArray[np.intp],
-        step: FloatArray,
-        length2: FloatArray,
-        slack: FloatArray,
-        final: BoolArray,
+        self, rows: Rows, step: FloatArray, length2: FloatArray, slack: FloatArray, final: BoolArray
     ) -> None:
         """Take the steps that lower χ² (or keep it within a slack), and learn from how well that was foretold."""
-        theta, old = self.theta[rows], self.chi2[rows]
+        theta, old, damping = self.theta[rows], self.chi2[rows], self.damping[rows]
         inside = np.minimum(np.maximum(theta + step, self.problem.lower), self.problem.upper)
         trial = np.where(self.vary[rows], inside, theta)
         limit = np.where(slack > 0.0, old + slack, np.nextafter(old, 0.0))
         chi2, normal, downhill = self.data.evaluate(trial, rows, np.where(final, -1.0, limit))
         better = chi2 <= limit
+        all_better = np.count_nonzero(better) == better.size
         # Undamped steps that succeed stay undamped, whatever they gained.
-        if np.count_nonzero(self.damping[rows]) or np.count_nonzero(better) < better.size:
-            gain = self._gain(rows, step, length2, old - np.where(better, chi2, old))
-            self._adapt(rows, np.where(slack > 0.0, 1.0, gain), better)
-        self._learn(rows, step, better & ~final, normal, downhill)
+        if np.count_nonzero(damping) or not all_better:
+            bend = np.einsum("mi,mi->m", np.einsum("mij,mj->mi", self.curvature[rows], step), step)
+            foretold = 2.0 * np.einsum("mi,mi->m", step, self.downhill[rows]) - length2 - bend
+            gain = (old - np.where(better, chi2, old)) / np.where(foretold > 0.0, foretold, np.inf)
+            gain = np.where(slack > 0.0, 1.0, gain)
+            # Damp more after a step that failed or gained little of what was foretold, less after a good one.
+            raised = np.where(damping > 0.0, _RAISE * damping, _FIRST_DAMPING)
+            lowered = np.where(damping > _NO_DAMPING, damping * _LOWER, 0.0)
+            new = np.where(gain > 0.75, lowered, np.where(gain < 0.25, 2.0 * damping, damping))
+            self.damping[rows] = np.where(better, new, raised)
+            self.alive[rows[raised > _HOPELESS_DAMPING]] = False
+        # Learn the model's curvature where Gauss-Newton alone is slow; forget it where a step failed.
+        if self.curved:
+            self.curvature[rows[~better]] = 0.0
+        use = better & ~final & self.slow[rows]
+        if np.count_nonzero(use):
+            self.curved, taken = True, rows[use]
+            change = self.downhill[taken] - downhill[use]
+            self.curvature[taken] = _learnt(self.curvature[taken], normal[use], step[use], change)
         arrived = rows[better & final]
-        if np.count_nonzero(better) < better.size:
+        if not all_better:
             rows, trial, chi2 = rows[better], trial[better], chi2[better]
             normal, downhill = normal[better], downhill[better]
         self.theta[rows], self.chi2[rows] = trial, chi2
         self.normal[rows], self.downhill[rows] = normal, downhill
         self.converged[arrived] = True
         self.alive[arrived] = False
-
-    def _learn(
-        self,
-        rows: npt.NDArray[np.intp],
-        step: FloatArray,
-        better: BoolArray,
-        normal: FloatArray,
-        downhill: FloatArray,
-    ) -> None:
-        """Learn the model's curvature where Gauss-Newton alone is slow; forget it where a step failed."""
-        if self.curved:
-            self.curvature[rows[~better]] = 0.0
-        use = better & self.slow[rows]
-        if not np.count_nonzero(use):
-            return
-        self.curved = True
-        taken = rows[use]
-        change = self.downhill[taken] - downhill[use]
-        S = learnt_curvature(self.curvature[taken], normal[use], step[use], change)
-        self.curvature[taken] = np.where(usable(normal[use], S)[:, np.newaxis, np.newaxis], S, 0.0)
-
-    def _gain(
-        self, rows: npt.NDArray[np.intp], step: FloatArray, length2: FloatArray, fallen: FloatArray
-    ) -> FloatArray:
-        """Return how much χ² fell as a part of what the step foretold."""
-        bend = np.einsum("mi,mi->m", np.einsum("mij,mj->mi", self.curvature[rows], step), step)
-        foretold = 2.0 * np.einsum("mi,mi->m", step, self.downhill[rows]) - length2 - bend
-        return np.asarray(fallen / np.where(foretold > 0.0, foretold, np.inf))
-
-    def _adapt(self, rows: npt.NDArray[np.intp], gain: FloatArray, better: BoolArray) -> None:
-        """Damp more after a step that failed or gained little of what was foretold, less after a good one."""
-        old = self.damping[rows]
-        raised = np.where(old > 0.0, _RAISE * old, _FIRST_DAMPING)
-        lowered = np.where(old > _NO_DAMPING, old * _LOWER, 0.0)
-        new = np.where(gain > 0.75, lowered, np.where(gain < 0.25, 2.0 * old, old))
-        self.damping[rows] = np.where(better, new, raised)
-        self.alive[rows[raised > _HOPELESS_DAMPING]] = False
 
 
 def bounded_steps(
@@ -266,7 +220,7 @@ def bounded_steps(
     with that known, until no parameter wants to change sides (or 2 p rounds are over).
     """
     whole = normal + curvature
-    scale = column_scale(whole)
+    scale = _column_scale(whole)
     A = whole / (scale[:, :, np.newaxis] * scale[:, np.newaxis, :])
     b = downhill / scale
     floor, roof = low * scale, high * scale
@@ -295,7 +249,7 @@ def bounded_steps(
     return step, np.maximum(length2, 0.0)
 
 
-def column_scale(normal: FloatArray) -> FloatArray:
+def _column_scale(normal: FloatArray) -> FloatArray:
     """Return the lengths of the columns of J from JᵀJ, shape (m, p), and 1 where there is none."""
     square = normal.diagonal(axis1=1, axis2=2)
     return np.sqrt(np.where(square > _NOTHING, square, 1.0))
@@ -316,21 +270,19 @@ def _solve(
     return np.asarray(np.linalg.solve(system, right[..., np.newaxis])[..., 0])
 
 
-def learnt_curvature(
-    curvature: FloatArray, normal: FloatArray, step: FloatArray, change: FloatArray
-) -> FloatArray:
-    """Return S after a step, so that JᵀJ + S explains how the gradient changed over it."""
+def _learnt(curvature: FloatArray, normal: FloatArray, step: FloatArray, change: FloatArray) -> FloatArray:
+    """Return what Gauss-Newton leaves out, the second derivatives of the model, learnt from the steps themselves.
+
+    JᵀJ + S explains how the gradient changed over the last step. S is zero where that is not safely positive definite:
+    there a step might lead uphill.
+    """
     v = change - np.einsum("mij,mj->mi", normal + curvature, step)
     along = np.einsum("mi,mi->m", v, step)
     size = np.sqrt((v**2).sum(axis=1) * (step**2).sum(axis=1))
     good = np.abs(along) > _SKIP * size
     update = v[:, :, np.newaxis] * v[:, np.newaxis, :] / np.where(good, along, 1.0)[:, np.newaxis, np.newaxis]
-    return np.where(good[:, np.newaxis, np.newaxis], curvature + update, curvature)
-
-
-def usable(normal: FloatArray, curvature: FloatArray) -> BoolArray:
-    """Return where JᵀJ + S is safely positive definite, shape (m,): elsewhere a step might lead uphill."""
-    scale = column_scale(normal + curvature)
-    units = scale[:, :, np.newaxis] * scale[:, np.newaxis, :]
-    remains = ((1.0 - _REMAINS) * normal + curvature) / units
-    return np.asarray(np.linalg.eigvalsh(remains)[:, 0] > _POSITIVE)
+    S = np.where(good[:, np.newaxis, np.newaxis], curvature + update, curvature)
+    scale = _column_scale(normal + S)
+    remains = ((1.0 - _REMAINS) * normal + S) / (scale[:, :, np.newaxis] * scale[:, np.newaxis, :])
+    safe = np.linalg.eigvalsh(remains)[:, 0] > _POSITIVE
+    return np.where(safe[:, np.newaxis, np.newaxis], S, 0.0)

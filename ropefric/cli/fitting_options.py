@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from ropefric.fitting.judgement import Verdict
     from ropefric.fitting.result import FitResult
+    from ropefric.fitting.verdict import Verdict
     from ropefric.report.section import Section
     from ropefric.trials.table import TrialTable
 

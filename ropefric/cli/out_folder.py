@@ -44,7 +44,7 @@ def open_campaign_folder(
     campaign: "Campaign", path: Path, *, answers: bool = True, force: bool
 ) -> "OutputFolder":
     """Return the folder of a campaign's results, to be used as a context; see `campaign_folder`."""
-    from ropefric.pipeline.folder import campaign_folder  # noqa: PLC0415  (quick start-up)
+    from ropefric.pipeline.run import campaign_folder  # noqa: PLC0415  (quick start-up)
 
     _lend_a_place(path)
     return campaign_folder(campaign, path, answers=answers, force=force)

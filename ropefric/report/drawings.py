@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from ropefric.fitting.extrapolation import REGRESSORS
-from ropefric.pipeline.answer import CampaignAnswer
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline.evidence import Evidence
+from ropefric.pipeline.run import CampaignAnswer
 from ropefric.plotting.budget import draw_budget
 from ropefric.plotting.capstan_plot import draw_capstan
 from ropefric.plotting.design_chart import draw_design_chart

@@ -16,7 +16,7 @@ from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
-from ropefric.traces.calibration import Adc
+from ropefric.traces.chain import Adc
 from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.settings import SIDES
@@ -125,6 +125,7 @@ def _read(
     rate_Hz = model.import_.sampling_rate_Hz or (model.sampling.rate if model.sampling else None)
     campaign = Campaign(
         path=Path(path),
+        trial_list=parent / trials_path,
         folder=folder,
         name=model.name,
         schema=model.schema_name,

@@ -12,7 +12,8 @@ from ropefric.api.uncertainty import measured_budgets
 from ropefric.cli.commands.catalogue import find_commands
 from ropefric.errors import InputError
 from ropefric.traces.budget import chain_quantities
-from ropefric.traces.calibration import Calibration, ForceCell
+from ropefric.traces.calibration import Calibration
+from ropefric.traces.chain import ForceCell
 
 ROOT = Path(__file__).parents[2]
 TRIALS = ROOT / "fits" / "prth-trials.csv"

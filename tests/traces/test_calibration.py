@@ -9,8 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError, InputError, RopefricError, UnknownNameError
-from ropefric.traces.calibration import Adc, Calibration, ForceCell, Saturation, as_counts
+from ropefric.traces.calibration import Calibration
+from ropefric.traces.chain import Adc, ForceCell
+from ropefric.traces.counts import as_counts
 from ropefric.traces.recalibration import recalibrate
+from ropefric.traces.saturation import Saturation
 from ropefric.traces.trace import ForceTrace
 
 SMALL = ForceCell(name="small", full_scale_N=1000.0)

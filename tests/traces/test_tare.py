@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError, InputError
-from ropefric.traces.calibration import Calibration, ForceCell, tare_from_interval
+from ropefric.traces.calibration import Calibration, tare_from_interval
+from ropefric.traces.chain import ForceCell
 
 # One count is exactly one newton.
 UNIT = Calibration(cell=ForceCell(name="unit", full_scale_N=1023.0))

@@ -10,7 +10,7 @@ from ropefric.cli.output import Output
 from ropefric.cli.quantity_option import read_quantity
 
 if TYPE_CHECKING:
-    from ropefric.fitting.prediction import Method
+    from ropefric.fitting.predict import Method
 
 
 WheelRadius = Annotated[str, typer.Option("--wheel-radius", metavar="LENGTH", help='R_w, such as "35 mm".')]

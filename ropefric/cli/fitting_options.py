@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ropefric.fitting.result import FitResult
-    from ropefric.fitting.table import TrialTable
     from ropefric.fitting.verdict import Verdict
     from ropefric.report.section import Section
+    from ropefric.trials.table import TrialTable
 
 
 NOT_TRUSTED = 4
@@ -31,7 +31,7 @@ FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A st
 
 def read_table(path: Path, out: Output) -> "TrialTable":
     """Return a trial table, and say on stderr what is doubtful about it."""
-    from ropefric.fitting.table import read_trial_table  # noqa: PLC0415  (quick start-up)
+    from ropefric.trials.table import read_trial_table  # noqa: PLC0415  (quick start-up)
 
     table = read_trial_table(path)
     out.problems(table.warnings)

@@ -21,12 +21,12 @@ from ropefric.fitting.standing import (
     standing,
 )
 from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.verdict import RIVAL, FitStatus
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
+from ropefric.trials.table import TrialTable
 
 Unit = Literal["conditions", "trials"]
 

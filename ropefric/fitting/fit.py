@@ -27,9 +27,9 @@ from ropefric.fitting.problem import (
 )
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 # Beyond this the squares of residuals and slopes, and their sums, are no floats.
 _LARGEST = 1e100

@@ -16,7 +16,7 @@ from ropefric.plotting.words import say_instead, shown
 from ropefric.traces.breakaway import Breakaway, Phase, Status
 from ropefric.traces.smoothing import smooth
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.outline import draw_outline
+from ropefric.trials.recording import draw_outline
 from ropefric.trials.result import Outline
 
 if TYPE_CHECKING:

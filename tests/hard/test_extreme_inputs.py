@@ -6,7 +6,6 @@ from hard_hoist import lifted
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.verdict import FitStatus
 from ropefric.friction import integral
 from ropefric.friction.condition import one_condition
@@ -24,6 +23,7 @@ from ropefric.traces.settings import PickSettings
 from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.window import choose_window, peak_uncertainty_N, window_bias_N
+from ropefric.trials.table import TrialTable
 
 REGIME = Regime(
     name="1e-310 and 1e300",

@@ -11,7 +11,6 @@ from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
 from ropefric.fitting.profile import profile_intervals
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.plotting.capstan_plot import draw_capstan
 from ropefric.plotting.condition_points import condition_points
@@ -19,6 +18,7 @@ from ropefric.plotting.fit_band import draw_fit_band
 from ropefric.plotting.mu_facets import FACETS, draw_mu_facets
 from ropefric.plotting.profiles import draw_correlation, draw_profiles
 from ropefric.plotting.residuals import draw_residuals
+from ropefric.trials.table import TrialTable
 
 
 def by_condition(pulls):

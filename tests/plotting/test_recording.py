@@ -10,7 +10,7 @@ from ropefric.traces.chain import Adc, ForceCell
 from ropefric.traces.protocols.breakaway import pick_breakaway
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.outline import draw_outline
+from ropefric.trials.recording import draw_outline
 
 RATE_HZ = 3000.0
 CHAIN = Calibration(cell=ForceCell(name="small", full_scale_N=1000.0), adc=Adc(bits=10), tare_N=10.0)

@@ -15,7 +15,7 @@ from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
 from ropefric.plotting.svg import svg_text
 from ropefric.plotting.svg_path import short_path
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.outline import draw_outline
+from ropefric.trials.recording import draw_outline
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ def extract(
     """
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
-    from ropefric.trials.tables import write_tables  # noqa: PLC0415
+    from ropefric.trials.result import write_tables  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
     loaded = load_campaign(campaign, missing_recordings="flag")

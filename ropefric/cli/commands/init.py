@@ -41,7 +41,7 @@ def init(
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {first if first in written else written[0]}")
     else:
-        from ropefric.trials.campaign_templates import write_templates  # noqa: PLC0415  (quick start-up)
+        from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
 
         written = write_templates(folder, overwrite=force)
         out.note(f"next: fill them in, then  ropefric check {written[0]}")

@@ -18,9 +18,9 @@ from ropefric.fitting.statistics import (
     least_squares_deviance,
     scatter_fit,
 )
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.trials.table import TrialTable
 
 
 def _average_form_rss(wrap, y, shape, rates):

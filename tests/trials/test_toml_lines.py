@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError
-from ropefric.trials.toml_document import read_toml
-from ropefric.trials.toml_lines import key_text, toml_lines
+from ropefric.files.toml import key_text, read_toml, toml_lines
 
 TEXT = '''# comment [not.a.table]
 title = "a # no comment = [x]"   # a comment = "with" quotes

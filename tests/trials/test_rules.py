@@ -11,10 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.trials.outliers import RULES
-from ropefric.trials.outliers.chauvenet import limit
-from ropefric.trials.outliers.grubbs import critical_value
-from ropefric.trials.outliers.rule import max_z, scaled
+from ropefric.trials.outliers import RULES, chauvenet_limit, grubbs_critical_value, max_z, scaled
 
 MECMESIN = [7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]
 EVERY = pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
@@ -81,7 +78,7 @@ def test_grubbs_against_its_definition(steps):
     if z_squared is None:
         assert not any(flagged)
         return
-    critical = critical_value(len(steps))
+    critical = grubbs_critical_value(len(steps))
     assert flagged == [z == max(z_squared) and math.sqrt(z) > critical for z in z_squared]
 
 
@@ -214,14 +211,14 @@ def test_warnings_say_when_nothing_can_be_rejected():
     ],
 )
 def test_grubbs_critical_values_as_printed(n, one_sided, two_sided):
-    assert critical_value(n, sides=1) == pytest.approx(one_sided, abs=1.01e-3)
-    assert critical_value(n, sides=2) == pytest.approx(two_sided, abs=1.01e-3)
+    assert grubbs_critical_value(n, sides=1) == pytest.approx(one_sided, abs=1.01e-3)
+    assert grubbs_critical_value(n, sides=2) == pytest.approx(two_sided, abs=1.01e-3)
 
 
 @pytest.mark.parametrize("n", [3, 6, 17, 100])
 def test_grubbs_critical_value_against_mpmath(n):
     """P(|t| > t_c) from the incomplete beta function must be α/n."""
-    g = mpmath.mpf(critical_value(n))
+    g = mpmath.mpf(grubbs_critical_value(n))
     # invert G(t): t² = G² n (n−2) / ((n−1)² − n G²)
     t_squared = g**2 * n * (n - 2) / ((n - 1) ** 2 - n * g**2)
     tail = mpmath.betainc((n - 2) / mpmath.mpf(2), 0.5, 0, (n - 2) / (n - 2 + t_squared), regularized=True)
@@ -229,16 +226,16 @@ def test_grubbs_critical_value_against_mpmath(n):
 
 
 def test_grubbs_refuses_impossible_levels():
-    assert critical_value(2) == math.inf
+    assert grubbs_critical_value(2) == math.inf
     for alpha, sides in ((0.0, 2), (1.0, 2), (math.nan, 2), (0.05, 3)):
         with pytest.raises(InputError, match="no critical value"):
-            critical_value(10, alpha, sides=sides)
+            grubbs_critical_value(10, alpha, sides=sides)
 
 
 def test_chauvenet_limits_as_printed():
     # Taylor (1997) works n = 6: 1.73 and n = 10: 1.96
-    assert limit(6) == pytest.approx(1.73, abs=5e-3)
-    assert limit(10) == pytest.approx(1.96, abs=5e-3)
+    assert chauvenet_limit(6) == pytest.approx(1.73, abs=5e-3)
+    assert chauvenet_limit(10) == pytest.approx(1.96, abs=5e-3)
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=20), st.sampled_from([0.0, 1e9, 1e12]))

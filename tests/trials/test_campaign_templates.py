@@ -2,8 +2,7 @@
 
 import pytest
 
-from ropefric.trials.campaign import check_campaign, load_campaign
-from ropefric.trials.campaign_templates import write_templates
+from ropefric.trials.campaign import check_campaign, load_campaign, write_templates
 
 
 def test_templates_pass_once_there_is_a_recording(tmp_path):

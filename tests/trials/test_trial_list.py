@@ -5,7 +5,7 @@
 import pytest
 
 from ropefric.trials.campaign import load_campaign
-from ropefric.trials.trial_files import MAX_MISSING
+from ropefric.trials.trial_list import MAX_MISSING
 
 # What is replaced, by what, code, line, key, part of the message, part of the fix.
 MISTAKES = {

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.trials.outliers import RULES
-from ropefric.trials.outliers.grubbs import critical_value
-from ropefric.trials.repeatability import summarise, trimming_bias
+from ropefric.trials.conditions import summarise, trimming_bias
+from ropefric.trials.outliers import RULES, grubbs_critical_value
 
 
 def papers_series():
@@ -107,7 +106,7 @@ def keep(x, name):
     if name == "chauvenet":
         return z <= NormalDist().inv_cdf(1 - 1 / (4 * n))
     if name == "grubbs":
-        return (z < z.max(axis=1, keepdims=True)) | (z <= critical_value(n))
+        return (z < z.max(axis=1, keepdims=True)) | (z <= grubbs_critical_value(n))
     if name == "mad":
         distance = np.abs(x - np.median(x, axis=1, keepdims=True))
         return 0.6745 * distance <= 3.5 * np.median(distance, axis=1, keepdims=True)

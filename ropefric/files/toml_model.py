@@ -1,15 +1,19 @@
-"""Types of TOML values for pydantic: each reads one kind of value and refuses others in plain words."""
+"""TOML tables as pydantic models: readers of single values, and every mistake at once, in plain words, with its line."""
 
 import datetime as dt
+import types
 from collections.abc import Callable, Collection
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import PydanticCustomError
 
-from ropefric.errors import InputError
+from ropefric.errors import InputError, Problem
+from ropefric.files.toml import KeyPath, TomlDocument, key_text
 from ropefric.quantities import parse_any_quantity, parse_fraction, parse_quantity
 from ropefric.registry import did_you_mean
+
+M = TypeVar("M", bound=BaseModel)
 
 CUSTOM = "ropefric"
 """The pydantic error type under which `reject` carries code, message, fix and key."""
@@ -19,6 +23,13 @@ class StrictTable(BaseModel):
     """A TOML table that refuses keys it does not know."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Return the fields that the file gives."""
+        return {
+            name: getattr(self, name) for name in type(self).model_fields if name in self.model_fields_set
+        }
 
 
 def reject(code: str, message: str, *, fix: str = "", key: str = "") -> NoReturn:
@@ -132,3 +143,71 @@ def _converted(read: Callable[[], float], like: str) -> float:
     except InputError as error:
         message = error.problem.message.removeprefix("quantity: ")
         reject(error.code, message, fix=error.fix or f'write it like "{like}"')
+
+
+def validate_document(model: type[M], document: TomlDocument) -> tuple[M | None, tuple[Problem, ...]]:
+    """Return a document as a model, or what is wrong with it."""
+    try:
+        return model.model_validate(dict(document.data)), ()
+    except ValidationError as error:
+        problems = [
+            _problem(model, document, item) for item in error.errors(include_url=False, include_input=True)
+        ]
+    return None, tuple(sorted(problems, key=lambda p: (p.line or 0, p.key, p.message)))
+
+
+def _problem(model: type[BaseModel], document: TomlDocument, item: Any) -> Problem:
+    key: KeyPath = tuple(item["loc"])
+    kind, value, context = item["type"], item["input"], item.get("ctx", {})
+    if kind == CUSTOM:
+        place = (*key, *context["key"].split(".")) if context["key"] else key
+        return document.problem(place, context["code"], context["message"], fix=context["fix"])
+    if kind == "missing":
+        return _missing(document, key)
+    if kind == "extra_forbidden":
+        return _unknown(model, document, key)
+    expected = {
+        "model_type": "a table",
+        "model_attributes_type": "a table",
+        "dict_type": "a table",
+        "list_type": "a list",
+        "tuple_type": "a list",
+    }.get(kind, "something else")
+    return document.problem(
+        key,
+        "RF110",
+        f"expected {expected}, got {got(value)}",
+        fix=_table_fix(key) if "table" in expected else "",
+    )
+
+
+def _table_fix(key: KeyPath) -> str:
+    return f"open a table with [{key_text(key)}] on a line of its own"
+
+
+def _missing(document: TomlDocument, key: KeyPath) -> Problem:
+    table = key_text(key[:-1])
+    where = f"the table [{table}]" if table else "the file"
+    name = key[-1]
+    return document.problem(key, "RF121", f"'{name}' is missing in {where}", fix=f"add {name} to {where}")
+
+
+def _unknown(model: type[BaseModel], document: TomlDocument, key: KeyPath) -> Problem:
+    owner = _model_at(model, key[:-1])
+    known = [] if owner is None else [field.alias or name for name, field in owner.model_fields.items()]
+    message = f"unknown key '{key[-1]}'" + (f" in [{key_text(key[:-1])}]" if key[:-1] else "")
+    return document.problem(key, "RF120", message, fix=did_you_mean(str(key[-1]), known))
+
+
+def _model_at(model: type[BaseModel], key: KeyPath) -> type[BaseModel] | None:
+    """Follow a key down the model's annotations: tables, mappings of tables, optional ones."""
+    found: Any = model
+    for part in key:
+        if isinstance(found, type) and issubclass(found, BaseModel):
+            fields = {field.alias or name: field for name, field in found.model_fields.items()}
+            found = fields[str(part)].annotation if part in fields else None
+        else:
+            found = get_args(found)[-1] if get_args(found) else None
+        if get_origin(found) in (Union, types.UnionType):
+            found = next((arm for arm in get_args(found) if arm is not type(None)), None)
+    return found if isinstance(found, type) and issubclass(found, BaseModel) else None

@@ -6,9 +6,10 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
+from ropefric.systems.checks import Rule
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.reach import refuse_beyond_reach
-from ropefric.systems.spread import Rule, spread
+from ropefric.systems.spread import spread
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 def write_scene_files(solution: "Solution", folder: "Folder") -> list[Path]:
     """Write the figures and tables of a solved scene, as far as its system has any; return their paths."""
-    from ropefric.plotting.save import save_figure  # noqa: PLC0415  (quick start-up)
+    from ropefric.plotting.figure import save_figure  # noqa: PLC0415  (quick start-up)
 
     written: list[Path] = []
     for stem, figure in _figures(solution):

@@ -11,7 +11,7 @@ from ropefric.accuracy.measure import StudyResult
 from ropefric.accuracy.measured import Measured
 from ropefric.accuracy.words import time_text
 from ropefric.files.folder import Folder, as_folder
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import as_page
 from ropefric.report.section import Section, Table

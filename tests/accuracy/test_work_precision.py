@@ -11,7 +11,7 @@ from ropefric.accuracy.measure import StudyResult
 from ropefric.accuracy.measured import ROUNDING, Measured
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import Case, Study
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.cost_page import cost_markdown, cost_sections, write_cost
 

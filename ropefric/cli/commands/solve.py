@@ -123,7 +123,7 @@ def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> li
 
     files = [write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
-        from ropefric.plotting.save import save_figure  # noqa: PLC0415
+        from ropefric.plotting.figure import save_figure  # noqa: PLC0415
         from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
 
         files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")

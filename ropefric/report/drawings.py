@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from ropefric.fitting.extrapolation import REGRESSORS
-from ropefric.fitting.gum.statement import Statement
 from ropefric.pipeline.answer import CampaignAnswer
 from ropefric.pipeline.evidence import Evidence
 from ropefric.plotting.conditions import conditions_of, draw_repeatability
@@ -15,6 +14,7 @@ from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, 
 from ropefric.plotting.overview import draw_overview
 from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
 from ropefric.trials.result import ConditionSummary, Extraction
+from ropefric.uncertainty.statement import Statement
 
 _LAWS = 4
 _FLAGGED = 4

@@ -19,7 +19,7 @@ def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: O
     """Draw one figure per condition into figures/ of a folder and publish them, telling how far it is."""
     from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
 
-    from ropefric.plotting.campaign import write_condition_figures  # noqa: PLC0415
+    from ropefric.plotting.conditions import write_condition_figures  # noqa: PLC0415
 
     with Progress(out, "figures") as progress, ExitStack() as stack:
         executor = None

@@ -102,7 +102,7 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
 def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> list[Path]:
     from ropefric.cli.jsontext import json_text  # noqa: PLC0415
     from ropefric.plotting.chart import scene_figures  # noqa: PLC0415
-    from ropefric.plotting.save import save_figure  # noqa: PLC0415
+    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
     from ropefric.scenes.sweep import columns_text  # noqa: PLC0415
 
     files = [*folder.write({"answer.json": json_text(tree)})]
@@ -138,7 +138,7 @@ def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> li
 
     files = [write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
-        from ropefric.plotting.save import save_figure  # noqa: PLC0415
+        from ropefric.plotting.figure import save_figure  # noqa: PLC0415
         from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
 
         files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")

@@ -6,7 +6,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.rig.settings import Bench
-from ropefric.traces.chain import Adc, ForceCell
+from ropefric.traces.calibration import Adc, ForceCell
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,9 +6,8 @@ from math import nan
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, frozen_array
 from ropefric.traces.breakaway import Phase, Status
-from ropefric.traces.trace import frozen_array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
 from ropefric.registry import did_you_mean
-from ropefric.traces.settings import SIDES
+from ropefric.traces.breakaway import SIDES
 from ropefric.trials.campaign_checks import check_settings
 from ropefric.trials.campaign_model import (
     Campaign,

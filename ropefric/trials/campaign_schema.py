@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.errors import InputError
+from ropefric.traces.breakaway import ENDINGS, PEAKS, SIDES
 from ropefric.traces.calibration import Adc, ForceCell
-from ropefric.traces.settings import ENDINGS, PEAKS, SIDES
 from ropefric.trials.campaign_import import ImportTable
 from ropefric.trials.campaign_model import SCHEMA
 from ropefric.trials.toml_fields import (

@@ -8,13 +8,12 @@ from math import nan
 from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
-from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.budget import combined_std_N, end_tension_std_N
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.outline import draw_outline

@@ -8,10 +8,9 @@ import numpy as np
 from ropefric.errors import DataError, Problem
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import Calibration, tare_from_interval
-from ropefric.traces.prepare import MIN_SAMPLES
 from ropefric.traces.readers.profile import RawRecording
-from ropefric.traces.recalibration import recalibrate
-from ropefric.traces.trace import ForceTrace
+from ropefric.traces.segments import MIN_SAMPLES
+from ropefric.traces.trace import ForceTrace, recalibrate
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.trial_spec import TrialSpec
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from ropefric.plotting.recording import draw_recording, draw_trial
-from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
-from ropefric.traces.protocols.breakaway import pick_breakaway
-from ropefric.traces.settings import PickSettings
+from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.outline import draw_outline
 

@@ -9,10 +9,11 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.extrapolation import outside_range
 from ropefric.fitting.prediction import Method, Prediction
-from ropefric.fitting.propagation import LiftModel, drawn_range, linear_std, quantile
+from ropefric.fitting.propagation import LiftModel, drawn_range, linear_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.uncertainty.quantity import quantile
 
 _LARGEST = math.log(np.finfo(np.float64).max)
 _DISAGREEMENT = 0.1

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ropefric.rig.bench import Bench, simulate_recording
-from ropefric.rig.sensing import Sensor
+from ropefric.rig.bench import Bench, Sensor
+from ropefric.rig.recording import simulate_recording
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
 
 K1 = ForceCell(name="K1", full_scale_N=1000.0)

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ropefric.files.folder import OutputFolder
-    from ropefric.fitting.judgement import Verdict
     from ropefric.fitting.result import FitResult
     from ropefric.fitting.table import TrialTable
+    from ropefric.fitting.verdict import Verdict
     from ropefric.report.section import Section
 
 T = TypeVar("T")

@@ -12,7 +12,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.design_result import QUANTITIES, DesignStatus, SolveFor
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
-from ropefric.fitting.propagation import LiftModel, linear_std, quantile
+from ropefric.fitting.propagation import LiftModel, linear_std
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.rising_root import first_crossing, rising_root
 from ropefric.friction.condition import Conditions
@@ -20,6 +20,7 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.parameter import columns_of
 from ropefric.friction.physics import refusals_of
+from ropefric.uncertainty.quantity import quantile
 
 LIMITS: dict[str, tuple[float, float]] = {
     "wrap": (0.0, 40.0 * math.pi),

@@ -3,22 +3,17 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtri, stdtrit
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.lift import log_lift_moving
+from ropefric.uncertainty.quantity import joint_draws, quantile, symmetric_root
 
 # Draws times conditions held in memory at once.
 _BLOCK = 1_000_000
 _ONE_SIGMA = 0.8413447460685429
-
-
-def quantile(probability: float, dof: float) -> float:
-    """Return Student's t quantile; the normal one for infinitely many degrees of freedom."""
-    return float(ndtri(probability)) if np.isinf(dof) else float(stdtrit(dof, probability))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -103,7 +98,7 @@ def drawn_range(
             key="covariance",
             fix="use method='linear', or a fit whose parameters are all seen by the data",
         )
-    draws = _draws(theta, covariance, dof=dof, n=n, rng=rng)
+    draws = joint_draws(theta, symmetric_root(covariance), dof=dof, n=n, rng=rng)
     draws = np.clip(draws, np.minimum(model.law.lower, theta), np.maximum(model.law.upper, theta))
     tail = 50.0 * (1.0 - level)
     at = [tail, 100.0 - tail, 100.0 * (1.0 - _ONE_SIGMA), 100.0 * _ONE_SIGMA]
@@ -123,20 +118,3 @@ def drawn_range(
         found[:, rows] = np.percentile(model.log_lift(usable, part), at, axis=0)
     std = 0.5 * (found[3] - found[2]) / quantile(_ONE_SIGMA, dof)
     return std, found[:2].T.copy()
-
-
-def _draws(
-    theta: FloatArray, covariance: FloatArray, *, dof: float, n: int, rng: np.random.Generator
-) -> FloatArray:
-    """Return n parameter sets, by the symmetric root of the scaled matrix, since a covariance may be singular.
-
-    Of all roots it is the one that no library's choice of signs and order of eigenvectors changes.
-    """
-    size = np.sqrt(np.diag(covariance))
-    scale = np.where(size > 0.0, size, 1.0)
-    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-    normal = rng.standard_normal((n, theta.size)) @ root.T * scale
-    if np.isfinite(dof):
-        normal *= np.sqrt(dof / rng.chisquare(dof, n))[:, np.newaxis]
-    return np.asarray(theta + normal)

@@ -8,15 +8,12 @@ import numpy as np
 
 from ropefric.errors import RopefricError
 from ropefric.fitting.choice import Choice, choose_law
-from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.comparison import Comparison
-from ropefric.fitting.diagnose import diagnose
-from ropefric.fitting.diagnosis import Diagnosis
-from ropefric.fitting.judgement import Verdict
-from ropefric.fitting.predict import predict
-from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.compare import Comparison, compare_laws
+from ropefric.fitting.diagnose import Diagnosis, diagnose
+from ropefric.fitting.predict import Prediction, predict
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.table import TrialTable
+from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.trials.campaign_model import DesignSpec

@@ -7,18 +7,16 @@ import numpy as np
 
 from ropefric.errors import RopefricError
 from ropefric.fitting.design import DesignChart, design_chart
-from ropefric.fitting.extrapolation import REGRESSORS, outside_words
-from ropefric.fitting.gum.lift import WheelUncertainty, lift_model
-from ropefric.fitting.gum.statement import BudgetStatus, Statement, state_uncertainty
+from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
 from ropefric.fitting.planning.limits import RigLimits, geometric_levels, linear_levels
 from ropefric.fitting.planning.plan import plan_tests
 from ropefric.fitting.planning.precision import planned_fit
 from ropefric.fitting.planning.result import LabPlan
-from ropefric.fitting.predict import new_rope_std
-from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun
+from ropefric.uncertainty.statement import Statement
 
 STEP = 0.05
 """By how much of itself each setting of a design is changed to see what it is worth [-]."""
@@ -34,10 +32,7 @@ def state_design(fit: FitResult, wheel: Conditions) -> Statement:
 
     Of one pull with one new rope where the fit knows how far they scatter, else of the mean law.
     """
-    one_pull = math.isfinite(new_rope_std(fit))
-    model = lift_model(fit, wheel, WheelUncertainty(), one_pull=one_pull)
-    status = BudgetStatus.OK if fit.trustworthy else BudgetStatus.FIT_NOT_TRUSTED
-    return state_uncertainty(model, status=status, notes=outside_words(fit.validity, wheel))
+    return state_lift(fit, wheel, WheelUncertainty(), one_pull=math.isfinite(new_rope_std(fit)))
 
 
 def swings_of_design(

@@ -8,15 +8,13 @@ from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
 from ropefric.fitting.design import DesignChart
-from ropefric.fitting.gum.budget import LinearBudget, linear_budget
-from ropefric.fitting.gum.forces import force_model
-from ropefric.fitting.gum.from_extraction import conditions_of_extraction
-from ropefric.fitting.gum.measured import MeasuredCondition
-from ropefric.fitting.gum.statement import Statement, state_uncertainty
 from ropefric.fitting.hand import hand_calculation
+from ropefric.fitting.measured_budget import MeasuredCondition, conditions_of_extraction, force_model
 from ropefric.fitting.planning.result import LabPlan
 from ropefric.pipeline.design_views import chart_of_design, plan_for_design, state_design, swings_of_design
 from ropefric.pipeline.run import CampaignRun
+from ropefric.uncertainty.budget import LinearBudget, linear_budget
+from ropefric.uncertainty.statement import Statement, state_uncertainty
 
 T = TypeVar("T")
 

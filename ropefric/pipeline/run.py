@@ -11,7 +11,7 @@ from typing import Any
 from ropefric.errors import DataError
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
-from ropefric.fitting.comparison import Comparison
+from ropefric.fitting.compare import Comparison
 from ropefric.fitting.store import fit_text
 from ropefric.fitting.table import read_trial_table
 from ropefric.pipeline.answer import CampaignAnswer, Progress, answer_trials

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.fitting.extrapolation import REGRESSORS
-from ropefric.fitting.predict import predict
+from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import counted
 from ropefric.plotting.condition_points import answered, condition_points, same_settings, settings_of, swept

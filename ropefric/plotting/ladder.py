@@ -11,7 +11,7 @@ from ropefric.plotting.words import shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropefric.fitting.comparison import Comparison, ComparisonEntry
+    from ropefric.fitting.compare import Comparison, ComparisonEntry
 
 
 HEADER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")

@@ -6,7 +6,7 @@ import numpy as np
 
 from ropefric.arrays import BoolArray
 from ropefric.errors import InputError
-from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.glossary import counted
 from ropefric.plotting.condition_points import (
     ConditionPoints,

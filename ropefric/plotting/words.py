@@ -4,7 +4,7 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.glossary import axis_label
 from ropefric.plotting.labels import typeset
 from ropefric.plotting.style import GREY

@@ -4,8 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from ropefric.fitting.extrapolation import REGRESSORS
-from ropefric.fitting.gum.statement import Statement
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline.answer import CampaignAnswer
 from ropefric.pipeline.evidence import Evidence
 from ropefric.plotting.budget import draw_budget
@@ -21,6 +20,7 @@ from ropefric.plotting.repeatability import draw_repeatability
 from ropefric.plotting.residuals import draw_residuals
 from ropefric.plotting.tornado import draw_tornado
 from ropefric.trials.result import ConditionSummary, Extraction
+from ropefric.uncertainty.statement import Statement
 
 _LAWS = 4
 _FLAGGED = 4

@@ -9,7 +9,8 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from ropefric.errors import DataError
 
 if TYPE_CHECKING:
-    from ropefric.traces.calibration import Calibration, Saturation
+    from ropefric.traces.calibration import Calibration
+    from ropefric.traces.saturation import Saturation
 
 __all__ = ["BoolArray", "FloatArray", "ForceTrace", "IntArray", "frozen_array"]
 

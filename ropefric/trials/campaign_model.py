@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import Problem
-from ropefric.traces.calibration import Adc, ForceCell
+from ropefric.traces.chain import Adc, ForceCell
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.trials.trial_spec import TrialSpec
 from ropefric.trials.workers import Limits

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.errors import InputError
-from ropefric.traces.calibration import Adc, ForceCell
+from ropefric.traces.chain import Adc, ForceCell
 from ropefric.traces.settings import ENDINGS, PEAKS, SIDES
 from ropefric.trials.campaign_import import ImportTable
 from ropefric.trials.campaign_model import SCHEMA

@@ -9,7 +9,7 @@ from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.traces.budget import combined_std_N, end_tension_std_N
+from ropefric.traces.budget import end_tension_std_N, force_std_N
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
@@ -144,9 +144,7 @@ def _result(
     measures_slack = campaign.protocol.needs_lift_force
     measured_std_N = nan
     if breakaway.status is Status.OK:
-        measured_std_N = float(
-            combined_std_N([breakaway.peak_N], calibration, picking_std_N=breakaway.peak_std_N)[0]
-        )
+        measured_std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
     known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
     known_N = nan if known_N is None else known_N
     known_std_N = end_tension_std_N(known_N, campaign.weights_tolerance)

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.errors import InputError, Problem
-from ropefric.trials.outliers import RULES, OutlierRule
-from ropefric.trials.outliers.rule import scaled
+from ropefric.trials.outliers import RULES
+from ropefric.trials.outliers.rule import OutlierRule, scaled
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,9 +12,8 @@ import pytest
 
 from ropefric.errors import DataError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.store import fit_text, load_fit, save_fit
+from ropefric.fitting.store import fit_text, load_fit, save_fit, verify_fit, verify_fits
 from ropefric.fitting.table import read_trial_table
-from ropefric.fitting.verify import verify_fit, verify_fits
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
 

@@ -29,9 +29,8 @@ from ropefric.cli.commands.plan_tests import read_levels
 from ropefric.cli.options import parse_assignments
 from ropefric.errors import RopefricError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.store import load_fit
+from ropefric.fitting.store import load_fit, verify_fit
 from ropefric.fitting.table import read_trial_table
-from ropefric.fitting.verify import verify_fit
 from ropefric.quantities import parse_any_quantity, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene

@@ -6,8 +6,8 @@ from hard_hoist import lifted
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.status import FitStatus
 from ropefric.fitting.table import TrialTable
+from ropefric.fitting.verdict import FitStatus
 from ropefric.friction import integral
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS

@@ -11,10 +11,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.trials.outliers import RULES, max_z
+from ropefric.trials.outliers import RULES
 from ropefric.trials.outliers.chauvenet import limit
 from ropefric.trials.outliers.grubbs import critical_value
-from ropefric.trials.outliers.rule import scaled
+from ropefric.trials.outliers.rule import max_z, scaled
 
 MECMESIN = [7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]
 EVERY = pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))

@@ -12,7 +12,7 @@ from ropefric.errors import DataError, FitError, UnknownNameError
 from ropefric.files.folder import OutputFolder
 from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.status import FitStatus
+from ropefric.fitting.verdict import FitStatus
 from ropefric.pipeline.answer import answer_trials
 from ropefric.pipeline.run import run_campaign, write_answer
 from ropefric.pipeline.usable import REASON, set_aside_impossible

@@ -5,7 +5,8 @@ import pytest
 
 from ropefric.plotting.recording import draw_recording, draw_trial
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.traces.calibration import Adc, Calibration, ForceCell
+from ropefric.traces.calibration import Calibration
+from ropefric.traces.chain import Adc, ForceCell
 from ropefric.traces.protocols.breakaway import pick_breakaway
 from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace

@@ -19,7 +19,7 @@ from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 
 if TYPE_CHECKING:
-    from ropefric.fitting.gum.measured import MeasuredCondition
+    from ropefric.fitting.measured_budget import MeasuredCondition
 
 
 Source = Annotated[
@@ -107,19 +107,18 @@ def budget(
             "end_tension_N": u_end_tension or 0.0,
         }
         return _of_fit(out, fit, wheel, rope_diameter, uncertainty, one_pull=one_pull, check=check)
-    from ropefric.fitting.gum.assemble import state_condition  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.gum.measured import condition_numbered, with_measured_end  # noqa: PLC0415
+    from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.report.uncertainty import budgets_section, uncertainty_sections  # noqa: PLC0415
 
     if quantity not in {"force", "mu"}:
         raise typer.BadParameter(f"{quantity!r} is neither force nor mu", param_hint="--quantity")
     found = _conditions(out, Path(str(source)), gravity)
     if condition is not None:
-        found = (condition_numbered(found, condition),)
+        found = (measured.condition_numbered(found, condition),)
     if end_tension_measured:
-        found = tuple(with_measured_end(item, u_end_tension) for item in found)
+        found = tuple(measured.with_measured_end(item, u_end_tension) for item in found)
     check |= {"quantity": quantity, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
-    stated = [(item, state_condition(item, **check)) for item in found]
+    stated = [(item, measured.state_condition(item, **check)) for item in found]
     if len(stated) == 1:
         sections = uncertainty_sections(stated[0][1], f"Uncertainty budget, {found[0].describe()}")
     else:
@@ -148,21 +147,19 @@ def budget(
 
 def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[MeasuredCondition, ...]":
     """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
-    from ropefric.fitting.gum.forces import GRAVITY_LIMIT  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.gum.from_table import conditions_of_table  # noqa: PLC0415
+    from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
 
-    limit = GRAVITY_LIMIT if gravity is None else gravity
+    limit = measured.GRAVITY_LIMIT if gravity is None else gravity
     file = campaign_file(path)
     if file.suffix != ".toml":
-        return conditions_of_table(read_table(path, out), gravity_limit=limit)
-    from ropefric.fitting.gum.from_extraction import conditions_of_extraction  # noqa: PLC0415
+        return measured.conditions_of_table(read_table(path, out), gravity_limit=limit)
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
     from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
 
     campaign = load_campaign(file, missing_recordings="flag")
     with Progress(out, "extract") as progress:
         extraction = extract_campaign(campaign, progress=progress.update)
-    found = conditions_of_extraction(
+    found = measured.conditions_of_extraction(
         extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
     )
     if not found:
@@ -181,8 +178,7 @@ def _of_fit(
     one_pull: bool,
     check: dict[str, Any],
 ) -> Answer:
-    from ropefric.fitting.gum.assemble import state_lift  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.gum.lift import WheelUncertainty  # noqa: PLC0415
+    from ropefric.fitting.lift_budget import WheelUncertainty, state_lift  # noqa: PLC0415  (all: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.uncertainty import uncertainty_sections  # noqa: PLC0415
 

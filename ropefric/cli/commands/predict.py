@@ -18,7 +18,7 @@ from ropefric.cli.options import (
 from ropefric.cli.output import Output
 
 if TYPE_CHECKING:
-    from ropefric.fitting.prediction import Method
+    from ropefric.fitting.predict import Method
 
 
 WheelRadius = Annotated[

@@ -21,7 +21,7 @@ def verify(out: Output, folder: FitFolder = Path("fits")) -> Answer:
 
     Exits with 4 when one does not come out again.
     """
-    from ropefric.fitting.verify import verify_fits  # noqa: PLC0415  (quick start-up)
+    from ropefric.fitting.store import verify_fits  # noqa: PLC0415  (quick start-up)
 
     found = verify_fits(folder)
     n_ok = sum(item.ok for item in found)

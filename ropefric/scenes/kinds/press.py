@@ -405,7 +405,7 @@ def _tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
 def _loads(answer: PressAnswer) -> dict[str, Any]:
     """Return what the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9)."""
     press = answer.model.press
-    factor = float(answer.model.load_factor[0])
+    factor = float(answer.model.problem.load_factor[0])
     by_roller = {}
     for roller in press.rollers:
         if roller.torque_N_m:
@@ -431,8 +431,8 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
         # What a higher speed does is the belts' mass, whether or not it matters at this one.
         parts = replace(model.parts, mass=model.parts.mass or change == "speed")
         values = critical_values(
-            solve_statics(_answering_to_speed(as_operated(model), parts), closure=model.closure),
-            model.friction,
+            solve_statics(_answering_to_speed(as_operated(model), parts), closure=model.problem.closure),
+            model.problem.friction,
             change,  # type: ignore[arg-type]
             tensioner=parts.tensioner,
             told=model.told,

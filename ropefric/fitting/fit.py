@@ -17,6 +17,7 @@ from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.friction.start import guess
 
 _LARGEST = 1e100
 """Beyond this the squares of residuals and slopes, and their sums, are no floats."""
@@ -67,8 +68,8 @@ def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> Fi
     spans = [bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
     lower, upper = np.array(spans, dtype=np.float64).T
     given = {item.name: item.start for item in law.parameters if item.fixed} | dict(starts) | dict(held)
-    guess = np.clip(law.guess(conditions, log_lift), lower, upper)
-    theta = [given.get(name, value) for name, value in zip(law.parameter_names, guess, strict=True)]
+    found = np.clip(guess(law, conditions, log_lift), lower, upper)
+    theta = [given.get(name, value) for name, value in zip(law.parameter_names, found, strict=True)]
     vary = [
         item.name not in held and (not item.fixed or item.name in starts or item.name in bounds)
         for item in law.parameters

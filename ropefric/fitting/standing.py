@@ -14,21 +14,6 @@ from ropefric.fitting.problem import FitProblem
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4
 
-NESTED: dict[str, tuple[str, ...]] = {
-    "constant-offset": ("constant",),
-    "size-power": ("constant",),
-    "size-exponential": ("constant",),
-    "wrap-exponential": ("constant",),
-    "wrap-exponential-from-zero": ("constant",),
-    "wrap-power": ("constant",),
-    "wrap-power-from-zero": ("constant",),
-    "coupled": ("constant", "size-exponential", "wrap-power"),
-    "coupled-from-zero": ("constant", "size-exponential", "wrap-power-from-zero"),
-    "howell": ("constant",),
-    "bending": ("constant",),
-}
-"""The laws that are special or limiting cases of another."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Standing:

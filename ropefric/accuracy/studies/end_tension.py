@@ -10,7 +10,7 @@ from scipy.special import wrightomega
 from ropefric.accuracy.assess import Counted, against
 from ropefric.accuracy.study import Case, Outcome, Setting, Study
 from ropefric.arrays import FloatArray
-from ropefric.friction.end_tension import exponential_start_rad, power_log_start
+from ropefric.friction.integral import exponential_start_rad, power_log_start
 
 Values = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """G − y and its slope μ at angles."""

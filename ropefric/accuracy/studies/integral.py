@@ -15,8 +15,7 @@ from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case
 from ropefric.accuracy.study import Case, Setting, Study
 from ropefric.accuracy.words import time_text
 from ropefric.arrays import FloatArray
-from ropefric.friction.integral import power_integral
-from ropefric.friction.power_span import power_span
+from ropefric.friction.integral import power_integral, power_span
 
 CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 """The library's function, its formula without the checks of its input, and the difference of two powers."""

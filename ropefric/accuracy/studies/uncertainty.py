@@ -17,8 +17,9 @@ from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.covariance import bread
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.profile import profile_intervals
-from ropefric.fitting.propagation import LiftModel, drawn_range
+from ropefric.fitting.propagation import drawn_range
 from ropefric.friction.condition import Conditions
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import LAWS
 
 SIZE_SHARE = 0.25

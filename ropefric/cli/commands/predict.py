@@ -54,7 +54,6 @@ def predict(
     rope_m = 0.5 * read_quantity(rope_diameter, "m", "--rope-diameter") if rope_diameter else None
     speed_m_s = read_quantity(speed, "m/s", "--speed") if speed else None
     density_kg_m = read_quantity(linear_density, "kg/m", "--linear-density") if linear_density else None
-    from ropefric.fitting.hand import hand_calculation  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.fitting.predict import predict as predict_lift  # noqa: PLC0415
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.parts import prediction_section  # noqa: PLC0415
@@ -69,7 +68,7 @@ def predict(
     data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
     sections = [prediction_section(found)]
     if hand:
-        lines = _by_hand(hand_calculation(stored, wheel), running=speed_m_s is not None)
+        lines = _by_hand(stored.friction_law.calculation(stored.theta, wheel), running=speed_m_s is not None)
         data["hand"] = list(lines)
         sections.append(Section(title="By hand", lines=lines, verbatim=True))
     return Answer(

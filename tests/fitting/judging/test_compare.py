@@ -20,7 +20,6 @@ from ropefric.fitting.criteria import (
 )
 from ropefric.fitting.measured import measured_force
 from ropefric.fitting.predict import predict
-from ropefric.fitting.standing import NESTED
 from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
@@ -225,7 +224,9 @@ def test_nested_pairs_are_nested():
         ("howell", "constant"): ([0.2, 1.0], [0.2]),
         ("bending", "constant"): ([0.2, 1e-9], [0.2]),
     }
-    assert set(special) == {(fuller, simpler) for fuller, known in NESTED.items() for simpler in known}
+    assert set(special) == {
+        (law.name, simpler.name) for law in ALL_LAWS.values() for simpler in law.special_cases
+    }
     for (fuller, simpler), (theta, plain) in special.items():
         tolerance = 1e-3 if fuller == "bending" else 1e-7
         np.testing.assert_allclose(

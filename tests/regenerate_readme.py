@@ -12,15 +12,13 @@ from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
-from ropefric.accuracy.machine import this_machine
-from ropefric.accuracy.measure import StudyResult, measure_study
-from ropefric.accuracy.selection import enough, error_table
+from ropefric.accuracy.measure import enough, error_table, measure_studies, this_machine
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.studies.press_transient import start_up
 from ropefric.accuracy.studies.scenes import planned
 from ropefric.plotting.style import house_style
 from ropefric.plotting.work_precision import draw_work_precision
-from ropefric.systems.press.transient.spectrum import rk4_limit_s
+from ropefric.systems.press.transient.integrators import rk4_limit_s
 
 __all__ = ["MACHINE_LINE", "PICTURES", "cost_block", "hard_cases", "with_blocks", "write_pictures"]
 
@@ -141,7 +139,7 @@ def write_pictures(folder: Path, *, quick: bool = False) -> tuple[Path, ...]:
     paths = []
     for name, case in PICTURES.items():
         study = replace(STUDIES[name], cases=(STUDIES[name].case(case),))
-        result: StudyResult = measure_study(study, quick=quick)
+        (result,) = measure_studies([study], quick=quick)
         drawn = draw_work_precision(result)
         paths.append(folder / f"cost-{name}.png")
         with house_style():

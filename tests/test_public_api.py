@@ -117,7 +117,7 @@ def test_an_extraction_is_a_table(tmp_path):
     rig = pytest.importorskip("ropefric.rig.campaign")
     from dataclasses import replace
 
-    from ropefric.rig.prth_bench import prth_bench_plan
+    from ropefric.rig.campaign import prth_bench_plan
 
     plan = prth_bench_plan()
     rig.simulate_campaign(

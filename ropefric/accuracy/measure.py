@@ -1,18 +1,64 @@
-"""Measuring studies: the error and the time of every setting, one after another."""
+"""Measuring studies: the error and the time of every setting, one after another, on a machine that is named."""
 
 import gc
+import os
+import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case, pareto_front
-from ropefric.accuracy.study import Setting, Study
+from ropefric.accuracy.studies import STUDIES
+from ropefric.accuracy.study import ACCURACIES, Measured, Setting, Study, cheapest, in_case, pareto_front
 from ropefric.errors import InputError
 
+_CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
+_UNSTEADY = 0.5
+
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Machine:
+    """What ran: a time without it says nothing."""
+
+    cpu: str
+    cores: int
+    system: str
+    python: str
+    numpy: str
+    scipy: str
+
+    @property
+    def line(self) -> str:
+        """Return all of it in a line."""
+        cores = "1 core" if self.cores == 1 else f"{self.cores} cores"
+        made = f"Python {self.python}, numpy {self.numpy}, scipy {self.scipy}"
+        return f"{self.cpu}, {cores}, {self.system}; {made}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return asdict(self)
+
+
+def this_machine() -> Machine:
+    """Return the machine this runs on; its processor where a file tells it, else the platform's word for it."""
+    lines = _CPUINFO.read_text(encoding="utf-8", errors="replace").splitlines() if _CPUINFO.is_file() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return Machine(
+        cpu=(models[0] if models else "") or platform.processor() or "unknown processor",
+        cores=os.cpu_count() or 1,
+        system=f"{platform.system()} {platform.machine()}",
+        python=platform.python_version(),
+        numpy=version("numpy"),
+        scipy=version("scipy"),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,12 +82,11 @@ FULL = Effort(batch_s=5e-3, budget_s=0.15, fewest=5, most=15)
 """What an honest comparison takes."""
 
 QUICK = Effort(batch_s=5e-4, budget_s=0.01, fewest=3, most=9)
-"""A glance: medians good to some ten per cent on a quiet machine."""
+"""A short look: medians good to some ten per cent on a quiet machine."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Timing:
-    """How long one call takes."""
+class Timing(NamedTuple):
+    """How long one call takes: median and quartiles of `repeats` batches of `loops` calls."""
 
     seconds: float
     lower_s: float
@@ -58,41 +103,26 @@ def time_call(
     The first call warms up caches and lazy imports and is thrown away. Then the number of calls in a batch is doubled
     until a batch lasts long enough. The garbage collector rests meanwhile.
     """
-    resting = gc.isenabled()
+
+    def batch_s() -> float:
+        start_s = clock()
+        for _ in range(loops):
+            call()
+        return clock() - start_s
+
+    resting, loops = gc.isenabled(), 1
     gc.disable()
     try:
         call()
-        loops, elapsed_s = _calibrated(call, effort.batch_s, clock)
+        while (elapsed_s := batch_s()) < effort.batch_s and loops < _MOST_LOOPS:
+            loops *= 2
         repeats = int(np.clip(effort.budget_s / max(elapsed_s, 1e-12), effort.fewest, effort.most))
-        times_s = [elapsed_s, *(_batch_s(call, loops, clock) for _ in range(repeats - 1))]
+        times_s = [elapsed_s, *(batch_s() for _ in range(repeats - 1))]
     finally:
         if resting:
             gc.enable()
-    lower_s, median_s, upper_s = np.percentile(np.array(times_s) / loops, [25, 50, 75])
-    return Timing(
-        seconds=float(median_s), lower_s=float(lower_s), upper_s=float(upper_s), repeats=repeats, loops=loops
-    )
-
-
-def _calibrated(call: Callable[[], object], batch_s: float, clock: Callable[[], float]) -> tuple[int, float]:
-    loops = 1
-    while True:
-        elapsed_s = _batch_s(call, loops, clock)
-        if elapsed_s >= batch_s or loops >= _MOST_LOOPS:
-            return loops, elapsed_s
-        loops *= 2
-
-
-def _batch_s(call: Callable[[], object], loops: int, clock: Callable[[], float]) -> float:
-    start_s = clock()
-    for _ in range(loops):
-        call()
-    return clock() - start_s
-
-
-Progress = Callable[[int, int, str], None]
-
-_UNSTEADY = 0.5
+    lower_s, median_s, upper_s = np.percentile(np.array(times_s) / loops, [25, 50, 75]).tolist()
+    return Timing(median_s, lower_s, upper_s, repeats, loops)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -120,26 +150,18 @@ class StudyResult:
     @property
     def unsteady(self) -> float:
         """Return the share of points whose times spread by more than half their median: other work was going on."""
-        return float(
-            np.mean([point.spread_s > _UNSTEADY * point.seconds for point in self.points] or [False])
-        )
+        spreads = [point.spread_s > _UNSTEADY * point.seconds for point in self.points]
+        return float(np.mean(spreads or [False]))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
         return {
-            "name": self.study.name,
-            "title": self.study.title,
-            "reference": self.study.reference,
-            "counted": self.study.counted,
+            **{key: getattr(self.study, key) for key in ("name", "title", "reference", "counted")},
             "points": [point.to_dict() for point in self.points],
             "cheapest": {
                 case.name: [
-                    {
-                        "accuracy": accuracy,
-                        "method": None if point is None else point.method,
-                        "setting": None if point is None else point.setting,
-                        "seconds": None if point is None else point.seconds,
-                    }
+                    {"accuracy": accuracy}
+                    | {key: getattr(point, key, None) for key in ("method", "setting", "seconds")}
                     for accuracy, point in self.cheapest(case.name)
                 ]
                 for case in self.study.cases
@@ -149,13 +171,6 @@ class StudyResult:
         }
 
 
-def measure_study(
-    study: Study, *, quick: bool = False, effort: Effort | None = None, progress: Progress | None = None
-) -> StudyResult:
-    """Return the error and time of every setting of a study."""
-    return measure_studies([study], quick=quick, effort=effort, progress=progress)[0]
-
-
 def measure_studies(
     studies: Sequence[Study],
     *,
@@ -163,31 +178,36 @@ def measure_studies(
     effort: Effort | None = None,
     progress: Progress | None = None,
 ) -> tuple[StudyResult, ...]:
-    """Return the result of each study; parameters as in `measure_study`."""
-    spent = effort or (QUICK if quick else FULL)
+    """Return the error and time of every setting of each study."""
+    effort = effort or (QUICK if quick else FULL)
     planned = [(study, case.name, setting) for study in studies for case in study.cases
                for setting in case.settings() if setting.quick or not quick]  # fmt: skip
     found: dict[str, list[Measured]] = {study.name: [] for study in studies}
     for done, (study, case, setting) in enumerate(planned, start=1):
-        found[study.name].append(_measured(case, setting, spent))
+        point = replace(_assessed(case, setting), **time_call(setting.call, effort)._asdict())
+        found[study.name].append(point)
         if progress is not None:
             progress(done, len(planned), f"{study.name}: {case}, {setting.method} {setting.setting}".rstrip())
     return tuple(StudyResult(study=study, points=tuple(found[study.name]), quick=quick) for study in studies)
 
 
-def _measured(case: str, setting: Setting, effort: Effort) -> Measured:
-    outcome, timing = setting.assess(), time_call(setting.call, effort)
-    return Measured(
-        case=case,
-        method=setting.method,
-        setting=setting.setting,
-        error=outcome.error,
-        evaluations=outcome.evaluations,
-        bias=outcome.bias,
-        noise=outcome.noise,
-        seconds=timing.seconds,
-        lower_s=timing.lower_s,
-        upper_s=timing.upper_s,
-        repeats=timing.repeats,
-        loops=timing.loops,
-    )
+def error_table(study: str, case: str = "", *, method: str = "") -> tuple[Measured, ...]:
+    """Return the error and the work of every setting of a case, or of one method; no clock is looked at."""
+    settings = _settings(study, STUDIES[study].case(case).name)
+    return tuple(_assessed(case, setting) for case, setting in settings if method in {"", setting.method})
+
+
+def enough(study: str, accuracy: float, case: str = "", *, method: str = "") -> Measured:
+    """Return the setting of the least work with an error of at most `accuracy`, the same on every machine."""
+    good = [row for row in error_table(study, case, method=method) if row.error <= accuracy]
+    return min(good, key=lambda row: (row.evaluations, row.error))
+
+
+@cache
+def _settings(study: str, case: str) -> tuple[tuple[str, Setting], ...]:
+    return tuple((case, setting) for setting in STUDIES[study].case(case).settings())
+
+
+@cache  # settings are told apart by identity, so only those that `_settings` keeps come again
+def _assessed(case: str, setting: Setting) -> Measured:
+    return Measured(case=case, method=setting.method, setting=setting.setting, **asdict(setting.assess()))

@@ -1,11 +1,21 @@
-"""What a study of accuracy is: cases, in each of them several methods at several settings, and one reference."""
+"""What a study of accuracy is made of: cases, methods at several settings, one reference, and measured points."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from math import nan
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from math import isfinite, nan
+from typing import Any
 
-from ropefric.accuracy.measured import Measured
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
+
+ACCURACIES = tuple(10.0**-n for n in range(2, 13))
+"""The relative accuracies a page answers for, 1e-2 … 1e-12."""
+
+ROUNDING = 2.0**-53
+"""Errors below half a unit in the last place are luck, and all the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,7 +28,7 @@ class Outcome:
     noise: float = nan
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Setting:
     """One method at one setting."""
 
@@ -29,13 +39,51 @@ class Setting:
     quick: bool = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Case:
     """One problem with a known answer."""
 
     name: str
     title: str
     settings: Callable[[], tuple[Setting, ...]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """Error and time of one setting; without a time where none was taken."""
+
+    case: str
+    method: str
+    setting: str
+    error: float
+    evaluations: float
+    bias: float = nan
+    noise: float = nan
+    seconds: float = nan
+    lower_s: float = nan
+    upper_s: float = nan
+    repeats: int = 0
+    loops: int = 0
+
+    @property
+    def spread_s(self) -> float:
+        """Return the range between the quartiles [s]."""
+        return self.upper_s - self.lower_s
+
+    @property
+    def name(self) -> str:
+        """Return method and setting in one."""
+        return f"{self.method}, {self.setting}" if self.setting else self.method
+
+    @property
+    def shown_error(self) -> float:
+        """Return the error, not below rounding."""
+        return max(self.error, ROUNDING)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the point as plain data, None where there is no number."""
+        tree = asdict(self) | {"spread_s": self.spread_s}
+        return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in tree.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -86,3 +134,93 @@ class Study:
             If the study has no such case.
         """
         return Registry(f"case of {self.name}", self.cases)[name or self.cases[0].name]
+
+
+class Counted:
+    """A function that counts its calls, and the points it was called with."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+        self.calls = 0
+        self.points = 0
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Return what the function returns."""
+        self.calls += 1
+        self.points += np.size(args[0]) if args else 1
+        return self._function(*args, **kwargs)
+
+
+def largest_error(answer: npt.ArrayLike, reference: npt.ArrayLike) -> float:
+    """Return the largest relative error; infinite where one answer is no number."""
+    exact = np.asarray(reference, dtype=np.float64)
+    with np.errstate(invalid="ignore", over="ignore"):
+        errors = np.abs((np.asarray(answer, dtype=np.float64) - exact) / exact)
+    return float(errors.max()) if np.isfinite(errors).all() else float("inf")
+
+
+def against(
+    reference: npt.ArrayLike,
+    method: str,
+    setting: str,
+    solve: Callable[..., npt.ArrayLike],
+    *functions: Callable[..., Any],
+    work: float | str = "points",
+    quick: bool = True,
+    error: Callable[[npt.ArrayLike, npt.ArrayLike], float] = largest_error,
+) -> Setting:
+    """Return a setting that solves a problem given by functions, whose calls or points are its work.
+
+    They are counted only while it is assessed, not while it is timed; `work` may also be told as a number.
+    """
+
+    def assess() -> Outcome:
+        counted = [Counted(function) for function in functions]
+        answer = solve(*counted)
+        done = sum(getattr(one, work) for one in counted) if isinstance(work, str) else work
+        return Outcome(error=error(answer, reference), evaluations=done)
+
+    return Setting(method, setting, lambda: solve(*functions), assess, quick)
+
+
+def over_seeds(errors: Sequence[float] | FloatArray, evaluations: float) -> Outcome:
+    """Return the outcome of repetitions: root mean square, mean and standard deviation of their relative errors."""
+    found = np.asarray(errors, dtype=np.float64)
+    if not np.isfinite(found).all():
+        return Outcome(error=float("inf"), evaluations=evaluations)
+    return Outcome(
+        error=float(np.sqrt(np.mean(found**2))),
+        evaluations=evaluations,
+        bias=float(found.mean()),
+        noise=float(found.std(ddof=1)) if found.size > 1 else 0.0,
+    )
+
+
+def in_case(points: Iterable[Measured], case: str) -> tuple[Measured, ...]:
+    """Return the points of one case."""
+    return tuple(point for point in points if point.case == case)
+
+
+def pareto_front(points: Iterable[Measured]) -> tuple[Measured, ...]:
+    """Return the points that no other point beats in both error and time, fastest first."""
+    front: list[Measured] = []
+    for point in sorted(points, key=lambda point: (point.seconds, point.shown_error)):
+        if isfinite(point.error) and (not front or point.shown_error < front[-1].shown_error):
+            front.append(point)
+    return tuple(front)
+
+
+def cheapest(points: Iterable[Measured], accuracy: float) -> Measured | None:
+    """Return the fastest point with an error of at most `accuracy`; None if there is none."""
+    good = (point for point in points if point.error <= accuracy)
+    return min(good, key=lambda point: point.seconds, default=None)
+
+
+def time_text(seconds: float) -> str:
+    """Return a time with the unit that suits it; a dash where there is none."""
+    if not isfinite(seconds):
+        return "–"
+    size, unit = next(
+        (one for one in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")) if seconds >= 0.9995 * one[0]), (1e-9, "ns")
+    )
+    return f"{seconds / size:.{2 if seconds < 99.5 * size else 3}g} {unit}"

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 
 from ropefric.api.campaigns import PathLike
-from ropefric.scenes.axis import Axis, parse_axis
-from ropefric.scenes.explain import Explanation, explain_scene
+from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
-from ropefric.scenes.sweep import Sweep, sweep_scene
+from ropefric.scenes.sweep import Axis, Sweep, parse_axis, sweep_scene
 
 
 def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:

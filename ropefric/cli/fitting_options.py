@@ -65,6 +65,6 @@ def rope_radius(fit: "FitResult", given_m: float | None) -> float:
 
 def show_sections(sections: "Sequence[Section]", console: "Console") -> None:
     """Print sections as plain text."""
-    from ropefric.report.text import as_text  # noqa: PLC0415  (quick start-up)
+    from ropefric.report.section import as_text  # noqa: PLC0415  (quick start-up)
 
     console.print(as_text(sections), end="", markup=False, soft_wrap=True)

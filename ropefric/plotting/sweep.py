@@ -15,8 +15,7 @@ from ropefric.plotting.style import house_style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropefric.scenes.axis import Axis
-    from ropefric.scenes.sweep import Sweep
+    from ropefric.scenes.sweep import Axis, Sweep
 
 
 _MOST_LINES = 6

@@ -6,8 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from ropefric.accuracy.measure import StudyResult
-from ropefric.accuracy.measured import ROUNDING, Measured, in_case
-from ropefric.accuracy.words import time_text
+from ropefric.accuracy.study import ROUNDING, Measured, in_case, time_text
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.legend import legend_of_figure
 from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, house_style, line_look

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from ropefric.accuracy.machine import Machine
-from ropefric.accuracy.measure import StudyResult
-from ropefric.accuracy.measured import Measured
-from ropefric.accuracy.words import time_text
+from ropefric.accuracy.measure import Machine, StudyResult
+from ropefric.accuracy.study import Measured, time_text
 from ropefric.files.folder import Folder, as_folder
 from ropefric.plotting.save import save_figure
 from ropefric.plotting.work_precision import draw_work_precision

@@ -7,8 +7,8 @@ from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.chapter import Fact
-from ropefric.report.numbers import interval, plain, tested_range
-from ropefric.report.section import Section
+from ropefric.report.parts import tested_range
+from ropefric.report.section import Section, interval, plain
 
 
 def key_facts(run: CampaignRun, evidence: Evidence) -> tuple[Fact, ...]:

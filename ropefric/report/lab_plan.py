@@ -6,8 +6,7 @@ import numpy as np
 
 from ropefric.fitting.planning.result import LabPlan, Outlook
 from ropefric.glossary import counted
-from ropefric.report.numbers import interval, plain
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, Table, interval, plain
 
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 

@@ -10,8 +10,7 @@ from ropefric.fitting.judgement import Verdict
 from ropefric.fitting.prediction import Candidate, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.glossary import counted
-from ropefric.report.numbers import interval, plain, shorthand, tested_range
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, Table, interval, plain, shorthand
 
 _VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 
@@ -151,3 +150,10 @@ def _span(ends: Iterable[float]) -> str:
 
 def _percent(value: float) -> str:
     return f"{100 * value:.2g} %" if math.isfinite(value) else "–"
+
+
+def tested_range(name: str, ends: tuple[float, float]) -> str:
+    """Return the range of a regressor in words, in the unit people set it in."""
+    title, unit, factor = REGRESSORS[name]
+    low, high = (plain(factor * end) for end in ends)
+    return f"{title} {low} {unit}" if low == high else f"{title} {low} to {high} {unit}"

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropefric.glossary import GLOSSARY
-from ropefric.report.machines import machine_sections
 from ropefric.report.section import Section, Table
 
 if TYPE_CHECKING:
-    from ropefric.scenes.explain import EffectWorth, Explanation
-    from ropefric.scenes.plan import Decision
+    from ropefric.scenes.kind import Part
+    from ropefric.scenes.plan import Decision, EffectWorth, Explanation
     from ropefric.scenes.solve import Solution
     from ropefric.scenes.sweep import Sweep
     from ropefric.scenes.uncertainty import Uncertain
@@ -30,13 +29,22 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
     answer = Section(
         title=f"{scene.kind.name}: {scene.document.path}",
         lines=tuple(lines),
-        table=quantities_table(whole, solution.level) if whole else None,
+        table=quantities_table(whole, solution.level, scene.kind.words) if whole else None,
         notes=solution.warnings,
     )
-    return [answer, *machine_sections(tree), Section(title="Simulated", lines=plan_lines(solution))]
+    return [
+        answer,
+        *map(_section, scene.kind.sections(tree)),
+        Section(title="Simulated", lines=plan_lines(solution)),
+    ]
 
 
-def quantities_table(quantities: Sequence["Uncertain"], level: float) -> Table:
+def _section(part: "Part") -> Section:
+    table = Table(headings=part.headings, rows=part.rows, left=part.left) if part.headings else None
+    return Section(title=part.title, lines=part.lines, table=table, notes=part.notes)
+
+
+def quantities_table(quantities: Sequence["Uncertain"], level: float, words: Mapping[str, str]) -> Table:
     """Return the numbers of an answer with their uncertainty, if any has one."""
     uncertain = any(quantity.std[0] != 0.0 for quantity in quantities)
     headings: tuple[str, ...] = ("quantity", "value") + (
@@ -44,7 +52,7 @@ def quantities_table(quantities: Sequence["Uncertain"], level: float) -> Table:
     )
     rows = []
     for quantity in quantities:
-        cells = [_label(quantity.name), f"{quantity.value[0]:.6g}"]
+        cells = [words.get(quantity.name) or _label(quantity.name), f"{quantity.value[0]:.6g}"]
         if uncertain:
             low, high = quantity.interval[0]
             spread = math.isfinite(quantity.std[0])

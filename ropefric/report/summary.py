@@ -9,8 +9,7 @@ from ropefric.report.parts import (
     prediction_section,
     verdict_section,
 )
-from ropefric.report.section import Section
-from ropefric.report.text import as_text
+from ropefric.report.section import Section, as_text
 from ropefric.trials.result import count_trials, outcome_words
 
 

@@ -4,8 +4,7 @@ import math
 
 from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
-from ropefric.report.numbers import plain
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, Table, plain
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, outcome_words

@@ -3,8 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ropefric.report.numbers import interval, plain
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, Table, interval, plain
 from ropefric.uncertainty.budget import BudgetLine
 from ropefric.uncertainty.quantity import Quantity
 from ropefric.uncertainty.statement import DISAGREEMENT, Statement, numerical_tolerance

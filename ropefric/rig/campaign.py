@@ -1,22 +1,149 @@
-"""A whole simulated campaign on disk: campaign.toml, trials.csv, traces and the truth."""
+"""A simulated campaign: its plan, its trials, and its files: campaign.toml, trials.csv, truth.toml, recordings."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import csv
+import gzip
+import io
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.files.write import write_file
-from ropefric.rig.bench import simulate_recording
-from ropefric.rig.faults import FAULTS, SATURATION_MARGIN
-from ropefric.rig.files import campaign_text, known_force, packed, recording_text, table_text, toml_value
-from ropefric.rig.plan import CampaignPlan, RigCondition
-from ropefric.rig.protocols import RIG_PROTOCOLS
-from ropefric.rig.story import RecordingTruth, SimulatedRecording
+from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.registry import did_you_mean
+from ropefric.rig.bench import Bench
+from ropefric.rig.mechanics import RIG_PROTOCOLS, RecordingTruth
+from ropefric.rig.recording import FAULTS, SATURATION_MARGIN, SimulatedRecording, simulate_recording
 
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
+PRTH_SEED = 20260
+"""The seed `data/prth-bench` was written with."""
+_MOST_TRIALS = 100_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigCondition:
+    """One condition: a wheel, a wrap, a weight."""
+
+    wheel_radius_m: float
+    wrap_angle_rad: float
+    end_tension_N: float
+
+    @property
+    def wheel(self) -> str:
+        """Return the wheel's name: W and its radius in millimetres."""
+        return f"W{1e3 * self.wheel_radius_m:.6g}".replace(".", "p")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignPlan:
+    """What a simulated campaign is to hold: the law that is true, the conditions, the repeats, what goes wrong."""
+
+    name: str
+    law: str
+    parameters: Mapping[str, float]
+    rope_diameter_m: float
+    conditions: tuple[RigCondition, ...]
+    design: RigCondition
+    unseen: tuple[RigCondition, ...] = ()
+    rope_linear_density_kg_m: float = 0.062
+    repeats: int = 12
+    faults: Mapping[str, float] = field(default_factory=lambda: {f.name: f.rate for f in FAULTS.values()})
+    bench: Bench = field(default_factory=Bench)
+    protocol: str = "breakaway"
+
+    def __post_init__(self) -> None:
+        if not self.conditions or self.repeats < 1:
+            raise InputError(
+                f"{len(self.conditions)} conditions with {self.repeats} repeats make no recording",
+                key="repeats",
+                fix="plan at least one condition and one repeat",
+            )
+        if self.n_trials > _MOST_TRIALS:
+            raise InputError(
+                f"{len(self.conditions)} conditions with {self.repeats} repeats are {self.n_trials} recordings;"
+                f" the limit is {_MOST_TRIALS}",
+                key="repeats",
+                fix="ask for fewer repeats",
+            )
+        for name, rate in self.faults.items():
+            fault = FAULTS[name]
+            if not 0.0 <= rate <= 1.0:
+                raise InputError(f"fault '{name}': rate {rate:g} is not between 0 and 1", key="faults")
+            if rate > 0.0:
+                fault.check_protocol(RIG_PROTOCOLS[self.protocol].name)
+        self.lift_force_N(self.conditions)
+
+    @property
+    def n_trials(self) -> int:
+        """Return the number of recordings."""
+        return len(self.conditions) * self.repeats
+
+    def lift_force_N(self, conditions: tuple[RigCondition, ...]) -> FloatArray:
+        """Return the true lift force of conditions [N], shape (n,), without scatter."""
+        law = ALL_LAWS[self.law]
+        names = law.parameter_names
+        for name in self.parameters:
+            if name not in names:
+                raise UnknownNameError(
+                    f"unknown parameter '{name}' of law '{law.name}'", fix=did_you_mean(name, names)
+                )
+        missing = [name for name in names if name not in self.parameters]
+        if missing:
+            raise InputError(f"law '{law.name}' needs a value for: {', '.join(missing)}", key="parameters")
+        pulls = Conditions(
+            wheel_radius_m=np.array([c.wheel_radius_m for c in conditions]),
+            rope_radius_m=np.array(0.5 * self.rope_diameter_m),
+            wrap_angle_rad=np.array([c.wrap_angle_rad for c in conditions]),
+            end_tension_N=np.array([c.end_tension_N for c in conditions]),
+        )
+        log_lift = law.log_lift(np.array([self.parameters[name] for name in names]), pulls)
+        if not float(log_lift.max()) < math.log(1e9):
+            raise InputError(f"a lift force of e^{log_lift.max():.4g} N is beyond any rig", key="conditions")
+        return np.exp(log_lift)
+
+
+def prth_bench_plan() -> CampaignPlan:
+    """Return the plan of `data/prth-bench`: 36 conditions of 12 repeats on five wheels, law `coupled`.
+
+    It is the PRTH paper's series with a truth chosen here: the paper prints no fitted parameter; these were chosen so
+    that the average μ runs from 0.20 to 0.10 and F_A/F_B from 1.3 to about 16.
+    """
+    # One factor at a time cannot tell a wrap effect from a load effect; the last conditions vary several at once. All
+    # keep F_A above 60 N: below, a drop of a few counts would be lost in the noise of the 1 kN cell.
+    points = [
+        (30, 540, 60), *((other, 540, 60) for other in (15, 20, 40, 60)),  # mm, deg, N
+        *((30, other, 60) for other in (90, 180, 270, 360, 720, 900, 1080)),
+        *((30, 540, other) for other in (20, 40, 100, 150, 200)),
+        (15, 180, 150), (60, 180, 150), (15, 360, 200), (60, 360, 200), (20, 270, 200), (40, 270, 100),
+        (15, 720, 40), (60, 720, 40), (20, 720, 20), (40, 720, 15), (15, 900, 10), (60, 720, 10), (20, 1080, 80),
+        (40, 900, 120), (15, 1080, 30), (60, 720, 5), (15, 1080, 200), (60, 900, 60), (60, 810, 150),
+        (35, 400, 60), (25, 450, 50), (50, 630, 30),  # what is designed, and what stays unseen
+    ]  # fmt: skip
+    *conditions, design, unseen_1, unseen_2 = (
+        RigCondition(wheel_radius_m=R / 1e3, wrap_angle_rad=math.radians(phi), end_tension_N=float(F))
+        for R, phi, F in points
+    )
+    return CampaignPlan(
+        name="prth-bench",
+        law="coupled",
+        parameters={"mu_inf": 0.46, "a": -0.22, "b": -0.3, "c": -0.48, "d": 0.055},
+        rope_diameter_m=0.0098,
+        conditions=tuple(conditions),
+        design=design,
+        unseen=(unseen_1, unseen_2),
+        # Recordings as short as the paper's phases allow: 432 of them are kept under version control.
+        bench=Bench(
+            idle_s=(0.27, 0.4), dwell_s=(0.3, 0.5), load_s=(1.0, 1.5), slide_s=(0.6, 0.8), off_s=(0.15, 0.25)
+        ),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,31 +177,31 @@ def plan_trials(plan: CampaignPlan, *, seed: int) -> tuple[PlannedTrial, ...]:
     by_condition = 1.0 + plan.bench.condition_scatter * rng.standard_normal((law_N.size, 1))
     by_trial = 1.0 + plan.bench.trial_scatter * rng.standard_normal((law_N.size, plan.repeats))
     scattered_N = law_N[:, np.newaxis] * by_condition * (1.0 if way.scatters_inside else by_trial)
-    lift_N = np.broadcast_to(scattered_N, by_trial.shape).ravel()
+    lift_N = np.broadcast_to(scattered_N, by_trial.shape)
     dealt = _deal_faults(plan, np.repeat(law_N, plan.repeats), np.random.default_rng([seed, 1]))
-    cells = [
-        plan.bench.cell_for(force_N if way.measures_lift else condition.end_tension_N).name
-        for condition, force_N in zip(plan.conditions, law_N.tolist(), strict=True)
-    ]
-    return tuple(
-        PlannedTrial(
-            name=f"c{index // plan.repeats + 1:02d}-r{index % plan.repeats + 1:02d}",
-            index=index,
-            condition=plan.conditions[index // plan.repeats],
-            lift_force_N=force_N,
-            cell=cells[index // plan.repeats],
-            faults=tuple(dealt[index]),
-        )
-        for index, force_N in enumerate(lift_N.tolist())
-    )
+    trials = []
+    for number, (condition, force_N) in enumerate(zip(plan.conditions, law_N.tolist(), strict=True)):
+        cell = plan.bench.cell_for(force_N if way.measures_lift else condition.end_tension_N).name
+        for repeat in range(plan.repeats):
+            index = number * plan.repeats + repeat
+            trial = PlannedTrial(
+                name=f"c{number + 1:02d}-r{repeat + 1:02d}",
+                index=index,
+                condition=condition,
+                lift_force_N=float(lift_N[number, repeat]),
+                cell=cell,
+                faults=tuple(dealt[index]),
+            )
+            trials.append(trial)
+    return tuple(trials)
 
 
 def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator) -> list[list[str]]:
     dealt: list[list[str]] = [[] for _ in range(law_N.size)]
     spoilt = np.zeros(law_N.size, dtype=bool)
     for name, rate in plan.faults.items():
-        fault = FAULTS[name]
-        can = ~spoilt if fault.on_setup else np.ones_like(spoilt)
+        on_pull = FAULTS[name].on_pull is not None
+        can = ~spoilt if on_pull else np.ones_like(spoilt)
         if name == "saturation":
             # The honest cause is a cell too small for the force; only where there is none does a rope jam. Whole
             # conditions lie above it: choosing the strongest trials would bias the mean of those that are left.
@@ -85,7 +212,7 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
         n = min(round(rate * law_N.size), places.size)
         for index in np.sort(rng.choice(places, size=n, replace=False)).tolist():
             dealt[index].append(name)
-            spoilt[index] |= fault.on_setup is not None
+            spoilt[index] |= on_pull
     return dealt
 
 
@@ -100,7 +227,12 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
         protocol=plan.protocol,
         cell=trial.cell,
     )
-    data = packed(recording_text(recording))
+    buffer = io.BytesIO()
+    # Without name and time, so that the same text gives the same bytes. Level 9 takes five times as long for a
+    # thousandth of the size: time stamps are what fills these files.
+    with gzip.GzipFile(filename="", mode="wb", compresslevel=6, fileobj=buffer, mtime=0) as stream:
+        stream.write(recording_text(recording).encode())
+    data = buffer.getvalue()
     file_rng = np.random.default_rng([seed, 3, trial.index])
     for name in trial.faults:
         on_bytes = FAULTS[name].on_bytes
@@ -153,55 +285,139 @@ def simulate_campaign(
     return (*(base / name for name in texts), *(base / trial.file for trial in trials))
 
 
+def recording_text(recording: SimulatedRecording) -> str:
+    """Return a recording as CSV text: `time_s` with 6 decimals, `counts` as whole numbers, empty where missing."""
+    samples = zip(recording.time_s.tolist(), recording.counts.tolist(), strict=True)
+    rows = [f"{time:.6f},{'' if math.isnan(count) else int(count)}" for time, count in samples]
+    return "\n".join(["time_s,counts", *rows, ""])
+
+
+def campaign_text(plan: CampaignPlan) -> str:
+    """Return the `campaign.toml` of a plan."""
+    bench = plan.bench
+    lines = [
+        "# Simulated by ropefric's virtual rig; no rope was pulled. The truth is in truth.toml.",
+        *_keys(schema="ropefric.campaign/1", name=f"{plan.name} (simulated)", trials="trials.csv"),
+        *_table(
+            "rope",
+            diameter=_quantity(1e3 * plan.rope_diameter_m, "mm"),
+            linear_density=_quantity(1e3 * plan.rope_linear_density_kg_m, "g/m"),
+            material="polyamide, kernmantle (simulated)",
+        ),
+    ]
+    radii_m = {c.wheel: c.wheel_radius_m for c in sorted(plan.conditions, key=lambda c: c.wheel_radius_m)}
+    for name, radius_m in radii_m.items():
+        lines += _table(
+            f"wheels.{name}", radius=_quantity(1e3 * radius_m, "mm"), material="aluminium (simulated)"
+        )
+    for cell in bench.cells:
+        chain = ("linearity", "hysteresis", "repeatability", "transmitter")
+        nominal = {"zero_voltage": (cell.zero_V, 0.0), "full_scale_voltage": (cell.full_scale_V, 5.0)}
+        lines += _table(
+            f"cells.{cell.name}",
+            full_scale=_thousands(cell.full_scale_N, "N"),
+            **{name: _quantity(100.0 * getattr(cell, name), "%FS") for name in chain},
+            **{
+                name: _quantity(value_V, "V")
+                for name, (value_V, usual) in nominal.items()
+                if value_V != usual
+            },
+        )
+    idle_s = math.floor(20.0 * (bench.idle_s[0] - 0.01)) / 20.0
+    adc, design = bench.adc, plan.design
+    lines += [
+        *_table("adc", bits=adc.bits, low=_quantity(adc.low_V, "V"), high=_quantity(adc.high_V, "V")),
+        *_table("sampling", rate=_thousands(bench.sampling_rate_Hz, "Hz")),
+        *_table("protocol", name=plan.protocol),
+        *_table("tare", interval=["0 s", _quantity(idle_s, "s")]),
+        *_table("smoothing", window="auto"),
+        *_table("rejection", rule="two-sigma"),
+        *_table("weights", tolerance="0.05 %"),
+        *_table(
+            "design",
+            wheel_radius=_quantity(1e3 * design.wheel_radius_m, "mm"),
+            wrap_angle=_quantity(math.degrees(design.wrap_angle_rad), "deg"),
+            end_tension=_quantity(design.end_tension_N, "N"),
+        ),
+        *_table("import", format="delimited", separator=",", decimal="."),
+        *_table("import.channels", time="time_s", counts="counts"),
+    ]
+    return "\n".join([*lines, ""])
+
+
 def _trials_text(plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth]) -> str:
-    column, _ = known_force(plan, trials[0].condition, trials[0].lift_force_N)
-    columns = ["trial", "file", "wheel", "wrap_angle_deg", column, "cell", "rope_id", "dwell_s", "exclude"]
-    rows = []
+    # The weights hang on the slack side, or, where the slack side is measured, on the tight side.
+    slack = RIG_PROTOCOLS[plan.protocol].measures_lift
+    known = "end_tension_N" if slack else "lift_force_N"
+    rows = [["trial", "file", "wheel", "wrap_angle_deg", known, "cell", "rope_id", "dwell_s", "exclude"]]
     for trial, truth in zip(trials, truths, strict=True):
-        _, force_N = known_force(plan, trial.condition, trial.lift_force_N)
-        wrap_deg = f"{np.degrees(trial.condition.wrap_angle_rad):.10g}"
-        dwell = "" if np.isnan(truth.dwell_s) else f"{truth.dwell_s:.3f}"
+        condition = trial.condition
+        wrap_deg = f"{np.degrees(condition.wrap_angle_rad):.10g}"
+        force = f"{condition.end_tension_N if slack else trial.lift_force_N:.10g}"
+        dwell = "" if math.isnan(truth.dwell_s) else f"{truth.dwell_s:.3f}"
         rope = f"sim-rope-{trial.index + 1:03d}"
-        wheel = trial.condition.wheel
-        rows.append([trial.name, trial.file, wheel, wrap_deg, f"{force_N:.10g}", truth.cell, rope, dwell, ""])
-    return table_text(columns, rows)
+        rows.append([trial.name, trial.file, condition.wheel, wrap_deg, force, truth.cell, rope, dwell, ""])
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="\n").writerows([to_spreadsheet(cell) for cell in row] for row in rows)
+    return buffer.getvalue()
 
 
 def _truth_lines(
     plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth], seed: int
 ) -> Iterator[str]:
     yield "# What is true of this simulated campaign. An analysis must not read it; a test of one may."
-    yield f"schema = {toml_value(TRUTH_SCHEMA)}"
-    yield "simulated = true"
-    yield f"seed = {seed}"
-    yield f"law = {toml_value(plan.law)}"
-    yield f"parameters = {toml_value({k: float(v) for k, v in plan.parameters.items()})}"
-    yield f"rope_radius_m = {toml_value(0.5 * plan.rope_diameter_m)}"
-    yield f"trial_scatter = {toml_value(plan.bench.trial_scatter)}"
-    yield f"condition_scatter = {toml_value(plan.bench.condition_scatter)}"
+    yield from _keys(
+        schema=TRUTH_SCHEMA,
+        simulated=True,
+        seed=seed,
+        law=plan.law,
+        parameters={name: float(value) for name, value in plan.parameters.items()},
+        rope_radius_m=0.5 * plan.rope_diameter_m,
+        trial_scatter=plan.bench.trial_scatter,
+        condition_scatter=plan.bench.condition_scatter,
+    )
     for kind, conditions in (("conditions", plan.conditions), ("unseen", (plan.design, *plan.unseen))):
         for condition, force_N in zip(conditions, plan.lift_force_N(conditions).tolist(), strict=True):
-            yield f"\n[[{kind}]]"
-            yield f"wheel_radius_m = {toml_value(condition.wheel_radius_m)}"
-            yield f"wrap_angle_rad = {toml_value(condition.wrap_angle_rad)}"
-            yield f"end_tension_N = {toml_value(condition.end_tension_N)}"
-            yield f"lift_force_N = {toml_value(force_N)}"
-    yield "\n[trials]"
-    for trial, truth in zip(trials, truths, strict=True):
-        yield f"{trial.name} = {toml_value(_truth_of(plan, truth))}"
-
-
-def _truth_of(plan: CampaignPlan, truth: RecordingTruth) -> dict[str, object]:
-    numbers = {
-        "lift_force_N": truth.lift_force_N,
-        "breakaway_time_s": truth.breakaway_time_s,
-        "kinetic_N": truth.kinetic_N,
-    }
-    lists = {"tooth_tops_N": truth.tooth_tops_N, "plateaus_N": truth.plateaus_N}
+            yield from _table(
+                f"[{kind}]",
+                wheel_radius_m=condition.wheel_radius_m,
+                wrap_angle_rad=condition.wrap_angle_rad,
+                end_tension_N=condition.end_tension_N,
+                lift_force_N=force_N,
+            )
     inside = RIG_PROTOCOLS[plan.protocol].scatters_inside
-    return {
-        "status": truth.status.value,
-        "faults": truth.faults,
-        **{key: value for key, value in numbers.items() if not np.isnan(value)},
-        **{key: value for key, value in lists.items() if inside and value},
-    }
+    yield from _table("trials")
+    for trial, truth in zip(trials, truths, strict=True):
+        numbers = {key: getattr(truth, key) for key in ("lift_force_N", "breakaway_time_s", "kinetic_N")}
+        lists = {key: getattr(truth, key) for key in ("tooth_tops_N", "plateaus_N") if inside}
+        known = {key: value for key, value in numbers.items() if not math.isnan(value)}
+        known |= {key: value for key, value in lists.items() if value}
+        yield from _keys(**{trial.name: {"status": truth.status.value, "faults": truth.faults, **known}})
+
+
+def _keys(**values: object) -> list[str]:
+    return [f"{key} = {_toml(value)}" for key, value in values.items()]
+
+
+def _table(title: str, /, **values: object) -> list[str]:
+    return ["", f"[{title}]", *_keys(**values)]
+
+
+def _toml(value: object) -> str:
+    """Return a TOML literal of a string, number, boolean, list or (inline) table; floats to 12 digits."""
+    if isinstance(value, float):
+        return repr(float(f"{value:.12g}"))
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(_keys(**value)) + " }"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    return json.dumps(value, ensure_ascii=False)  # of these, TOML is written as JSON is
+
+
+def _quantity(value: float, unit: str) -> str:
+    """Return a quantity as people write it."""
+    return f"{value:.10g} {unit}"
+
+
+def _thousands(value: float, unit: str) -> str:
+    return _quantity(value / 1e3, f"k{unit}") if value >= 1e3 else _quantity(value, unit)

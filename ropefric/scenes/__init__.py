@@ -1,1 +1,8 @@
-"""Scenes: one file that says what is to be solved and how exactly; what that takes is found out from it."""
+"""A machine in a TOML file, solved with the effects that its accuracy calls for.
+
+In comes a scene file, out go a `Solution`, an `Explanation` or a `Sweep`.
+`kind` is what a kind of scene declares: keys, machine, numbers, words, figures; `kinds/` has one file a machine.
+`scene` reads a file into a problem with its friction; `plan` decides which effects and method, and explains it;
+`solve` answers with `uncertainty` from the friction's fit; `sweep` answers over a grid; `scene_templates` are scenes
+to start from.
+"""

@@ -1,13 +1,193 @@
-"""What makes a system a kind of scene: its TOML keys, and its answer in words and numbers."""
+"""What a kind of scene is made of: its keys, its machine, and its answer in numbers, words, files and figures."""
 
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
+
+import numpy as np
+from pydantic import BaseModel, Field, PlainValidator, model_validator
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.scenes.schema import SceneTable
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.quantities import LARGEST, SMALLEST, in_range
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
+from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, text
+
+
+def number(value: object) -> float:
+    """Return a bare finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < float("inf"):
+        fix = "write it without quotes and without unit" if isinstance(value, str) else ""
+        reject("RF110", f"expected a number, got {got(value)}", fix=fix)
+    if not in_range(value):
+        limits = f"{SMALLEST:g} to {LARGEST:g}"
+        reject(
+            "RF110",
+            f"{got(value)} is too large or too small: {limits} are the limits",
+            fix="correct the number",
+        )
+    return float(value)
+
+
+def positive(value: object) -> float:
+    """Return a bare number above zero."""
+    found = number(value)
+    if not found > 0.0:
+        reject("RF110", f"{got(value)} is not more than 0", fix="give a positive number")
+    return found
+
+
+def unit(si_unit: str, like: str, *, above: float | None = None) -> PlainValidator:
+    """Return the pydantic annotation of a quantity that is written with its unit."""
+    return PlainValidator(quantity(si_unit, like, above=above))
+
+
+def by_name(read: Callable[[object], float], like: str) -> PlainValidator:
+    """Return the pydantic annotation of a table with one value for each part of the machine that it names."""
+
+    def values(value: object) -> dict[str, float]:
+        if not isinstance(value, dict):
+            reject("RF110", f"expected a table of values, got {got(value)}", fix=f"write {{ {like} }}")
+        return {str(name): read(one) for name, one in value.items()}
+
+    return PlainValidator(values)
+
+
+@dataclass(frozen=True, slots=True)
+class Becomes:
+    """Beside a key: the field of the machine or its problem that the key's value becomes.
+
+    Attributes
+    ----------
+    field : str
+        Its name there; in an error of the mechanics it leads back to the key.
+    factor : float
+        Of the value; a diameter becomes half of it.
+    many : bool
+        Whether a sweep may solve many values of it in one call.
+    """
+
+    field: str
+    factor: float = 1.0
+    many: bool = True
+
+
+def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) -> dict[str, Becomes]:
+    """Return what the keys of a schema become, those of its tables included; friction has a reader of its own.
+
+    A key in one of many tables of a kind, such as `[rollers.2]`, is named without them, and is not swept in one call.
+    """
+    found: dict[str, Becomes] = {}
+    for name, info in schema.model_fields.items():
+        key = prefix + name if whole else name
+        for one in info.metadata:
+            if isinstance(one, Becomes):
+                found[key] = replace(one, many=one.many and whole)
+        single = whole and get_origin(info.annotation) not in {dict, list}
+        for table in (info.annotation, *get_args(info.annotation)):
+            if isinstance(table, type) and issubclass(table, StrictTable) and name != "friction":
+                found |= becomes(table, f"{key}.", whole=single)
+    return found
+
+
+def given(table: StrictTable) -> dict[str, Any]:
+    """Return the fields that one table's keys become, with their values; not those it leaves out."""
+    found = {}
+    for name, info in type(table).model_fields.items():
+        value = getattr(table, name)
+        for one in info.metadata:
+            if isinstance(one, Becomes) and value is not None:
+                found[one.field] = value if one.factor == 1.0 else one.factor * value
+    return found
+
+
+def arrays(table: StrictTable) -> dict[str, FloatArray]:
+    """Return the fields that the keys of a table and of the tables in it become, each as a problem of one case."""
+    found = {name: np.array([value]) for name, value in given(table).items()}
+    for name in type(table).model_fields:
+        inner = getattr(table, name)
+        found |= arrays(inner) if isinstance(inner, StrictTable) and name != "friction" else {}
+    return found
+
+
+def _accuracy(value: object) -> float:
+    found = number(value)
+    if not 0.0 < found <= 1.0:
+        reject(
+            "RF501",
+            f"an accuracy of {got(value)} is not above 0 and at most 1",
+            fix="give the relative error you can live with, such as 0.01 for 1 %",
+        )
+    return found
+
+
+def _effects(value: object) -> str | tuple[str, ...]:
+    if value in ("auto", "all"):
+        return str(value)
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        reject(
+            "RF110",
+            f'expected "auto", "all" or a list of names, got {got(value)}',
+            fix='write effects = "auto"',
+        )
+    if len(set(value)) < len(value):
+        reject("RF111", "the list names an effect twice", fix="name each effect once")
+    return tuple(value)
+
+
+class ReferenceTable(StrictTable):
+    """`[friction.reference]`: the condition that stands in for what the law is not told."""
+
+    wheel_radius: Annotated[float | None, unit("m", "40 mm", above=0), Becomes("wheel_radius_m")] = None
+    rope_diameter: Annotated[float | None, unit("m", "9.8 mm", above=0), Becomes("rope_radius_m", 0.5)] = None
+    wrap: Annotated[float | None, unit("rad", "360 deg", above=0), Becomes("wrap_angle_rad")] = None
+    end_tension: Annotated[float | None, unit("N", "60 N", above=0), Becomes("end_tension_N")] = None
+
+
+class ScaleTable(StrictTable):
+    """`friction.scale_to`."""
+
+    mu: Annotated[float, PlainValidator(positive), Becomes("mu")]
+    wrap: Annotated[float, unit("rad", "180 deg", above=0), Becomes("wrap_angle_rad")]
+
+
+class FrictionTable(StrictTable):
+    """`[friction]`: a number, a law with its parameters, or a stored fit."""
+
+    mu: Annotated[float | None, PlainValidator(positive)] = None
+    law: Annotated[str | None, PlainValidator(choice(lambda: ALL_LAWS))] = None
+    parameters: Annotated[dict[str, float] | None, by_name(number, "a = 0.2, b = -0.5")] = None
+    fit: Annotated[str | None, PlainValidator(text)] = None
+    scale_to: ScaleTable | None = None
+    reference: ReferenceTable = Field(default_factory=ReferenceTable)
+
+    @model_validator(mode="after")
+    def _has_one_source(self) -> Self:
+        named = [name for name in ("mu", "law", "fit") if getattr(self, name) is not None]
+        if not named:
+            reject("RF121", "no friction is given", fix="add mu = 0.2, or law and parameters, or fit")
+        if len(named) > 1:
+            reject("RF111", f"{' and '.join(named)} are both given", fix="keep one of them", key=named[-1])
+        if self.law is not None and self.parameters is None:
+            names = ", ".join(f"{name} = …" for name in ALL_LAWS[self.law].parameter_names)
+            reject("RF121", f"the law {self.law} has no parameters", fix=f"add parameters = {{ {names} }}")
+        if self.law is None and self.parameters is not None:
+            reject("RF111", "parameters are given without a law", fix="name the law", key="parameters")
+        if self.mu is not None and self.scale_to is not None:
+            reject("RF111", "a bare coefficient needs no scale_to", fix="remove scale_to", key="scale_to")
+        return self
+
+
+class SceneTable(StrictTable):
+    """What every scene has at its top."""
+
+    system: Annotated[str, PlainValidator(text)]
+    accuracy: Annotated[float, PlainValidator(_accuracy)] = 0.01
+    effects: Annotated[Any, PlainValidator(_effects)] = "auto"
+    friction: FrictionTable | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,24 +213,54 @@ class Failure:
         return f"{self.words}: {self.measure} {float(self.value[self.fails][0]):.3g}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SweepField:
-    """A key of the scene that takes many values in one call."""
+class Part(NamedTuple):
+    """A part of an answer in words: a heading, lines, and at most one table; its first `left` columns are words."""
 
-    field: str
-    factor: float = 1.0
+    title: str
+    lines: tuple[str, ...] = ()
+    headings: tuple[str, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+    left: int = 1
+    notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+class Line(NamedTuple):
+    """A line of a chart; a point where it has one value, a limit drawn thin where `limit` says so."""
+
+    name: str
+    x: FloatArray
+    y: FloatArray
+    limit: bool = False
+
+
+class Chart(NamedTuple):
+    """A figure as data: lines over one axis, whose columns are named as in a table."""
+
+    title: str
+    x_column: str
+    x_label: str
+    y_column: str
+    y_label: str
+    lines: tuple[Line, ...]
+
+
+class Figure(NamedTuple):
+    """A figure of a kind: what it shows, None where a scene has nothing to show, and what draws it in plotting."""
+
+    data: Callable[[Any, Any], Any]
+    drawn_by: str = "chart.draw_chart"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Kind:
-    """A kind of scene.
+    """A kind of scene: everything the tool knows of one machine beyond its mechanics.
 
     Attributes
     ----------
     name : str
         What `system = "…"` says.
     schema : type of SceneTable
-        Its TOML keys.
+        Its TOML keys, each with what it `Becomes`.
     system : System
         Its effects and mechanics.
     own_wheel : callable
@@ -66,18 +276,24 @@ class Kind:
     contacts : callable
         `contacts(problem)` returns the conditions at which the friction is used, as a mapping from the regressor's
         name to an array; for telling an extrapolation.
-    sweep_fields : mapping
-        Keys that can be swept in one call.
+    answerable : callable
+        `answerable(problem)` returns for which of many cases there is an answer, as far as that shows without
+        solving them.
     failures : callable
         `failures(answer, problem)` returns the ways in which the machine may not do what it is for.
     in_one_call : callable
         `in_one_call(problem)` returns whether a problem can be solved for many cases at once.
-    answerable : callable
-        `answerable(problem)` returns for which of many cases there is an answer, as far as that shows without
-        solving them.
-    scene_key : callable
-        `scene_key(name)` returns the key of the scene behind a name that an error of the system gives; the name
-        itself where there is none.
+    keys : mapping of str to str
+        Keys of the scene behind names that an error of the system gives, beside what the keys become; "roller" stands
+        for "roller 2" and takes the 2 in its `{}`.
+    sections : callable
+        `sections(tree)` returns the answer in words and tables, from the whole JSON shape.
+    histories : mapping
+        `histories[file name](answer)` returns columns to be written as CSV; None where there are none.
+    figures : mapping of str to Figure
+        By file name without ending.
+    words : mapping of str to str
+        What the numbers of its answer are, with unit, where the glossary does not say it.
 
     Examples
     --------
@@ -94,8 +310,41 @@ class Kind:
     quantities: Callable[[Any, Any], tuple[Quantity, ...]]
     tree: Callable[[Any, Any], dict[str, Any]]
     contacts: Callable[[Any], Mapping[str, FloatArray]]
-    sweep_fields: Mapping[str, SweepField]
     answerable: Callable[[Any], BoolArray]
-    scene_key: Callable[[str], str]
     failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)
+    keys: Mapping[str, str] = field(default_factory=dict)
+    sections: Callable[[Mapping[str, Any]], tuple[Part, ...]] = lambda tree: ()  # noqa: ARG005  (no more to say)
+    histories: Mapping[str, Callable[[Any], Mapping[str, FloatArray] | None]] = field(default_factory=dict)
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    words: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def sweep_fields(self) -> dict[str, Becomes]:
+        """Return the keys that can be swept in one call, with what they become."""
+        return {key: one for key, one in becomes(self.schema).items() if one.many}
+
+    @cached_property
+    def _keys(self) -> dict[str, str]:
+        own = {one.field: key for key, one in becomes(self.schema).items()}
+        return {"mu": "friction.mu", **own, **self.keys}
+
+    def scene_key(self, name: str) -> str:
+        """Return the key of the scene behind a name that an error of the system gives."""
+        part, _, which = name.partition(" ")
+        if which and part in self.keys:
+            return self.keys[part].format(which)
+        owner, dot, last = name.rpartition(".")
+        return owner + dot + self._keys.get(last, last)
+
+
+def finite(value: float) -> float | None:
+    """Return a number as a float, None (null) where it is not finite."""
+    return float(value) if math.isfinite(value) else None
+
+
+def in_words(value: float | None, form: str = ".4g") -> str:
+    """Return a number as a table shows it: a dash where there is none, 0 for what only rounding left."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    return format(0.0 if abs(value) < 1e-12 else value, form)

@@ -1,17 +1,19 @@
 """A scene solved: the answer, its uncertainty, and what was simulated for it."""
 
 import math
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.extrapolation import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
-from ropefric.scenes.jsonable import finite, method_tree
-from ropefric.scenes.plan import Plan, make_plan
+from ropefric.scenes.kind import Quantity, finite
+from ropefric.scenes.plan import Plan, make_plan, method_tree
 from ropefric.scenes.scene import Scene, placed
 from ropefric.scenes.uncertainty import Uncertain, carry_through, known
 from ropefric.systems.effect import assemble
+from ropefric.systems.friction import WrapFriction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,6 +34,10 @@ class Solution:
         Of the intervals.
     extrapolation : tuple of str
         In which respects the friction is used outside what it was tested for.
+    failures : tuple of str
+        What the machine does not do, however well that is known: a hoist that does not lift.
+    tree : dict
+        What the machine's kind adds to the JSON shape.
     """
 
     scene: Scene
@@ -40,12 +46,8 @@ class Solution:
     quantities: tuple[Uncertain, ...]
     level: float
     extrapolation: tuple[str, ...]
-
-    @property
-    def failures(self) -> tuple[str, ...]:
-        """Return what the machine does not do, however well that is known: a hoist that does not lift."""
-        found = self.scene.kind.failures(self.answer, self.scene.problem)
-        return tuple(one.text() for one in found if one.fails.any())
+    failures: tuple[str, ...]
+    tree: dict[str, Any]
 
     @property
     def stands(self) -> bool:
@@ -56,38 +58,38 @@ class Solution:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Return what speaks against using the answer, or the machine."""
-        source = self.scene.source
-        own = (*self.failures, *(() if source is None else source.warnings))
-        beyond = tuple(f"extrapolated: {words}" for words in self.extrapolation)
-        if self.plan.keeps_accuracy:
-            return (*own, *beyond)
-        bound = "not known" if math.isinf(self.plan.error_bound) else f"up to {self.plan.error_bound:.2g}"
-        source_of_it = f"leaving out {', '.join(self.plan.left_out)}"
-        if not self.plan.left_out or self.plan.method.error > self.plan.accuracy:
-            source_of_it = f"the method ({self.plan.method.name})"
-        found = f"the error of {source_of_it} is {bound}, more than the accuracy of {self.plan.accuracy:g}"
-        return (*own, *beyond, found)
+        source, plan = self.scene.source, self.plan
+        found = [*self.failures, *(() if source is None else source.warnings)]
+        found += [f"extrapolated: {words}" for words in self.extrapolation]
+        if not plan.keeps_accuracy:
+            bound = "not known" if math.isinf(plan.error_bound) else f"up to {plan.error_bound:.2g}"
+            cause = f"leaving out {', '.join(plan.left_out)}"
+            if not plan.left_out or plan.method.error > plan.accuracy:
+                cause = f"the method ({plan.method.name})"
+            found.append(f"the error of {cause} is {bound}, more than the accuracy of {plan.accuracy:g}")
+        return tuple(found)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape; numbers without a finite value are null."""
-        kind, plan = self.scene.kind, self.plan
-        tree = {"system": kind.name, **kind.tree(self.answer, self.scene.problem)}
+        plan, source = self.plan, self.scene.source
+        tree = {"system": self.scene.kind.name, **deepcopy(self.tree)}
         for quantity in self.quantities:
             _put(tree, quantity)
-        tree["level"] = self.level
-        tree["extrapolated"] = bool(self.extrapolation)
-        tree["effects"] = {
-            "simulated": list(plan.simulated),
-            "left_out": list(plan.left_out),
-            "not_applicable": [one.name for one in plan.decisions if one.fate == "not applicable"],
+        return tree | {
+            "level": self.level,
+            "extrapolated": bool(self.extrapolation),
+            "effects": {
+                "simulated": list(plan.simulated),
+                "left_out": list(plan.left_out),
+                "not_applicable": [one.name for one in plan.decisions if one.fate == "not applicable"],
+            },
+            "accuracy": plan.accuracy,
+            "error_bound": finite(plan.error_bound),
+            "method": method_tree(plan.method),
+            "friction": None if source is None else source.origin,
+            "failures": list(self.failures),
+            "warnings": list(self.warnings),
         }
-        tree["accuracy"] = plan.accuracy
-        tree["error_bound"] = finite(plan.error_bound)
-        tree["method"] = method_tree(plan.method)
-        tree["friction"] = None if self.scene.source is None else self.scene.source.origin
-        tree["failures"] = list(self.failures)
-        tree["warnings"] = list(self.warnings)
-        return tree
 
 
 def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
@@ -113,35 +115,32 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
         raise InputError(
             f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
         )
+    kind, problem, source = scene.kind, scene.problem, scene.source
     try:
-        plan, model = make_plan(
-            scene.kind.system, scene.problem, accuracy=scene.accuracy, effects=scene.effects
-        )
-        answer = scene.kind.system.solve(model, plan.method)
-        quantities = scene.kind.quantities(answer, scene.problem)
-        uncertain = (
-            tuple(known(quantity) for quantity in quantities)
-            if scene.source is None
-            else carry_through(
-                scene.source, lambda friction: _again(scene, plan, friction), quantities, level=level
+        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=scene.effects)
+        answer = kind.system.solve(model, plan.method)
+        quantities = kind.quantities(answer, problem)
+
+        def again(friction: WrapFriction) -> tuple[Quantity, ...]:
+            other = replace(problem, friction=friction)
+            return kind.quantities(
+                kind.system.solve(assemble(kind.system, other, plan.simulated), plan.method), other
             )
+
+        return Solution(
+            scene=scene,
+            plan=plan,
+            answer=answer,
+            quantities=tuple(map(known, quantities))
+            if source is None
+            else carry_through(source, again, quantities, level=level),
+            level=level,
+            extrapolation=_extrapolation(scene),
+            failures=tuple(one.text() for one in kind.failures(answer, problem) if one.fails.any()),
+            tree=kind.tree(answer, problem),
         )
     except RopefricError as error:
         raise placed(error, scene.document) from error
-    return Solution(
-        scene=scene,
-        plan=plan,
-        answer=answer,
-        quantities=uncertain,
-        level=level,
-        extrapolation=_extrapolation(scene),
-    )
-
-
-def _again(scene: Scene, plan: Plan, friction: Any) -> Any:
-    problem = replace(scene.problem, friction=friction)
-    model = assemble(scene.kind.system, problem, plan.simulated)
-    return scene.kind.quantities(scene.kind.system.solve(model, plan.method), problem)
 
 
 def _extrapolation(scene: Scene) -> tuple[str, ...]:

@@ -1,19 +1,159 @@
-"""A scene solved over a grid of its own numbers: in one call where the system allows, point by point elsewhere."""
+"""A scene solved over a grid of its own numbers: in one call where the system allows, point by point elsewhere.
 
+An axis is a key of the scene and the values it is to take; the answers are a table, written as CSV fast because it
+may have a million rows.
+"""
+
+import csv
+import io
 import math
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 from math import prod
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.errors import InputError, RopefricError
-from ropefric.scenes.axis import MOST_POINTS, Axis, replaced
+from ropefric.errors import InputError, RopefricError, UnknownNameError
+from ropefric.files.folder import Folder
+from ropefric.files.plain_text import to_spreadsheet
+from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Quantity
 from ropefric.scenes.plan import make_plan
-from ropefric.scenes.scene import Scene, source_of
+from ropefric.scenes.scene import Scene, read_scene, source_of
+from ropefric.trials.toml_document import TomlDocument
+
+MOST_POINTS = 10_000_000
+"""Of an axis, and of a whole grid: some 2.5 GB."""
+_NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Axis:
+    """A key of a scene and its values."""
+
+    key: str
+    values: FloatArray
+    unit: str
+    factor: float
+
+
+def parse_axis(scene: Scene, text: str) -> Axis:
+    """Return the axis that "KEY=START:STOP:COUNT" or "KEY=A,B,C" asks for."""
+    key, equals, values = (part.strip() for part in text.partition("="))
+    if not equals or not key or not values:
+        raise InputError(
+            f"--sweep {text!r} is not KEY=START:STOP:COUNT or KEY=A,B,C",
+            key="--sweep",
+            fix='write it like  --sweep "wheel.wrap=90deg:1440deg:50"',
+        )
+    known = scalar_keys(scene)
+    if key not in known:
+        raise UnknownNameError(
+            f"the scene gives no number {key!r} that could be swept",
+            key="--sweep",
+            fix=f"{did_you_mean(key, known)}; a key that the scene leaves out must be written into it first",
+        )
+    if ":" in values:
+        return _range(scene, key, values)
+    texts = [part.strip() for part in values.split(",")]
+    found = np.array([_si(scene, key, part) for part in texts])
+    unit, factor = _unit(texts[-1], float(found[-1]))
+    return Axis(key=key, values=found, unit=unit, factor=factor)
+
+
+def _range(scene: Scene, key: str, text: str) -> Axis:
+    parts = [part.strip() for part in text.split(":")]
+    spaced = parts[3] if len(parts) == 4 else "linear"
+    counted = len(parts) in (3, 4) and parts[2].isdecimal() and len(parts[2]) < 20
+    count = int(parts[2]) if counted else 0
+    if not 2 <= count <= MOST_POINTS or spaced not in {"linear", "log"}:
+        raise InputError(
+            f"{text!r} is not START:STOP:COUNT with a count from 2 to {MOST_POINTS}",
+            key="--sweep",
+            fix="write it like  90deg:1440deg:50  or, in equal ratios,  90deg:1440deg:50:log",
+        )
+    start, stop = (_si(scene, key, part) for part in parts[:2])
+    if spaced == "log":
+        if not (start > 0.0 and stop > 0.0):
+            raise InputError(f"{text!r} has no equal ratios: both ends must be positive", key="--sweep")
+        values = np.geomspace(start, stop, count)
+    else:
+        values = np.linspace(start, stop, count)
+    unit, factor = _unit(parts[1], stop)
+    return Axis(key=key, values=values, unit=unit, factor=factor)
+
+
+def _si(scene: Scene, key: str, text: str) -> float:
+    """Return a value in SI, read and checked by the scene itself."""
+    now = _at(scene.document.data, key)
+    written: Any = text if isinstance(now, str) else _bare(key, text)
+    changed = read_scene(
+        TomlDocument(path=scene.document.path, data=_with(scene.document.data, key, written), lines={}),
+        scene.folder,
+    )
+    return float(_at(changed.table, key))
+
+
+def _bare(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(
+            f"{key}: {text!r} is no number", key="--sweep", fix="write it without unit"
+        ) from None
+
+
+def _unit(text: str, si_value: float) -> tuple[str, float]:
+    """Return the unit in which a value was written, and how much of SI one of it is."""
+    found = _NUMBER.match(text)
+    unit = text[found.end() :].strip() if found else text
+    if not unit:
+        return "", 1.0
+    written = float(found[1]) if found else 1.0
+    return unit, si_value / written if written else 1.0
+
+
+def scalar_keys(scene: Scene) -> tuple[str, ...]:
+    """Return the keys of a scene that hold a number, with or without unit."""
+    return tuple(
+        key
+        for key, _ in _leaves(scene.document.data)
+        if isinstance(_at(scene.table, key), int | float) and key != "accuracy"
+    )
+
+
+def _leaves(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
+    found = []
+    for name, value in tree.items():
+        key = f"{prefix}.{name}" if prefix else str(name)
+        found += _leaves(value, key) if isinstance(value, dict) else [(key, value)]
+    return found
+
+
+def _at(tree: Any, key: str) -> Any:
+    """Return what stands at a key of a TOML tree or of the table made from it; None where nothing does."""
+    for name in key.split("."):
+        tree = tree.get(name) if isinstance(tree, dict) else getattr(tree, name, None)
+    return tree
+
+
+def _with(tree: Any, key: str, value: Any) -> dict[str, Any]:
+    name, _, rest = key.partition(".")
+    return {**tree, name: _with(tree[name], rest, value) if rest else value}
+
+
+def _replaced(table: Any, key: str, value: float) -> Any:
+    """Return a checked table with another SI value at a key; the value itself is not checked again."""
+    name, _, rest = key.partition(".")
+    if isinstance(table, dict):
+        return {**table, name: _replaced(table[name], rest, value) if rest else value}
+    return table.model_copy(update={name: _replaced(getattr(table, name), rest, value) if rest else value})
+
 
 _BLOCK = 50_000
 _PLANNED_POINTS = 1000
@@ -153,7 +293,7 @@ def _solve_answerable(
     scene: Scene, keys: list[str], values: list[FloatArray], places: IntArray, collected: _Collected
 ) -> None:
     """Solve the points of a block that can have an answer in one call, and one of the others, to hear why not."""
-    possible = scene.kind.answerable(_at(scene, keys, values))
+    possible = scene.kind.answerable(_problem_at(scene, keys, values))
     hopeless = np.flatnonzero(~possible)
     if hopeless.size:
         first = hopeless[:1]
@@ -163,7 +303,7 @@ def _solve_answerable(
         _solve_block(scene, keys, [value[possible] for value in values], places[possible], collected)
 
 
-def _at(scene: Scene, keys: list[str], values: list[FloatArray]) -> Any:
+def _problem_at(scene: Scene, keys: list[str], values: list[FloatArray]) -> Any:
     fields = {
         scene.kind.sweep_fields[key].field: scene.kind.sweep_fields[key].factor * value
         for key, value in zip(keys, values, strict=True)
@@ -176,7 +316,7 @@ def _solve_block(
 ) -> None:
     """Solve many points in one call; where one of them has no answer, halve the block until it stands alone."""
     try:
-        _solve(scene, _at(scene, keys, values), places, _asked(scene, collected.total), collected)
+        _solve(scene, _problem_at(scene, keys, values), places, _asked(scene, collected.total), collected)
     except RopefricError as error:
         if places.size == 1:
             collected.fail(error)
@@ -190,7 +330,7 @@ def _solve_point(
 ) -> None:
     table = scene.table
     for key, value in zip(keys, values, strict=True):
-        table = replaced(table, key, float(value[0]))
+        table = _replaced(table, key, float(value[0]))
     try:
         source = source_of(scene.kind, table, scene.folder)
         problem = scene.kind.problem(table, None if source is None else source.friction)
@@ -211,3 +351,48 @@ def _solve(
             before = collected.failures.get(failure.words, 0)
             collected.failures[failure.words] = before + int(failure.fails.sum())
     collected.error_bound = max(collected.error_bound, plan.error_bound)
+
+
+def header_of(sweep: Sweep) -> tuple[str, ...]:
+    """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
+    keys = (f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes)
+    return (*keys, *sweep.columns)
+
+
+def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
+    """Write a sweep as CSV, one row a point, the last axis fastest; return the path.
+
+    Swept values stand in the unit in which they were asked for; a point without an answer has empty cells.
+    """
+    # An axis has few values, so each is put into words once.
+    words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in sweep.axes]
+    cells = ",".join(["%.9g"] * len(sweep.columns)) + "\n"
+    lines = [word + cells for word in words[-1]]
+    values = np.stack(list(sweep.columns.values()), axis=-1)
+    with folder.stream(name) as stream:
+        stream.write(_header(header_of(sweep)).encode())
+        for place, outer in enumerate(product(*words[:-1])):
+            for start in range(0, len(lines), _BLOCK):
+                rows = lines[start : start + _BLOCK]
+                first = place * len(lines) + start
+                stream.write(_rows("".join(outer), rows, values[first : first + len(rows)]).encode())
+    return folder.path / name
+
+
+def columns_text(columns: Mapping[str, FloatArray]) -> str:
+    """Return columns of one length as CSV."""
+    values = np.stack(list(columns.values()), axis=-1)
+    row = ",".join(["%.9g"] * len(columns)) + "\n"
+    return _header(columns) + _rows("", [row] * len(values), values)
+
+
+def _header(names: Iterable[str]) -> str:
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerow(map(to_spreadsheet, names))
+    return stream.getvalue()
+
+
+def _rows(outer: str, rows: list[str], values: FloatArray) -> str:
+    """Return the rows of one block: what stands before all of them, and after it each row's template filled in."""
+    text: str = outer.join(["", *rows]) % tuple(values.ravel().tolist())
+    return text.replace("nan", "") if np.isnan(values).any() else text

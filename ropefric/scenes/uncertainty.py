@@ -7,8 +7,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.scenes.friction_source import FrictionSource
 from ropefric.scenes.kind import Quantity
+from ropefric.scenes.scene import FrictionSource
 from ropefric.systems.friction import WrapFriction
 from ropefric.uncertainty.quantity import directions, quantile
 

@@ -11,7 +11,7 @@ from ropefric.quantities import si_unit_of, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.counts import as_counts
-from ropefric.traces.readers.derived import evaluate_derived
+from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.trace import ForceTrace
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ropefric.errors import DataError, Problem
-from ropefric.traces.readers.derived import evaluate_derived
+from ropefric.traces.derived import evaluate_derived
 from ropefric.trials.campaign_schema import CampaignFile
 from ropefric.trials.toml_document import TomlDocument
 from ropefric.trials.trial_advice import radius_doubt

@@ -8,8 +8,7 @@ from pathlib import Path
 
 from ropefric.errors import DataError, Problem
 from ropefric.files.read import use_file
-from ropefric.traces.readers.source import Source
-from ropefric.traces.readers.text import load_text
+from ropefric.files.text import Source, load_text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

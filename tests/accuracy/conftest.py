@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ropefric.accuracy.selection import error_table
+from ropefric.accuracy.measure import error_table
 
 
 def _errors(study, case, method):

@@ -6,12 +6,22 @@ import math
 import numpy as np
 import pytest
 
-from ropefric.accuracy.assess import Counted, against, largest_error, over_seeds
-from ropefric.accuracy.machine import this_machine
-from ropefric.accuracy.measure import FULL, QUICK, Effort, measure_studies, measure_study, time_call
-from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, pareto_front
+from ropefric.accuracy.measure import FULL, QUICK, Effort, measure_studies, this_machine, time_call
 from ropefric.accuracy.studies import STUDIES
-from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.accuracy.study import (
+    ACCURACIES,
+    Case,
+    Counted,
+    Measured,
+    Outcome,
+    Setting,
+    Study,
+    against,
+    cheapest,
+    largest_error,
+    over_seeds,
+    pareto_front,
+)
 from ropefric.errors import InputError, UnknownNameError
 
 
@@ -111,7 +121,7 @@ def test_below_rounding_errors_are_all_the_same_and_infinite_ones_are_no_answer(
 
 
 def test_counting_leaves_the_timed_function_alone():
-    setting = against([2.0, 4.0], np.square, lambda f: f(np.array([1.5, 2.0])), method="m", setting="")
+    setting = against([2.0, 4.0], "m", "", lambda f: f(np.array([1.5, 2.0])), np.square)
     outcome = setting.assess()
     assert outcome.evaluations == 2
     assert outcome.error == pytest.approx(0.125)
@@ -146,7 +156,7 @@ def made_study(calls):
 def test_a_study_is_measured_setting_by_setting_and_quickly_only_in_part():
     calls, told = [], []
     effort = Effort(batch_s=1e-9, budget_s=1e-9, fewest=1, most=1)
-    result = measure_study(made_study(calls), effort=effort, progress=lambda *args: told.append(args))
+    (result,) = measure_studies([made_study(calls)], effort=effort, progress=lambda *args: told.append(args))
     assert [(p.method, p.error, p.evaluations) for p in result.points] == [("a", 1e-3, 7.0), ("b", 1e-9, 7.0)]
     assert told == [(1, 2, "made: only, a"), (2, 2, "made: only, b")]
     assert result.findings == ("a", "b")

@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from ropefric.accuracy.selection import enough, error_table
+from ropefric.accuracy.measure import enough, error_table
 from ropefric.accuracy.studies.integral import A, gauss_legendre, segment_sum, simpson, trapezoid
 from ropefric.friction.integral import power_integral
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ropefric.accuracy.selection import error_table
+from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, scenes
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.bandsaw.beam import scaled_beams, solve_beam

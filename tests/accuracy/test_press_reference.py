@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from ropefric.accuracy.selection import error_table
+from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.studies import press_transient as study
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from ropefric.accuracy.selection import enough, error_table
-from ropefric.errors import InputError, SolverError, UnknownNameError
+from ropefric.accuracy.measure import enough, error_table
 
 CASES = [("integral", "regular"), ("end-tension", "exponential"), ("blade-modes", "blade"), ("fit", "wide")]
 
@@ -32,14 +31,3 @@ def test_a_method_can_be_asked_for():
 
 def test_the_first_case_is_the_ordinary_one():
     assert error_table("integral") == error_table("integral", "regular")
-
-
-def test_what_cannot_be_had_is_refused_with_the_best_there_is():
-    with pytest.raises(SolverError, match="the best is segment sum 16384 pieces"):
-        enough("integral", 1e-12, "from-zero", method="segment sum")
-    with pytest.raises(InputError, match="cannot be reached"):
-        enough("integral", 0.0)
-    with pytest.raises(UnknownNameError, match="did you mean 'gauss-legendre'"):
-        enough("integral", 1e-3, method="gauss-lagrange")
-    with pytest.raises(UnknownNameError, match="did you mean 'fit'"):
-        enough("fitt", 1e-3)

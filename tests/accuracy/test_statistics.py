@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ropefric.accuracy.measured import Measured
-from ropefric.accuracy.selection import error_table
+from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES
+from ropefric.accuracy.study import Measured
 
 
 def test_bootstrap_errs_with_one_over_the_root_of_the_number(errors):

@@ -6,11 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from ropefric.accuracy.machine import Machine
-from ropefric.accuracy.measure import StudyResult
-from ropefric.accuracy.measured import ROUNDING, Measured
+from ropefric.accuracy.measure import Machine, StudyResult
 from ropefric.accuracy.studies import STUDIES
-from ropefric.accuracy.study import Case, Study
+from ropefric.accuracy.study import ROUNDING, Case, Measured, Study
 from ropefric.plotting.save import save_figure
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.cost_page import cost_markdown, cost_sections, write_cost

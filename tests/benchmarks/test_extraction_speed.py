@@ -8,10 +8,8 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from ropefric.rig.campaign import plan_trials, record_trial
-from ropefric.rig.files import campaign_text
-from ropefric.rig.prth_bench import prth_bench_plan
-from ropefric.rig.settings import Bench
+from ropefric.rig.bench import Bench
+from ropefric.rig.campaign import campaign_text, plan_trials, prth_bench_plan, record_trial
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import extract_campaign
 

@@ -7,12 +7,10 @@ from pathlib import Path
 import pytest
 
 from ropefric.files.folder import Folder
-from ropefric.scenes.axis import parse_axis
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import sweep_scene
-from ropefric.scenes.table import write_sweep
+from ropefric.scenes.sweep import parse_axis, sweep_scene, write_sweep
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 GRID = ("wheel.wrap=90deg:1440deg:1000", "load.end_tension=10N:500N:1000")

@@ -4,7 +4,7 @@ import csv
 
 import pytest
 
-from ropefric.accuracy.selection import error_table
+from ropefric.accuracy.measure import error_table
 from ropefric.cli.app import main
 
 

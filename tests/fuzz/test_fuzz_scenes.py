@@ -8,7 +8,7 @@ from pathlib import Path
 from fuzz_kit import answered, fuzzed, scratch
 from hypothesis import strategies as st
 
-from ropefric.scenes.explain import explain_scene
+from ropefric.scenes.plan import explain_scene
 from ropefric.scenes.scene import check_scene, load_scene
 from ropefric.scenes.solve import solve_scene
 

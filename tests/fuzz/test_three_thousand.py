@@ -33,9 +33,9 @@ from ropefric.fitting.store import load_fit
 from ropefric.fitting.table import read_trial_table
 from ropefric.fitting.verify import verify_fit
 from ropefric.quantities import parse_any_quantity, parse_quantity, split_unit_suffix, unit_factor
-from ropefric.scenes.axis import parse_axis
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
+from ropefric.scenes.sweep import parse_axis
 from ropefric.trials.campaign import check_campaign, load_campaign
 from ropefric.trials.recording import extract_recording
 

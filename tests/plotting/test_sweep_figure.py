@@ -5,8 +5,7 @@ import pytest
 
 from ropefric.errors import InputError
 from ropefric.plotting.sweep import draw_sweep
-from ropefric.scenes.axis import Axis
-from ropefric.scenes.sweep import Sweep
+from ropefric.scenes.sweep import Axis, Sweep
 
 DEG = np.pi / 180.0
 

@@ -4,10 +4,8 @@ import math
 
 import pytest
 
-from ropefric.report.numbers import interval, plain
 from ropefric.report.page import as_page
-from ropefric.report.section import Section, Table
-from ropefric.report.text import WIDTH, as_text
+from ropefric.report.section import WIDTH, Section, Table, as_text, interval, plain
 
 TABLE = Table(headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", "")))
 LONG = " ".join(["friction"] * 40)

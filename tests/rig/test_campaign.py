@@ -15,10 +15,17 @@ from scipy.optimize import brentq
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.rig.bench import HELD_BENCH
-from ropefric.rig.campaign import plan_trials, record_trial, simulate_campaign
-from ropefric.rig.files import campaign_text, recording_text
-from ropefric.rig.plan import CampaignPlan, RigCondition
-from ropefric.rig.prth_bench import PRTH_SEED, prth_bench_plan
+from ropefric.rig.campaign import (
+    PRTH_SEED,
+    CampaignPlan,
+    RigCondition,
+    campaign_text,
+    plan_trials,
+    prth_bench_plan,
+    record_trial,
+    recording_text,
+    simulate_campaign,
+)
 from ropefric.trials.campaign import check_campaign, load_campaign
 
 COMMITTED = Path(__file__).parents[2] / "data" / "prth-bench"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.rig.bench import HELD_BENCH, Bench, simulate_recording
-from ropefric.rig.faults import FAULTS
+from ropefric.rig.bench import HELD_BENCH, Bench
+from ropefric.rig.recording import FAULTS, simulate_recording
 from ropefric.traces.breakaway import Status
 
 SEEDS = range(25)

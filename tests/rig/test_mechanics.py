@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.rig.bench import Bench, simulate_recording
-from ropefric.rig.protocols import draw_breakaway
-from ropefric.rig.story import Snap
+from ropefric.rig.bench import Bench
+from ropefric.rig.mechanics import Snap, draw_breakaway
+from ropefric.rig.recording import simulate_recording
 from ropefric.traces.breakaway import Status
 
 

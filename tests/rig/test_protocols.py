@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ropefric.rig.bench import HELD_BENCH, Bench, simulate_recording
+from ropefric.rig.bench import HELD_BENCH, Bench
+from ropefric.rig.recording import simulate_recording
 
 
 def test_every_tooth_of_a_stick_slip_recording_is_a_peak_of_known_height():

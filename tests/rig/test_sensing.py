@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ropefric.rig.bench import Bench, simulate_recording
-from ropefric.rig.sensing import Sensor
+from ropefric.rig.bench import Bench, Sensor
+from ropefric.rig.recording import simulate_recording
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.chain import Adc, ForceCell
 

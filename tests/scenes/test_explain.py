@@ -4,7 +4,7 @@ from itertools import count
 
 import pytest
 
-from ropefric.scenes.explain import explain_scene
+from ropefric.scenes.plan import explain_scene
 from ropefric.systems.hoist.effects import SYSTEM
 
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ropefric.scenes.histories import start_up_columns
+from ropefric.scenes.kinds import KINDS
 from ropefric.scenes.solve import solve_scene
 
 
 def test_every_history_stands_under_its_name(loaded):
-    found = solve_scene(loaded("press-start-up")).answer.start_up
-    columns = start_up_columns(found)
+    answer = solve_scene(loaded("press-start-up")).answer
+    columns, found = KINDS["press"].histories["start_up.csv"](answer), answer.start_up
     assert {column.shape for column in columns.values()} == {found.time_s.shape}
     spans = [span.name for span in found.press.spans]
     assert np.array_equal(columns["tension_N.8"], found.tension_N[:, spans.index("8")])

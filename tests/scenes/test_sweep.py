@@ -8,10 +8,8 @@ import pytest
 
 from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.files.folder import Folder
-from ropefric.scenes.axis import parse_axis, scalar_keys
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import sweep_scene
-from ropefric.scenes.table import columns_text, write_sweep
+from ropefric.scenes.sweep import columns_text, parse_axis, scalar_keys, sweep_scene, write_sweep
 
 
 def test_ranges_and_lists_in_any_unit(hoist_of):
@@ -100,7 +98,7 @@ def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known()
 def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
     hoist_of, tmp_path, monkeypatch, block
 ):
-    monkeypatch.setattr("ropefric.scenes.table._BLOCK", block)
+    monkeypatch.setattr("ropefric.scenes.sweep._BLOCK", block)
     scene = hoist_of(effects="all")
     axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
     swept = sweep_scene(scene, axes)

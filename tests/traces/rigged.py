@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ropefric.rig.bench import Bench, simulate_recording
+from ropefric.rig.bench import Bench
+from ropefric.rig.recording import simulate_recording
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.prepare import MIN_SAMPLES

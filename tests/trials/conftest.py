@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropefric.rig.campaign import simulate_campaign
-from ropefric.rig.prth_bench import prth_bench_plan
+from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import extract_campaign

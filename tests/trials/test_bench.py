@@ -3,14 +3,11 @@
 import math
 import tomllib
 from collections import defaultdict
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ropefric.rig.campaign import simulate_campaign
-from ropefric.rig.plan import DEFAULT_FAULTS
-from ropefric.rig.prth_bench import prth_bench_plan
+from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import extract_campaign
@@ -151,7 +148,7 @@ def undecidable(line, truth):
 @pytest.mark.parametrize("seed", [101, 202, 303])
 def test_a_fresh_campaign_of_the_bench_is_read_as_it_is(tmp_path, seed):
     """432 recordings a seed that nobody looked at while the picking was written, faults at their usual rates."""
-    plan = replace(prth_bench_plan(), faults=dict(DEFAULT_FAULTS))
+    plan = prth_bench_plan()
     simulate_campaign(tmp_path, plan, seed=seed)
     extraction = extract_campaign(load_campaign(tmp_path / "campaign.toml"), jobs=2)
     truth = truths(tmp_path)["trials"]

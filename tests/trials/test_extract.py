@@ -13,8 +13,7 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.errors import InputError
-from ropefric.rig.campaign import simulate_campaign
-from ropefric.rig.prth_bench import prth_bench_plan
+from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import CHUNK, extract_campaign

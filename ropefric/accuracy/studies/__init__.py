@@ -13,17 +13,6 @@ from ropefric.accuracy.studies import (
 from ropefric.accuracy.study import Study
 from ropefric.registry import Registry
 
-STUDIES: Registry[Study] = Registry(
-    "study",
-    [
-        integral.STUDY,
-        end_tension.STUDY,
-        peak.STUDY,
-        uncertainty.STUDY,
-        fit.STUDY,
-        press_transient.STUDY,
-        blade_modes.STUDY,
-        scenes.STUDY,
-    ],
-)
+_IN_ORDER = (integral, end_tension, peak, uncertainty, fit, press_transient, blade_modes, scenes)
+STUDIES: Registry[Study] = Registry("study", [module.STUDY for module in _IN_ORDER])
 """The studies, in the order of a campaign's way from the traces to a design."""

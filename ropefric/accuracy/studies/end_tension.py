@@ -7,8 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import wrightomega
 
-from ropefric.accuracy.assess import Counted, against
-from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.accuracy.study import Case, Setting, Study, against
 from ropefric.arrays import FloatArray
 from ropefric.friction.integral import exponential_start_rad, power_log_start
 
@@ -29,16 +28,8 @@ POWER = {
     -0.999: (-6684.6117276679205265, -5991.4645471079758327, -5298.3173665480311389, -4605.1701859880864452,
              -4199.7050778799224233, -3912.0230054281417514, -3688.8794541139321938, -3506.5578973199777295),
 }  # fmt: skip
-EXPONENTIAL = (
-    -0.11583262364226936619,
-    0.63599172530242845292,
-    1.4175527240162307304,
-    2.198451357946814366,
-    2.6391224322449871322,
-    2.9444429185812412516,
-    3.1780540863559743644,
-    3.3672958473777681421,
-)
+EXPONENTIAL = (-0.11583262364226936619, 0.63599172530242845292, 1.4175527240162307304, 2.198451357946814366,
+               2.6391224322449871322, 2.9444429185812412516, 3.1780540863559743644, 3.3672958473777681421)  # fmt: skip
 
 _HALVINGS = (5, 10, 15, 20, 25, 30, 40, 50, 60, 80, 100)
 _QUICK_HALVINGS = {10, 20, 40, 80}
@@ -118,55 +109,26 @@ def _error_of_angle(answer: npt.ArrayLike, reference: npt.ArrayLike) -> float:
 
 
 def _iterated(values: Values, upper: FloatArray, exact: FloatArray) -> tuple[Setting, ...]:
-    judged = partial(against, exact, values, counts=_calls, error=_error_of_angle)
-    halvings = (
-        judged(
-            partial(bisection, upper=upper, n=n),
-            method="bisection",
-            setting=f"{n} halvings",
-            quick=n in _QUICK_HALVINGS,
-        )
-        for n in _HALVINGS
-    )
-    steps = (
-        judged(
-            partial(newton, upper=upper, n=n),
-            method="Newton in φ",
-            setting=f"{n} steps",
-            quick=n in _QUICK_STEPS,
-        )
-        for n in _STEPS
-    )
-    return (*halvings, *steps)
+    judged = partial(against, exact, work="calls", error=_error_of_angle)
+    return (
+        *(
+            judged("bisection", f"{n} halvings", partial(bisection, upper=upper, n=n), values,
+                   quick=n in _QUICK_HALVINGS)
+            for n in _HALVINGS
+        ),
+        *(
+            judged("Newton in φ", f"{n} steps", partial(newton, upper=upper, n=n), values, quick=n in _QUICK_STEPS)
+            for n in _STEPS
+        ),
+    )  # fmt: skip
 
 
-def _calls(counted: Counted[[FloatArray], tuple[FloatArray, FloatArray]]) -> float:
-    return float(counted.calls)
-
-
-def _direct(
-    solve: Callable[[], FloatArray],
-    exact: FloatArray,
-    method: str,
-    setting: str = "",
-    *,
-    work: float,
-    quick: bool = True,
-) -> Setting:
-    """Return a setting that evaluates G in its own way, so that its work is told and not counted."""
-    return Setting(
-        method=method,
-        setting=setting,
-        call=solve,
-        assess=lambda: Outcome(error=_error_of_angle(solve(), exact), evaluations=work),
-        quick=quick,
-    )
-
-
+# Methods below evaluate G in their own way, so that their work is told and not counted.
 def _power_settings(b: float) -> tuple[Setting, ...]:
     y, exact = (np.tile(np.array(values), COPIES) for values in (LOG_TENSION, POWER[b]))
     s = b + 1.0
     upper = np.minimum((y * s / A) ** (1.0 / s), y / C)
+    judged = partial(against, exact, error=_error_of_angle)
 
     def values(phi: FloatArray) -> tuple[FloatArray, FloatArray]:
         # A φ0 below every float makes the slope infinite; the method then stays where it is, and the error shows it.
@@ -174,27 +136,21 @@ def _power_settings(b: float) -> tuple[Setting, ...]:
             power = A * phi**b
             return np.where(phi > 0.0, power * phi, 0.0) / s + C * phi - y, power + C
 
-    in_logarithm = (
-        _direct(
-            partial(log_newton, y, b, n),
-            exact,
-            "Newton in ln φ",
-            f"{n} steps",
-            work=n,
-            quick=n in _QUICK_STEPS,
-        )
-        for n in _STEPS
-    )
-    house = partial(power_log_start, y, A, b, C)
     return (
         *_iterated(values, upper, exact),
-        *in_logarithm,
-        _direct(house, exact, "ropefric", work=_steps_to_stop(y, b)),
+        *(
+            judged(
+                "Newton in ln φ", f"{n} steps", partial(log_newton, y, b, n), work=n, quick=n in _QUICK_STEPS
+            )
+            for n in _STEPS
+        ),
+        judged("ropefric", "", partial(power_log_start, y, A, b, C), work=_steps_to_stop(y, b)),
     )
 
 
 def _exponential_settings() -> tuple[Setting, ...]:
     y, exact = (np.tile(np.array(values), COPIES) for values in (LOG_TENSION, EXPONENTIAL))
+    judged = partial(against, exact, error=_error_of_angle)
 
     def values(phi: FloatArray) -> tuple[FloatArray, FloatArray]:
         return A_EXP * np.expm1(B_EXP * phi) / B_EXP + C_EXP * phi - y, A_EXP * np.exp(B_EXP * phi) + C_EXP
@@ -207,19 +163,11 @@ def _exponential_settings() -> tuple[Setting, ...]:
 
     return (
         *_iterated(values, y / C_EXP, exact),
-        _direct(partial(omega, y), exact, "Wright omega", "alone", work=0.0),
-        _direct(partial(polished, 1), exact, "Wright omega", "1 step", work=1.0),
-        _direct(partial(polished, 2), exact, "Wright omega", "2 steps", work=2.0),
+        judged("Wright omega", "alone", partial(omega, y), work=0.0),
+        judged("Wright omega", "1 step", partial(polished, 1), work=1.0),
+        judged("Wright omega", "2 steps", partial(polished, 2), work=2.0),
         # One step from there moves φ0 by less than the library's 1e-9, where it stops.
-        _direct(house, exact, "ropefric", work=1.0),
-    )
-
-
-def _power_case(name: str, b: float, remark: str) -> Case:
-    return Case(
-        name=name,
-        title=f"1000 loads, μ = 0.2 φ^−{-b:g} + 0.1{remark}",
-        settings=lambda: _power_settings(b),
+        judged("ropefric", "", house, work=1.0),
     )
 
 
@@ -231,13 +179,14 @@ STUDY = Study(
     counted="evaluations of G and its slope, each for all loads at once",
     used="Newton in ln φ from a start that is near at both ends; Wright omega for the exponential law",
     cases=(
-        _power_case("power", -0.5, ""),
-        _power_case("power-steep", -0.95, ": φ0 from 1e-24 to 14 rad"),
-        _power_case("power-underflow", -0.999, ": φ0 below e^−3500 rad, no float"),
-        Case(
-            name="exponential",
-            title="1000 loads, μ = 0.1 exp(−0.5 φ) + 0.2",
-            settings=_exponential_settings,
+        *(
+            Case(name, f"1000 loads, μ = 0.2 φ^−{-b:g} + 0.1{remark}", partial(_power_settings, b))
+            for name, b, remark in (
+                ("power", -0.5, ""),
+                ("power-steep", -0.95, ": φ0 from 1e-24 to 14 rad"),
+                ("power-underflow", -0.999, ": φ0 below e^−3500 rad, no float"),
+            )
         ),
+        Case("exponential", "1000 loads, μ = 0.1 exp(−0.5 φ) + 0.2", _exponential_settings),
     ),
 )

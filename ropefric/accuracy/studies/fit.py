@@ -1,14 +1,12 @@
 """Fitting a law: numerical against analytic Jacobian, and where to stop."""
 
-from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from ropefric.accuracy.assess import Counted, largest_error
-from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, largest_error
 from ropefric.arrays import FloatArray
 from ropefric.fitting import nonlinear
 from ropefric.fitting.levenberg import batched_fit
@@ -61,71 +59,42 @@ def fitting_problem(case: str) -> FitProblem:
 def _settings(case: str) -> tuple[Setting, ...]:
     problem, exact = fitting_problem(case), BEST[case]
 
-    def by_scipy(
-        jacobian: Any, tolerance: float, residuals: Callable[[FloatArray], FloatArray]
-    ) -> FloatArray:
+    def by_scipy(residuals: Any, slopes: Any = None, *, jacobian: Any = "", tolerance: float) -> FloatArray:
         found = least_squares(
-            residuals, problem.start, jac=jacobian, bounds=(problem.lower, problem.upper), x_scale="jac",
+            residuals, problem.start, jac=slopes or jacobian, bounds=(problem.lower, problem.upper), x_scale="jac",
             ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=500,
         )  # fmt: skip
         return np.asarray(found.x)
 
-    def scipy_setting(method: str, jacobian: Any, tolerance: float) -> Setting:
-        def assess() -> Outcome:
-            residuals = Counted(problem.residuals)
-            slopes = Counted(jacobian) if callable(jacobian) else None
-            found = by_scipy(slopes or jacobian, tolerance, residuals)
-            calls = residuals.calls + (slopes.calls if slopes else 0)
-            return Outcome(error=largest_error(found, exact), evaluations=float(calls))
-
-        return Setting(
-            method=method,
-            setting=f"tolerance {tolerance:g}",
-            call=partial(by_scipy, jacobian, tolerance, problem.residuals),
-            assess=assess,
-            quick=tolerance in _QUICK_TOLERANCES,
-        )
-
-    def batched_setting(tolerance: float) -> Setting:
+    def batched(tolerance: float) -> Setting:
         def assess() -> Outcome:
             found = batched_fit(problem, tolerance=tolerance)
             return Outcome(
                 error=largest_error(found.theta[0], exact), evaluations=float(found.n_iterations + 1)
             )
 
+        call = partial(batched_fit, problem, tolerance=tolerance)
         return Setting(
-            method="ropefric, batched",
-            setting=f"tolerance {tolerance:g}",
-            call=lambda: batched_fit(problem, tolerance=tolerance),
-            assess=assess,
-            quick=tolerance in _QUICK_TOLERANCES,
+            "ropefric, batched", f"tolerance {tolerance:g}", call, assess, tolerance in _QUICK_TOLERANCES
         )
 
-    def by_house(residuals: Callable[[FloatArray], FloatArray], slopes: Any) -> FloatArray:
-        return nonlinear.least_squares(
-            residuals, slopes, problem.start, lower=problem.lower, upper=problem.upper
-        ).theta
+    def one_by_one(residuals: Any, slopes: Any) -> FloatArray:
+        start, lower, upper = problem.start, problem.lower, problem.upper
+        return nonlinear.least_squares(residuals, slopes, start, lower=lower, upper=upper).theta
 
-    def assess_house() -> Outcome:
-        residuals, slopes = Counted(problem.residuals), Counted(problem.jacobian)
-        error = largest_error(by_house(residuals, slopes), exact)
-        return Outcome(error=error, evaluations=float(residuals.calls + slopes.calls))
-
-    ways = (
-        ("2-point Jacobian", "2-point"),
-        ("3-point Jacobian", "3-point"),
-        ("analytic Jacobian", problem.jacobian),
-    )
+    ways = {"2-point": (problem.residuals,), "3-point": (problem.residuals,),
+            "analytic": (problem.residuals, problem.jacobian)}  # fmt: skip
+    judged = partial(against, exact, work="calls")
     return (
-        *(scipy_setting(name, jacobian, tolerance) for name, jacobian in ways for tolerance in _TOLERANCES),
-        *(batched_setting(tolerance) for tolerance in _TOLERANCES),
-        Setting(
-            method="ropefric, one by one",
-            setting="",
-            call=lambda: by_house(problem.residuals, problem.jacobian),
-            assess=assess_house,
+        *(
+            judged(f"{way} Jacobian", f"tolerance {tolerance:g}", partial(by_scipy, jacobian=way, tolerance=tolerance),
+                   *functions, quick=tolerance in _QUICK_TOLERANCES)
+            for way, functions in ways.items()
+            for tolerance in _TOLERANCES
         ),
-    )
+        *(batched(tolerance) for tolerance in _TOLERANCES),
+        judged("ropefric, one by one", "", one_by_one, problem.residuals, problem.jacobian),
+    )  # fmt: skip
 
 
 STUDY = Study(
@@ -136,15 +105,11 @@ STUDY = Study(
     counted="evaluations of the law or of its slopes at all pulls",
     used="analytic Jacobian, one fit by one or batched",
     cases=(
+        Case("wide", "wraps from 0.5 to 25 rad, which see all three parameters", partial(_settings, "wide")),
         Case(
-            name="wide",
-            title="wraps from 0.5 to 25 rad, which see all three parameters",
-            settings=lambda: _settings("wide"),
-        ),
-        Case(
-            name="narrow",
-            title="wraps from 6 to 20 rad, along which the parameters are hard to tell apart",
-            settings=lambda: _settings("narrow"),
+            "narrow",
+            "wraps from 6 to 20 rad, along which the parameters are hard to tell apart",
+            partial(_settings, "narrow"),
         ),
     ),
 )

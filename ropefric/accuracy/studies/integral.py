@@ -5,15 +5,21 @@ All methods are written for arrays of conditions, so that one condition and ten 
 
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Protocol
 
 import numpy as np
 from scipy.integrate import quad
 
-from ropefric.accuracy.assess import against
-from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case
-from ropefric.accuracy.study import Case, Setting, Study
-from ropefric.accuracy.words import time_text
+from ropefric.accuracy.study import (
+    ACCURACIES,
+    Case,
+    Measured,
+    Setting,
+    Study,
+    against,
+    cheapest,
+    in_case,
+    time_text,
+)
 from ropefric.arrays import FloatArray
 from ropefric.friction.integral import power_integral, power_span
 
@@ -25,103 +31,7 @@ _TIGHTEST = ACCURACIES[-1]
 _ASKED = (1e-2, 1e-6, 1e-12)
 _MANY = 10_000
 
-
-def integral_findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    """Whether a closed form is the fastest at every accuracy from 1e-6 down, case by case, and what else is."""
-    cases = [case for case in dict.fromkeys(point.case for point in points) if _closed(in_case(points, case))]
-    sentences = tuple(_of_case(case, in_case(points, case)) for case in cases)
-    return (*sentences, *_where_textbook_fails(points), *_one_against_many(points), *_of_the_hoist(points))
-
-
-def _closed(points: tuple[Measured, ...]) -> tuple[Measured, ...]:
-    return tuple(point for point in points if point.method in CLOSED)
-
-
-def _of_case(case: str, points: tuple[Measured, ...]) -> str:
-    winners = [best for accuracy in _DEMANDING if (best := cheapest(points, accuracy)) is not None]
-    rivals = list(dict.fromkeys(best.name for best in winners if best.method not in CLOSED))
-    first = min(_closed(points), key=lambda point: point.seconds)
-    if not rivals:
-        verdict = "a closed form is the fastest at every accuracy from 1e-6 down"
-    else:
-        verdict = (
-            f"the closed form is not the fastest at every accuracy from 1e-6 down, {', '.join(rivals)} is faster "
-            f"where {first.name} is not accurate enough"
-        )
-    times = ", ".join(
-        f"{time_text(p.seconds)} ({p.method}, error {p.shown_error:.0e})" for p in _closed(points)
-    )
-    rule = cheapest([point for point in points if point.method not in CLOSED], _TIGHTEST)
-    best_rule = f"no rule reaches {_TIGHTEST:.0e}"
-    if rule is not None:
-        best_rule = f"the fastest rule to {_TIGHTEST:.0e} is {rule.name} in {time_text(rule.seconds)}"
-    return f"{case}: {verdict}: {times}; {best_rule}."
-
-
-def _where_textbook_fails(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    bad = [p for p in points if p.method == CLOSED[-1] and p.error > _TIGHTEST]
-    if not bad:
-        return ()
-    where = " and ".join(f"{point.error:.0e} in {point.case}" for point in bad)
-    worst = max(point.error for point in points if point.method == CLOSED[0])
-    sentence = (
-        "The textbook's difference of two powers is the cheapest closed form and loses digits: it is off by "
-        f"{where}. The stable form is never off by more than {worst:.0e}; for one condition, the checks of the input "
-        "cost more than the formula."
-    )
-    return (sentence,)
-
-
-def _one_against_many(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    """Return what a condition costs alone and in a batch: the difference is the overhead of calling numpy."""
-    lines = []
-    for method in (*CLOSED, "gauss-legendre"):
-        alone, batch = (
-            cheapest([p for p in in_case(points, case) if p.method == method], _TIGHTEST)
-            for case in ("regular", "many")
-        )
-        if alone is not None and batch is not None:
-            other = "" if batch.setting == alone.setting else f" ({batch.setting})"
-            each_s = batch.seconds / _MANY
-            lines.append(
-                f"{alone.name} {time_text(alone.seconds)} alone, {time_text(each_s)} in a batch{other}"
-            )
-    if not lines:
-        return ()
-    return (
-        "To 1e-12, a condition costs: "
-        + "; ".join(lines)
-        + ". Alone, the calls of numpy are paid for, and a rule with "
-        "fewer of them wins; in a batch, the arithmetic is.",
-    )
-
-
-def _of_the_hoist(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    """Return what the plan of a hoist does with all this: it takes the closed form, and what that costs it."""
-    parts = []
-    for case, what in (("regular", "one condition"), ("many", f"{_MANY:,} conditions".replace(",", " "))):
-        here = in_case(points, case)
-        own = next((point for point in here if point.method == CLOSED[0]), None)
-        rules = [point for point in here if point.method not in CLOSED]
-        pairs = [(a, rule) for a in _ASKED if (rule := cheapest(rules, a)) is not None]
-        if own is not None and pairs:
-            rivals = ", ".join(f"{time_text(rule.seconds)} to {a:.0e} ({rule.name})" for a, rule in pairs)
-            parts.append(f"for {what} {time_text(own.seconds)} to {own.shown_error:.0e}, against {rivals}")
-    if not parts:
-        return ()
-    return (f"A hoist's plan takes the closed form at every accuracy: {'; '.join(parts)}.",)
-
-
 Function = Callable[[FloatArray], FloatArray]
-
-
-class Rule(Protocol):
-    """A rule of n points or pieces."""
-
-    def __call__(self, mu: Function, start: FloatArray, wrap: FloatArray, n: int) -> FloatArray:
-        """Return the integral of each condition."""
-        ...
-
 
 A, C = 0.2, 0.1
 NEARLY = -1.0 + 1e-12
@@ -208,14 +118,9 @@ def _unchecked(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
 
 
 def _settings(
-    start: tuple[float, ...],
-    wrap: tuple[float, ...],
-    b: float,
-    reference: tuple[float, ...],
-    *,
-    copies: int = 1,
-    most_pieces: int = _PIECES[-1],
-) -> tuple[Setting, ...]:
+    start: tuple[float, ...], wrap: tuple[float, ...], reference: tuple[float, ...], b: float = -0.5, *,
+    copies: int = 1, most_pieces: int = _PIECES[-1],
+) -> tuple[Setting, ...]:  # fmt: skip
     p, delta, exact = (np.tile(np.array(values), copies) for values in (start, wrap, reference))
 
     def mu(phi: FloatArray) -> FloatArray:
@@ -225,49 +130,95 @@ def _settings(
     def float_mu(phi: float) -> float:
         return float(A * phi**b + C)
 
-    judged = partial(against, exact, mu)
-    rules: tuple[tuple[str, Rule], ...] = (
-        ("segment sum", segment_sum),
-        ("trapezoid", trapezoid),
-        ("simpson", simpson),
-    )
-    pieces = (
-        judged(
-            partial(rule, start=p, wrap=delta, n=n),
-            method=name,
-            setting=f"{n} pieces",
-            quick=n in _QUICK_PIECES,
+    judged = partial(against, exact)
+    rules = {"segment sum": segment_sum, "trapezoid": trapezoid, "simpson": simpson}
+    return (
+        *(
+            judged(name, f"{n} pieces", partial(rule, start=p, wrap=delta, n=n), mu, quick=n in _QUICK_PIECES)
+            for name, rule in rules.items() for n in _PIECES if n <= most_pieces
+        ),
+        *(
+            judged("gauss-legendre", f"{n} points", partial(gauss_legendre, start=p, wrap=delta, n=n), mu,
+                   quick=n in _QUICK_ORDERS)
+            for n in _ORDERS
+        ),
+        *(
+            judged("adaptive quad", f"tolerance {one:g}", partial(adaptive, start=p, wrap=delta, tolerance=one),
+                   float_mu, quick=copies == 1)
+            for one in ((1e-4, 1e-8, 1e-12) if copies == 1 else (1e-8,))
+        ),
+        judged("closed form, textbook", "", partial(_difference, p, delta, b)),
+        judged("closed form, stable", "", partial(_unchecked, p, delta, b)),
+        judged("closed form", "", partial(power_integral, delta, A, b, C, start_rad=p)),
+    )  # fmt: skip
+
+
+def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    """Whether a closed form is the fastest at every accuracy from 1e-6 down, case by case, and what else is."""
+    cases = {case: in_case(points, case) for case in dict.fromkeys(point.case for point in points)}
+    sentences = [
+        _of_case(case, here) for case, here in cases.items() if any(p.method in CLOSED for p in here)
+    ]
+    bad = [p for p in points if p.method == CLOSED[-1] and p.error > _TIGHTEST]
+    if bad:
+        where = " and ".join(f"{point.error:.0e} in {point.case}" for point in bad)
+        worst = max(point.error for point in points if point.method == CLOSED[0])
+        sentences.append(
+            "The textbook's difference of two powers is the cheapest closed form and loses digits: it is off by "
+            f"{where}. The stable form is never off by more than {worst:.0e}; for one condition, the checks of the "
+            "input cost more than the formula."
         )
-        for name, rule in rules
-        for n in _PIECES
-        if n <= most_pieces
-    )
-    gauss = (
-        judged(
-            partial(gauss_legendre, start=p, wrap=delta, n=n),
-            method="gauss-legendre",
-            setting=f"{n} points",
-            quick=n in _QUICK_ORDERS,
+    return (*sentences, *_one_against_many(cases), *_of_the_hoist(cases))
+
+
+def _of_case(case: str, points: tuple[Measured, ...]) -> str:
+    closed = [point for point in points if point.method in CLOSED]
+    winners = [best for accuracy in _DEMANDING if (best := cheapest(points, accuracy)) is not None]
+    rivals = list(dict.fromkeys(best.name for best in winners if best.method not in CLOSED))
+    verdict = "a closed form is the fastest at every accuracy from 1e-6 down"
+    if rivals:
+        first = min(closed, key=lambda point: point.seconds)
+        verdict = (
+            f"the closed form is not the fastest at every accuracy from 1e-6 down, {', '.join(rivals)} is faster "
+            f"where {first.name} is not accurate enough"
         )
-        for n in _ORDERS
-    )
-    quadratures = (
-        against(
-            exact,
-            float_mu,
-            partial(adaptive, start=p, wrap=delta, tolerance=tolerance),
-            method="adaptive quad",
-            setting=f"tolerance {tolerance:g}",
-            quick=copies == 1,
+    times = ", ".join(f"{time_text(p.seconds)} ({p.method}, error {p.shown_error:.0e})" for p in closed)
+    rule = cheapest([point for point in points if point.method not in CLOSED], _TIGHTEST)
+    best_rule = f"no rule reaches {_TIGHTEST:.0e}"
+    if rule is not None:
+        best_rule = f"the fastest rule to {_TIGHTEST:.0e} is {rule.name} in {time_text(rule.seconds)}"
+    return f"{case}: {verdict}: {times}; {best_rule}."
+
+
+def _one_against_many(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
+    """Return what a condition costs alone and in a batch: the difference is the overhead of calling numpy."""
+    lines = []
+    for method in (*CLOSED, "gauss-legendre"):
+        alone, batch = (
+            cheapest([p for p in cases.get(case, ()) if p.method == method], _TIGHTEST)
+            for case in ("regular", "many")
         )
-        for tolerance in ((1e-4, 1e-8, 1e-12) if copies == 1 else (1e-8,))
-    )
-    closed = (
-        judged(lambda _mu: _difference(p, delta, b), method="closed form, textbook", setting=""),
-        judged(lambda _mu: _unchecked(p, delta, b), method="closed form, stable", setting=""),
-        judged(lambda _mu: power_integral(delta, A, b, C, start_rad=p), method="closed form", setting=""),
-    )
-    return (*pieces, *gauss, *quadratures, *closed)
+        if alone is not None and batch is not None:
+            other = "" if batch.setting == alone.setting else f" ({batch.setting})"
+            each = time_text(batch.seconds / _MANY)
+            lines.append(f"{alone.name} {time_text(alone.seconds)} alone, {each} in a batch{other}")
+    if not lines:
+        return ()
+    why = "Alone, the calls of numpy are paid for, and a rule with fewer of them wins; in a batch, the arithmetic is."
+    return (f"To 1e-12, a condition costs: {'; '.join(lines)}. {why}",)
+
+
+def _of_the_hoist(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
+    """Return what the plan of a hoist does with all this: it takes the closed form, and what that costs it."""
+    parts = []
+    for case, what in (("regular", "one condition"), ("many", f"{_MANY:,} conditions".replace(",", " "))):
+        own = next((point for point in cases.get(case, ()) if point.method == CLOSED[0]), None)
+        rules = [point for point in cases.get(case, ()) if point.method not in CLOSED]
+        pairs = [(a, rule) for a in _ASKED if (rule := cheapest(rules, a)) is not None]
+        if own is not None and pairs:
+            rivals = ", ".join(f"{time_text(rule.seconds)} to {a:.0e} ({rule.name})" for a, rule in pairs)
+            parts.append(f"for {what} {time_text(own.seconds)} to {own.shown_error:.0e}, against {rivals}")
+    return (f"A hoist's plan takes the closed form at every accuracy: {'; '.join(parts)}.",) if parts else ()
 
 
 STUDY = Study(
@@ -279,37 +230,37 @@ STUDY = Study(
     used="closed form, in its stable form; a hoist's plan takes it at every accuracy",
     cases=(
         Case(
-            name="regular",
-            title="one condition, b = −0.5, wrap of 9.4 rad from φ0 = 1.7 rad (F_B = 2 N)",
-            settings=lambda: _settings((1.7,), (9.4,), -0.5, (REGULAR,)),
+            "regular",
+            "one condition, b = −0.5, wrap of 9.4 rad from φ0 = 1.7 rad (F_B = 2 N)",
+            partial(_settings, (1.7,), (9.4,), (REGULAR,)),
         ),
         Case(
-            name="many",
-            title="10 000 conditions at once, b = −0.5, wraps of 1.5 and 12 rad from φ0 = 0.5 to 15 rad",
-            settings=lambda: _settings(
+            "many",
+            "10 000 conditions at once, b = −0.5, wraps of 1.5 and 12 rad from φ0 = 0.5 to 15 rad",
+            partial(
+                _settings,
                 (0.5, 0.5, 1.7, 1.7, 5.0, 5.0, 15.0, 15.0),
                 (1.5, 12.0) * 4,
-                -0.5,
                 MANY,
                 copies=COPIES,
                 most_pieces=_MOST_PIECES,
             ),
         ),
         Case(
-            name="from-zero",
-            title="one condition, b = −0.5, wrap of 9.4 rad from φ0 = 0 (F_B = F_0): μ is infinite at the start",
-            settings=lambda: _settings((0.0,), (9.4,), -0.5, (FROM_ZERO,)),
+            "from-zero",
+            "one condition, b = −0.5, wrap of 9.4 rad from φ0 = 0 (F_B = F_0): μ is infinite at the start",
+            partial(_settings, (0.0,), (9.4,), (FROM_ZERO,)),
         ),
         Case(
-            name="near-minus-one",
-            title="one condition, b = −1 + 1e-12, wrap of 9.4 rad from φ0 = 0.001 rad",
-            settings=lambda: _settings((1e-3,), (9.4,), NEARLY, (NEAR_MINUS_ONE,)),
+            "near-minus-one",
+            "one condition, b = −1 + 1e-12, wrap of 9.4 rad from φ0 = 0.001 rad",
+            partial(_settings, (1e-3,), (9.4,), (NEAR_MINUS_ONE,), NEARLY),
         ),
         Case(
-            name="short-wrap",
-            title="one condition, b = −0.5, wrap of 1e-6 rad from φ0 = 10 rad: a step of a longer sum",
-            settings=lambda: _settings((10.0,), (1e-6,), -0.5, (SHORT_WRAP,), most_pieces=_MOST_PIECES),
+            "short-wrap",
+            "one condition, b = −0.5, wrap of 1e-6 rad from φ0 = 10 rad: a step of a longer sum",
+            partial(_settings, (10.0,), (1e-6,), (SHORT_WRAP,), most_pieces=_MOST_PIECES),
         ),
     ),
-    findings=integral_findings,
+    findings=_findings,
 )

@@ -5,11 +5,9 @@ from functools import cache, partial
 
 import numpy as np
 
-from ropefric.accuracy.assess import over_seeds
-from ropefric.accuracy.measured import Measured, in_case
-from ropefric.accuracy.study import Case, Outcome, Setting, Study
-from ropefric.rig.bench import simulate_recording
-from ropefric.rig.settings import Bench
+from ropefric.accuracy.study import Case, Measured, Setting, Study, in_case, over_seeds
+from ropefric.rig.bench import Bench
+from ropefric.rig.recording import simulate_recording
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.protocols.breakaway import pick_breakaway
 from ropefric.traces.settings import PickSettings
@@ -48,38 +46,24 @@ def highest_average(trace: ForceTrace, n_window: int) -> float:
     return float(average_over_samples(trace.force_N, n_window).max())
 
 
-def _setting(
-    traces: tuple[ForceTrace, ...],
-    pick: Callable[[ForceTrace], float],
-    method: str,
-    setting: str = "",
-    *,
-    quick: bool = True,
-) -> Setting:
-    def assess() -> Outcome:
-        errors = [pick(trace) / LIFT_N - 1.0 for trace in traces]
-        return over_seeds(errors, float(np.mean([trace.force_N.size for trace in traces])))
-
-    return Setting(method=method, setting=setting, call=lambda: pick(traces[0]), assess=assess, quick=quick)
-
-
 def _settings(noise_counts: tuple[float, float]) -> tuple[Setting, ...]:
     traces = recordings(noise_counts)
-    averages = (
-        _setting(
-            traces,
-            partial(highest_average, n_window=n),
-            "moving average",
-            f"{n} samples",
-            quick=n in _QUICK_SAMPLES,
+    size = float(np.mean([trace.force_N.size for trace in traces]))
+
+    def setting(method: str, pick: Callable[[ForceTrace], float], n_window: int = 0) -> Setting:
+        return Setting(
+            method,
+            f"{n_window} samples" if n_window else "",
+            call=lambda: pick(traces[0]),
+            assess=lambda: over_seeds([pick(trace) / LIFT_N - 1.0 for trace in traces], size),
+            quick=n_window in {0, *_QUICK_SAMPLES},
         )
-        for n in _SAMPLES
-    )
+
     return (
-        _setting(traces, lambda trace: float(trace.force_N.max()), "raw maximum"),
-        *averages,
-        _setting(traces, lambda trace: pick_breakaway(trace, PickSettings())[0].peak_N, "chosen window"),
-        _setting(traces, lambda trace: pick_breakaway(trace, PickSettings())[0].two_line_N, "two lines"),
+        setting("raw maximum", lambda trace: float(trace.force_N.max())),
+        *(setting("moving average", partial(highest_average, n_window=n), n) for n in _SAMPLES),
+        setting("chosen window", lambda trace: pick_breakaway(trace, PickSettings())[0].peak_N),
+        setting("two lines", lambda trace: pick_breakaway(trace, PickSettings())[0].two_line_N),
     )
 
 
@@ -96,20 +80,12 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
             + "; ".join(f"{point.method} {_percent(point)}" for point in others)
             + "."
         )
-    return (*lines, *_of_two_lines(points))
-
-
-def _of_two_lines(points: tuple[Measured, ...]) -> tuple[str, ...]:
-    """Return on which side two fitted lines err, where that is no chance of a few recordings."""
-    found = [
-        point
-        for point in points
-        if point.method == "two lines" and abs(point.bias) > _ONE_SIDED * point.noise
-    ]
-    if not found:
-        return ()
-    where = ", ".join(f"{100 * point.bias:+.2g} % ({point.case})" for point in found)
-    return (f"Two lines do not average the noise away, they err to one side: {where}.",)
+    # On which side two fitted lines err, where that is no chance of a few recordings.
+    found = [p for p in points if p.method == "two lines" and abs(p.bias) > _ONE_SIDED * p.noise]
+    if found:
+        where = ", ".join(f"{100 * point.bias:+.2g} % ({point.case})" for point in found)
+        lines.append(f"Two lines do not average the noise away, they err to one side: {where}.")
+    return tuple(lines)
 
 
 def _percent(point: Measured) -> str:
@@ -125,15 +101,11 @@ STUDY = Study(
     used="window chosen from the trace",
     cases=(
         Case(
-            name="bench",
-            title="3 kHz, 10 bit, noise of 0.3 to 1 counts, as on the bench",
-            settings=lambda: _settings((0.3, 1.0)),
+            "bench",
+            "3 kHz, 10 bit, noise of 0.3 to 1 counts, as on the bench",
+            partial(_settings, (0.3, 1.0)),
         ),
-        Case(
-            name="noisy",
-            title="the same with a noise of 6 counts (5.9 N)",
-            settings=lambda: _settings((6.0, 6.0)),
-        ),
+        Case("noisy", "the same with a noise of 6 counts (5.9 N)", partial(_settings, (6.0, 6.0))),
     ),
     findings=_findings,
 )

@@ -1,23 +1,27 @@
 """The start-up of a belt press: integrators by step and tolerance, on a pliant and on a stiff belt."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
-from ropefric.accuracy.assess import largest_error
-from ropefric.accuracy.measured import ACCURACIES, Measured, cheapest, in_case
-from ropefric.accuracy.study import Case, Outcome, Setting, Study
-from ropefric.accuracy.words import time_text
+from ropefric.accuracy.study import (
+    ACCURACIES,
+    Case,
+    Measured,
+    Outcome,
+    Setting,
+    Study,
+    cheapest,
+    in_case,
+    largest_error,
+    time_text,
+)
 from ropefric.arrays import FloatArray
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.inputs import press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
+from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings, rk4_limit_s
 from ropefric.systems.press.transient.model import elastic_press
-from ropefric.systems.press.transient.problem import LinearStartUp
-from ropefric.systems.press.transient.spectrum import rk4_limit_s
 
 TIMES_S = (0.1, 0.2, 0.4)
 SPEED_M_S, RUN_UP_S = 0.916, 0.3
@@ -118,13 +122,7 @@ def _settings(case: str) -> tuple[Setting, ...]:
             error = largest_error(tensions_N(counting, integrator, chosen), exact)
             return Outcome(error=error, evaluations=float(counting.evaluations[0]))
 
-        return Setting(
-            method=integrator,
-            setting=text,
-            call=_caller(problem, integrator, chosen),
-            assess=assess,
-            quick=quick,
-        )
+        return Setting(integrator, text, partial(tensions_N, problem, integrator, chosen), assess, quick)
 
     made = [
         setting("rk4", f"step {ms:g} ms", Settings(step_s=1e-3 * ms), quick=ms in _QUICK[case])
@@ -144,10 +142,6 @@ def _settings(case: str) -> tuple[Setting, ...]:
         if tolerance >= 1e-8 or name == "lsoda" or (name, case) == ("dop853", "pliant")
     ]
     return (*made, setting("exact", "", Settings(), quick=True))
-
-
-def _caller(problem: LinearStartUp, integrator: str, settings: Settings) -> Callable[[], object]:
-    return lambda: tensions_N(problem, integrator, settings)
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
@@ -171,16 +165,6 @@ def _fastest(case: str, points: tuple[Measured, ...]) -> str:
     return f"{case}: fastest, from rough to accurate: {', '.join(names)}."
 
 
-def _case(name: str) -> Case:
-    stiffness_N, damping_s = BELTS[name]
-    return Case(
-        name=name,
-        title=f"one belt over four rollers, run up in {RUN_UP_S:g} s; EA = {1e-6 * stiffness_N:g} MN, "
-        f"η = {1e3 * damping_s:g} ms",
-        settings=lambda: _settings(name),
-    )
-
-
 STUDY = Study(
     name="press-transient",
     title="Start-up of a belt press: tensions of all spans at three times",
@@ -188,6 +172,14 @@ STUDY = Study(
     reference="matrix exponential of equations written down separately, in 50-digit arithmetic (mpmath)",
     counted="evaluations of the rate of change",
     used="matrix exponential",
-    cases=tuple(_case(name) for name in BELTS),
+    cases=tuple(
+        Case(
+            name,
+            f"one belt over four rollers, run up in {RUN_UP_S:g} s; EA = {1e-6 * stiffness_N:g} MN, "
+            f"η = {1e3 * damping_s:g} ms",
+            partial(_settings, name),
+        )
+        for name, (stiffness_N, damping_s) in BELTS.items()
+    ),
     findings=_findings,
 )

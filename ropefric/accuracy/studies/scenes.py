@@ -1,17 +1,14 @@
 """Scenes: what leaving effects out saves and costs, against simulating all of them."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cache
-from types import MappingProxyType
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from ropefric.accuracy.measured import Measured, in_case
 from ropefric.accuracy.studies.press_transient import SPEED_M_S, machine
-from ropefric.accuracy.study import Case, Outcome, Setting, Study
-from ropefric.accuracy.words import time_text
+from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case, time_text
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import Plan, make_plan
@@ -29,13 +26,13 @@ N_SWEEP = 8
 """Preloads of the sweep."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Planned:
     """A machine to be planned and solved."""
 
-    title: str
     system: System[Any, Any, Any]
     problem: Callable[[], Any]
+    title: str
 
 
 def _hoist() -> HoistProblem:
@@ -84,28 +81,24 @@ def _press() -> PressProblem:
     )
 
 
-PROBLEMS: Mapping[str, Planned] = MappingProxyType({
+PROBLEMS = {
     "hoist": Planned(
-        title="a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
-        system=HOIST,
-        problem=_hoist,
+        HOIST,
+        _hoist,
+        "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
     ),
     "saw": Planned(
-        title="a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side",
-        system=SAW,
-        problem=lambda: _saw(np.array([12_000.0])),
+        SAW,
+        lambda: _saw(np.array([12_000.0])),
+        "a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side",
     ),
     "saw-sweep": Planned(
-        title=f"the same blade at {N_SWEEP} preloads from 8 to 16 kN, planned once and solved in one call",
-        system=SAW,
-        problem=lambda: _saw(np.linspace(8_000.0, 16_000.0, N_SWEEP)),
+        SAW,
+        lambda: _saw(np.linspace(8_000.0, 16_000.0, N_SWEEP)),
+        f"the same blade at {N_SWEEP} preloads from 8 to 16 kN, planned once and solved in one call",
     ),
-    "press": Planned(
-        title=f"one belt over four rollers, at {SPEED_M_S:g} m/s",
-        system=PRESS,
-        problem=_press,
-    ),
-})  # fmt: skip
+    "press": Planned(PRESS, _press, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
+}
 """By the name of their case."""
 
 
@@ -143,46 +136,34 @@ def _settings(case: str) -> tuple[Setting, ...]:
     system, problem = PROBLEMS[case].system, _problem(case)
 
     def setting(
-        method: str, wanted: float, call: Callable[[], object], n_effects: Callable[[], int], *, quick: bool
+        method: str, wanted: float, call: Callable[[], object], effects: str, *, quick: bool
     ) -> Setting:
         def assess() -> Outcome:
-            error = float(system.distance(call(), _reference(case)))
-            return Outcome(error=error, evaluations=float(n_effects()))
+            count = len(planned(case, wanted, effects)[0].simulated) if effects else 0
+            return Outcome(error=float(system.distance(call(), _reference(case))), evaluations=float(count))
 
-        text = f"accuracy {wanted:g}" if wanted else ""
-        return Setting(method=method, setting=text, call=call, assess=assess, quick=quick)
+        return Setting(method, f"accuracy {wanted:g}" if wanted else "", call, assess, quick)
 
-    def solve(accuracy: float, effects: str) -> Callable[[], object]:
-        def call() -> object:
-            plan, model = planned(case, accuracy, effects)
-            return system.solve(model, plan.method)
+    def solve(accuracy: float, effects: str) -> object:
+        plan, model = planned(case, accuracy, effects)
+        return system.solve(model, plan.method)
 
-        return call
-
-    def plan_and_solve(accuracy: float) -> Callable[[], object]:
-        def call() -> object:
-            plan, model = make_plan(system, problem, accuracy=accuracy, effects="auto")
-            return system.solve(model, plan.method)
-
-        return call
-
-    def effects_of(accuracy: float, effects: str) -> Callable[[], int]:
-        return lambda: len(planned(case, accuracy, effects)[0].simulated)
+    def plan_and_solve(accuracy: float) -> object:
+        plan, model = make_plan(system, problem, accuracy=accuracy, effects="auto")
+        return system.solve(model, plan.method)
 
     bare = system.bare(problem)
-    made = [setting(_NONE, 0.0, lambda: system.solve(bare, system.method(bare, 1.0)), lambda: 0, quick=True)]
+    made = [setting(_NONE, 0.0, lambda: system.solve(bare, system.method(bare, 1.0)), "", quick=True)]
     for wanted in ACCURACIES_WANTED:
-        count = effects_of(wanted, "auto")
+        kept, fresh = partial(solve, wanted, "auto"), partial(plan_and_solve, wanted)
         made += [
-            setting(_KEPT, wanted, solve(wanted, "auto"), count, quick=wanted in _QUICK),
-            setting(_PLAN, wanted, plan_and_solve(wanted), count, quick=(case, wanted) in _QUICK_PLANS),
+            setting(_KEPT, wanted, kept, "auto", quick=wanted in _QUICK),
+            setting(_PLAN, wanted, fresh, "auto", quick=(case, wanted) in _QUICK_PLANS),
         ]
     roughest = _roughest(case)
     for place, wanted in enumerate(roughest):
-        text = wanted if len(roughest) > 1 else 0.0
-        made.append(
-            setting(_ALL, text, solve(wanted, "all"), effects_of(wanted, "all"), quick=place in {0, 2})
-        )
+        whole = setting(_ALL, wanted, partial(solve, wanted, "all"), "all", quick=place in {0, 2})
+        made.append(whole if len(roughest) > 1 else replace(whole, setting=""))
     return tuple(made)
 
 
@@ -193,10 +174,6 @@ def _roughest(case: str) -> tuple[float, ...]:
         method = planned(case, wanted, "all")[0].method
         found.setdefault((method.name, *method.settings.items()), wanted)
     return tuple(found.values())
-
-
-def _case(name: str) -> Case:
-    return Case(name=name, title=PROBLEMS[name].title, settings=lambda: _settings(name))
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
@@ -261,6 +238,6 @@ STUDY = Study(
     reference="all effects, by the system's finest method; the tests hold it against other solutions",
     counted="effects in the model",
     used="plan and solve",
-    cases=tuple(_case(name) for name in PROBLEMS),
+    cases=tuple(Case(name, one.title, partial(_settings, name)) for name, one in PROBLEMS.items()),
     findings=_findings,
 )

@@ -4,14 +4,13 @@ Both laws have one parameter and an exponent per radian that is estimated linear
 """
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtri
 
-from ropefric.accuracy.assess import largest_error, over_seeds
-from ropefric.accuracy.study import Case, Outcome, Setting, Study
+from ropefric.accuracy.study import Case, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.covariance import bread
@@ -114,42 +113,24 @@ def _settings(law: str) -> tuple[Setting, ...]:
                               rng=np.random.default_rng(seed))  # fmt: skip
         return arms(mu_of_exponent(law, (ends[0] - log_end) / wrap))
 
-    once = (
-        _fixed(by_covariance, exact, "covariance", 1.0),
-        _fixed(by_profile, exact, "profile", float(_profile_points(problem, theta))),
-    )
-    drawn = (
-        _drawn(solve, exact, method, n)
-        for method, solve in (("bootstrap", by_bootstrap), ("monte carlo", by_draws))
-        for n in _COUNTS
-    )
-    return (*once, *drawn)
+    def drawn(method: str, solve: Callable[[int, int], FloatArray], n: int) -> Setting:
+        return Setting(
+            method,
+            f"n = {n}",
+            call=lambda: solve(n, 0),
+            assess=lambda: over_seeds(
+                np.concatenate([solve(n, seed) / exact - 1.0 for seed in range(N_SEEDS)]), float(n)
+            ),
+            quick=n in _QUICK_COUNTS,
+        )
 
-
-def _profile_points(problem: FitProblem, theta: FloatArray) -> int:
     curves = profile_intervals(problem, theta, level=LEVEL, absolute_std=True).curves
-    return sum(curve.value.size for curve in curves)
-
-
-def _fixed(solve: Callable[[], FloatArray], exact: FloatArray, method: str, work: float) -> Setting:
-    return Setting(
-        method=method,
-        setting="",
-        call=solve,
-        assess=lambda: Outcome(error=largest_error(solve(), exact), evaluations=work),
-    )
-
-
-def _drawn(solve: Callable[[int, int], FloatArray], exact: FloatArray, method: str, n: int) -> Setting:
-    def assess() -> Outcome:
-        return over_seeds(np.concatenate([solve(n, seed) / exact - 1.0 for seed in range(N_SEEDS)]), float(n))
-
-    return Setting(
-        method=method,
-        setting=f"n = {n}",
-        call=lambda: solve(n, 0),
-        assess=assess,
-        quick=n in _QUICK_COUNTS,
+    n_profile = sum(curve.value.size for curve in curves)
+    return (
+        against(exact, "covariance", "", by_covariance, work=1.0),
+        against(exact, "profile", "", by_profile, work=n_profile),
+        *(drawn("bootstrap", by_bootstrap, n) for n in _COUNTS),
+        *(drawn("monte carlo", by_draws, n) for n in _COUNTS),
     )
 
 
@@ -161,15 +142,11 @@ STUDY = Study(
     counted="fits or draws",
     used="covariance; profile or bootstrap where they are asked for",
     cases=(
+        Case("linear", "constant law, six pulls with a scatter of 2 % each", partial(_settings, "constant")),
         Case(
-            name="linear",
-            title="constant law, six pulls with a scatter of 2 % each",
-            settings=lambda: _settings("constant"),
-        ),
-        Case(
-            name="curved",
-            title="law of the thick rope, six pulls with a scatter of 40 %: the upper arm is the longer one",
-            settings=lambda: _settings("thickness"),
+            "curved",
+            "law of the thick rope, six pulls with a scatter of 40 %: the upper arm is the longer one",
+            partial(_settings, "thickness"),
         ),
     ),
 )

@@ -37,8 +37,7 @@ def cost(
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
     cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
     """
-    from ropefric.accuracy.machine import this_machine  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.accuracy.measure import measure_studies  # noqa: PLC0415
+    from ropefric.accuracy.measure import measure_studies, this_machine  # noqa: PLC0415  (quick start-up)
     from ropefric.accuracy.studies import STUDIES  # noqa: PLC0415
     from ropefric.report.cost_page import cost_sections, write_cost  # noqa: PLC0415
 

@@ -18,7 +18,7 @@ Measure = Annotated[
 def explain(out: Output, scene: SceneFile, *, measure: Measure = False) -> Answer:  # noqa: ARG001  (a command takes it)
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
     from ropefric.report.scene import explanation_sections  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.scenes.explain import explain_scene  # noqa: PLC0415
+    from ropefric.scenes.plan import explain_scene  # noqa: PLC0415
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415
 
     told = explain_scene(load_scene(scene), measure=measure)

@@ -57,8 +57,7 @@ def inspect(
 
     Paste the section into campaign.toml, after checking the doubts.
     """
-    from ropefric.traces.readers.profile import ImportProfile  # noqa: PLC0415  (quick start-up)
-    from ropefric.traces.readers.profile_toml import profile_to_toml  # noqa: PLC0415
+    from ropefric.traces.readers.profile import ImportProfile, profile_to_toml  # noqa: PLC0415  (quick start-up)
 
     if file.is_dir():
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
@@ -102,7 +101,7 @@ def _look(inspect_it: "Callable[[int], Inspection]", file: Path, limits: "Limits
 
 
 def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> "Inspection":  # noqa: FBT001
-    from ropefric.traces.readers.sniff import inspect_file  # noqa: PLC0415
+    from ropefric.traces.readers.inspection import inspect_file  # noqa: PLC0415
 
     return inspect_file(file, profile, everything=everything)
 

@@ -15,7 +15,7 @@ from ropefric.glossary import counted
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ropefric.rig.plan import CampaignPlan
+    from ropefric.rig.campaign import CampaignPlan
 
 
 Folder = Annotated[Path, typer.Argument(help="A new or empty folder.")]
@@ -89,7 +89,7 @@ def simulate(
 def _bench_plan(name: str) -> tuple["CampaignPlan", int]:
     from ropefric.errors import UnknownNameError  # noqa: PLC0415
     from ropefric.registry import did_you_mean  # noqa: PLC0415
-    from ropefric.rig.prth_bench import PRTH_SEED, prth_bench_plan  # noqa: PLC0415
+    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan  # noqa: PLC0415
 
     benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
     if name not in benches:

@@ -35,7 +35,6 @@ Plot = Annotated[str, typer.Option(help="Which number of a sweep the figure show
 Level = Annotated[float, typer.Option(help="Coverage of the intervals, between 0 and 1; a sweep has none.")]
 
 _LISTED_POINTS = 1000
-_SOLVED = ("answer.json", "start_up.csv", *figure_names("start_up_figure", "campbell"))
 _SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
 
 
@@ -58,16 +57,25 @@ def solve(
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
 
     loaded = load_scene(scene)
-    family, names = ("sweep", _SWEPT) if sweep else ("scene", _SOLVED)
     # Before the work, so that a folder that cannot be used costs nothing.
     with ExitStack() as stack:
         target = None
         if folder is not None:
+            family, names = ("sweep", _SWEPT) if sweep else ("scene", _solved_names())
             inputs = (scene, *_fits(loaded))
             target = stack.enter_context(
                 open_folder(folder, family=family, names=names, inputs=inputs, force=force)
             )
         return _swept(out, loaded, sweep, target, plot) if sweep else _solved(out, loaded, level, target)
+
+
+def _solved_names() -> tuple[str, ...]:
+    """Return what a solved scene of any kind may write: a folder may hold the answer to another one."""
+    from ropefric.scenes.kinds import KINDS  # noqa: PLC0415  (quick start-up)
+
+    kinds = KINDS.values()
+    histories = [name for kind in kinds for name in kind.histories]
+    return ("answer.json", *histories, *figure_names(*(stem for kind in kinds for stem in kind.figures)))
 
 
 def _fits(scene: "Scene") -> list[Path]:
@@ -93,9 +101,17 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
 
 def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> list[Path]:
     from ropefric.cli.jsontext import json_text  # noqa: PLC0415
-    from ropefric.cli.scene_files import write_scene_files  # noqa: PLC0415
+    from ropefric.plotting.chart import scene_figures  # noqa: PLC0415
+    from ropefric.plotting.save import save_figure  # noqa: PLC0415
+    from ropefric.scenes.sweep import columns_text  # noqa: PLC0415
 
-    files = [*folder.write({"answer.json": json_text(tree)}), *write_scene_files(solution, folder)]
+    files = [*folder.write({"answer.json": json_text(tree)})]
+    for stem, figure in scene_figures(solution):
+        files += save_figure(figure, folder, stem)
+    for name, history in solution.scene.kind.histories.items():
+        columns = history(solution.answer)
+        if columns is not None:
+            files += folder.write({name: columns_text(columns)})
     folder.publish("answer")
     for path in files:
         out.note(f"wrote {path}")
@@ -104,8 +120,7 @@ def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Fol
 
 def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None", plot: str) -> Answer:
     from ropefric.report.scene import sweep_sections  # noqa: PLC0415
-    from ropefric.scenes.axis import parse_axis  # noqa: PLC0415
-    from ropefric.scenes.sweep import sweep_scene  # noqa: PLC0415
+    from ropefric.scenes.sweep import parse_axis, sweep_scene  # noqa: PLC0415
 
     axes = tuple(parse_axis(scene, text) for text in asked)
     with Progress(out, "solve") as progress:
@@ -119,7 +134,7 @@ def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None
 
 
 def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> list[Path]:
-    from ropefric.scenes.table import write_sweep  # noqa: PLC0415
+    from ropefric.scenes.sweep import write_sweep  # noqa: PLC0415
 
     files = [write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:

@@ -1,13 +1,14 @@
-"""All kinds of scenes by the name of their system; a new one is a file here that declares KIND, and its name."""
+"""All kinds of scenes by the name of their system: a new one is a file here that declares KIND."""
 
 from collections.abc import Iterator, Mapping
 from importlib import import_module
+from pkgutil import iter_modules
 
 from ropefric.errors import UnknownNameError
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind
 
-_NAMES = ("hoist", "press", "bandsaw")
+_NAMES = tuple(sorted(module.name for module in iter_modules(__path__)))
 
 
 class Kinds(Mapping[str, Kind]):
@@ -30,4 +31,3 @@ class Kinds(Mapping[str, Kind]):
 
 
 KINDS = Kinds()
-"""In the order of the handbook."""

@@ -1,20 +1,266 @@
 """Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
 
+import math
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import FloatArray
-from ropefric.scenes.kind import Kind, Quantity, SweepField
-from ropefric.scenes.kinds.saw_report import saw_tree
-from ropefric.scenes.kinds.saw_schema import SawScene
-from ropefric.systems.bandsaw.answer import SawAnswer
+from ropefric.errors import RopefricError
+from ropefric.scenes.kind import (
+    Becomes,
+    Figure,
+    Kind,
+    Part,
+    Quantity,
+    SceneTable,
+    arrays,
+    finite,
+    in_words,
+    number,
+    unit,
+)
+from ropefric.systems.bandsaw.answer import SawAnswer, SideAnswer
+from ropefric.systems.bandsaw.campbell import SawChart, saw_chart
+from ropefric.systems.bandsaw.drive import tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.effects import SYSTEM, SawProblem, answerable
 from ropefric.systems.bandsaw.ends import ENDS
-from ropefric.systems.bandsaw.measured import Measurement
-from ropefric.systems.bandsaw.saw import Side
+from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
+from ropefric.systems.bandsaw.models import MODELS
+from ropefric.systems.bandsaw.resonance import (
+    Excitation,
+    find_crossings,
+    fixed_frequency,
+    margins,
+    tooth_passing,
+    wheel_rotation,
+)
+from ropefric.systems.bandsaw.saw import Saw, Side
+from ropefric.systems.bandsaw.section import Section
+from ropefric.systems.bandsaw.strain import recommend_preload
 from ropefric.systems.friction import WrapFriction
+from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
+
+_SIDES = tuple(side.value for side in Side)
+
+
+class BladeTable(StrictTable):
+    """`[blade]`."""
+
+    free_span: Annotated[float, unit("m", "1.6 m", above=0), Becomes("free_span_m")]
+    linear_density: Annotated[
+        float | None, unit("kg/m", "0.6 kg/m", above=0), Becomes("linear_density_kg_m", many=False)
+    ] = None
+    width: Annotated[float | None, unit("m", "85 mm", above=0)] = None
+    thickness: Annotated[float | None, unit("m", "0.9 mm", above=0)] = None
+    density: Annotated[float | None, unit("kg/m^3", "7800 kg/m^3", above=0)] = None
+    youngs_modulus: Annotated[float | None, unit("Pa", "206 GPa", above=0)] = None
+    shear_modulus: Annotated[float | None, unit("Pa", "79 GPa", above=0)] = None
+    bending_stiffness: Annotated[
+        float | None, unit("N*m^2", "1.06 N*m^2", above=0), Becomes("bending_stiffness_N_m2")
+    ] = None
+    ends: Annotated[str, PlainValidator(choice(lambda: ENDS))] = "clamped"
+    modes: Annotated[int, PlainValidator(whole_number(1, 40))] = 6
+
+    @model_validator(mode="after")
+    def _has_a_mass(self) -> Self:
+        section = (self.width, self.thickness, self.density)
+        if self.linear_density is None and None in section:
+            reject(
+                "RF121",
+                "the blade's mass is not known",
+                fix='add linear_density = "0.6 kg/m", or width, thickness and density',
+            )
+        if self.linear_density is not None and None not in section:
+            reject(
+                "RF111",
+                "linear_density and density with the section are both given",
+                fix="keep one of them",
+                key="linear_density",
+            )
+        return self
+
+    def mass(self) -> float:
+        """Return ρA [kg/m]."""
+        if self.linear_density is not None:
+            return self.linear_density
+        return (self.width or 0.0) * (self.thickness or 0.0) * (self.density or 0.0)
+
+    def stiffness(self) -> float | None:
+        """Return EI [N m2] where it is given or follows."""
+        if self.bending_stiffness is not None:
+            return self.bending_stiffness
+        if self.width is None or self.thickness is None or self.youngs_modulus is None:
+            return None
+        return self.youngs_modulus * self.width * self.thickness**3 / 12.0
+
+    def section(self) -> Section | None:
+        """Return the cross-section where all of it is given."""
+        if self.width is None or self.thickness is None or self.shear_modulus is None:
+            return None
+        return Section(
+            width_m=self.width,
+            thickness_m=self.thickness,
+            density_kg_m3=self.mass() / (self.width * self.thickness),
+            shear_modulus_Pa=self.shear_modulus,
+        )
+
+
+class WheelTable(StrictTable):
+    """`[wheel]`."""
+
+    radius: Annotated[float | None, unit("m", "0.35 m", above=0)] = None
+    diameter: Annotated[float | None, unit("m", "0.7 m", above=0)] = None
+    speed: Annotated[float, unit("rad/s", "970 rpm"), Becomes("wheel_speed_rad_s", many=False)] = 0.0
+    wrap: Annotated[float, unit("rad", "180 deg", above=0)] = np.pi
+
+    @model_validator(mode="after")
+    def _has_one_size(self) -> Self:
+        if (self.radius is None) == (self.diameter is None):
+            reject("RF121", "give either radius or diameter of the wheels", fix='write diameter = "0.7 m"')
+        if self.speed < 0.0:
+            reject("RF110", "a wheel's speed is counted without sign", fix="remove the minus", key="speed")
+        return self
+
+    def radius_m(self) -> float:
+        """Return R [m]."""
+        return self.radius if self.radius is not None else 0.5 * (self.diameter or 0.0)
+
+
+def _share(value: object) -> float:
+    found = number(value)
+    if not 0.0 <= found <= 1.0:
+        reject(
+            "RF110",
+            f"a mounting factor of {got(value)} is not from 0 to 1",
+            fix="give 0 for fixed wheel axles, 1 for a constant-force mounting",
+        )
+    return found
+
+
+class TensionTable(StrictTable):
+    """`[tension]`."""
+
+    preload: Annotated[float, unit("N", "3412 N", above=0), Becomes("preload_N")]
+    mounting_factor: Annotated[float | None, PlainValidator(_share), Becomes("mounting_factor")] = None
+
+
+class DriveTable(StrictTable):
+    """`[drive]`."""
+
+    power: Annotated[float | None, unit("W", "7.5 kW")] = None
+    torque: Annotated[float | None, unit("N*m", "73.8 N*m")] = None
+    tension_difference: Annotated[float | None, unit("N", "211 N"), Becomes("tension_difference_N")] = None
+    printed_factor: bool = False
+
+    @model_validator(mode="after")
+    def _says_one_thing(self) -> Self:
+        given = [
+            name for name in ("power", "torque", "tension_difference") if getattr(self, name) is not None
+        ]
+        if len(given) != 1:
+            reject(
+                "RF111" if given else "RF121",
+                f"{' and '.join(given)} are given" if given else "the drive gives nothing",
+                fix="give one of power, torque, tension_difference",
+            )
+        if getattr(self, given[0]) < 0.0:
+            reject("RF110", f"{given[0]} is negative", fix="give it zero or more", key=given[0])
+        return self
+
+
+def _margin(value: object) -> float:
+    found = number(value)
+    if not 0.0 < found < 1.0:
+        reject("RF110", f"a margin of {got(value)} is not between 0 and 1", fix="write 0.1 for 10 %")
+    return found
+
+
+class ExcitationTable(StrictTable):
+    """`[excitation]`."""
+
+    wheel_harmonics: Annotated[int, PlainValidator(whole_number(0, 50))] = 3
+    tooth_pitch: Annotated[float | None, unit("m", "22 mm", above=0)] = None
+    frequencies: list[Annotated[float, unit("Hz", "50 Hz", above=0)]] = Field(default_factory=list)
+    margin: Annotated[float | None, PlainValidator(_margin)] = None
+    preload_range: list[Annotated[float, unit("N", "3000 N", above=0)]] | None = None
+
+    @model_validator(mode="after")
+    def _wants_a_margin_over_a_range(self) -> Self:
+        if (self.margin is None) != (self.preload_range is None):
+            reject(
+                "RF121",
+                "a recommended preload needs both the margin wanted and the range of preloads",
+                fix='add margin = 0.1 and preload_range = ["2000 N", "6000 N"]',
+            )
+        if self.preload_range is not None and (
+            len(self.preload_range) != 2 or not self.preload_range[0] < self.preload_range[1]
+        ):
+            reject("RF110", "a range is two preloads, the lower first", key="preload_range")
+        return self
+
+
+class MeasuredTable(StrictTable):
+    """`[[measured]]`."""
+
+    side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
+    frequency: Annotated[float, unit("Hz", "24.9 Hz", above=0)]
+    mode: Annotated[int, PlainValidator(whole_number(1, 40))] = 1
+    uncertainty: Annotated[float | None, unit("Hz", "0.1 Hz", above=0)] = None
+
+
+class SawScene(SceneTable):
+    """A scene with `system = "bandsaw"`."""
+
+    blade: BladeTable
+    tension: TensionTable
+    wheel: WheelTable | None = None
+    drive: DriveTable | None = None
+    excitation: ExcitationTable | None = None
+    measured: list[MeasuredTable] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _drives_a_wheel(self) -> Self:
+        if self.drive is not None and self.wheel is None:
+            reject("RF121", "a drive needs a wheel", fix="add [wheel] with diameter and speed", key="drive")
+        needs_speed = self.drive is not None and self.drive.power is not None
+        if needs_speed and (self.wheel is None or not self.wheel.speed):
+            reject(
+                "RF121",
+                "a power says nothing about the tensions without the wheel's speed",
+                fix='add speed = "970 rpm" to [wheel]',
+                key="wheel.speed",
+            )
+        return self
+
+    def pull_N(self) -> float | None:
+        """Return ΔF [N] where the scene gives it."""
+        if self.drive is None or self.wheel is None:
+            return None
+        if self.drive.tension_difference is not None:
+            return self.drive.tension_difference
+        torque = self.drive.torque
+        if torque is None:
+            torque = float(
+                torque_N_m(self.drive.power or 0.0, self.wheel.speed, printed=self.drive.printed_factor)
+            )
+        return float(tension_difference_N(torque, self.wheel.radius_m()))
+
+    def excitations(self) -> tuple[Excitation, ...]:
+        """Return what may shake the blade."""
+        if self.excitation is None:
+            return ()
+        found = [fixed_frequency(f"{one:g} Hz", one) for one in self.excitation.frequencies]
+        if self.excitation.tooth_pitch is not None:
+            found.insert(0, tooth_passing(self.excitation.tooth_pitch))
+        if self.wheel is not None and self.excitation.wheel_harmonics:
+            harmonics = tuple(range(1, self.excitation.wheel_harmonics + 1))
+            found.insert(0, wheel_rotation(self.wheel.radius_m(), harmonics))
+        return tuple(found)
+
 
 _UNKNOWN_THICKNESS_M = 1e-3
 
@@ -25,20 +271,15 @@ def _own_wheel(table: SawScene) -> tuple[float, float]:
 
 
 def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
-    optional_parts = {
+    computed = {
+        "linear_density_kg_m": table.blade.mass(),
         "wheel_radius_m": None if table.wheel is None else table.wheel.radius_m(),
-        "wheel_speed_rad_s": None if table.wheel is None else table.wheel.speed,
         "tension_difference_N": table.pull_N(),
-        "mounting_factor": table.tension.mounting_factor,
         "bending_stiffness_N_m2": table.blade.stiffness(),
     }
-    arrays: dict[str, Any] = {
-        name: np.array([value]) for name, value in optional_parts.items() if value is not None
-    }
+    excitation = table.excitation
+    preloads_N = None if excitation is None else excitation.preload_range
     return SawProblem(
-        free_span_m=np.array([table.blade.free_span]),
-        linear_density_kg_m=np.array([table.blade.mass()]),
-        preload_N=np.array([table.tension.preload]),
         n_modes=table.blade.modes,
         ends=ENDS[table.blade.ends],
         section=table.blade.section(),
@@ -51,17 +292,10 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
             )
             for one in table.measured
         ),
-        margin_wanted=None if table.excitation is None else table.excitation.margin,
-        preload_range_N=_range_N(table),
-        **arrays,
+        margin_wanted=None if excitation is None else excitation.margin,
+        preload_range_N=None if preloads_N is None else (preloads_N[0], preloads_N[1]),
+        **arrays(table) | {name: np.array([value]) for name, value in computed.items() if value is not None},
     )
-
-
-def _range_N(table: SawScene) -> tuple[float, float] | None:
-    if table.excitation is None or table.excitation.preload_range is None:
-        return None
-    low, high = table.excitation.preload_range
-    return low, high
 
 
 def _quantities(answer: SawAnswer, problem: SawProblem) -> tuple[Quantity, ...]:
@@ -88,22 +322,282 @@ def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
     }
 
 
-_SCENE_KEYS = {
-    "free_span_m": "blade.free_span",
-    "linear_density_kg_m": "blade.linear_density",
-    "bending_stiffness_N_m2": "blade.bending_stiffness",
-    "n_modes": "blade.modes",
-    "preload_N": "tension.preload",
-    "mounting_factor": "tension.mounting_factor",
-    "tension_difference_N": "drive",
-    "wheel_radius_m": "wheel",
-    "wheel_speed_rad_s": "wheel.speed",
-    "travel_speed_m_s": "wheel.speed",
-}
+_NEAREST = 10
+_SPEEDS = 200
+_FASTEST = 0.98
+"""Of the critical speed: up to where crossings are looked for."""
 
 
-def _scene_key(name: str) -> str:
-    return _SCENE_KEYS.get(name, name)
+def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
+    tree: dict[str, Any] = {side.value: _side(one) for side, one in answer.sides.items()}
+    if problem.speed_m_s is not None:
+        tree["speed_m_s"] = float(problem.speed_m_s[0])
+    whole, planned = _saw_of(problem), _planned_saw(answer, problem)
+    if whole is None or planned is None:
+        return tree
+    if problem.excitations:
+        tree["resonance"] = _resonance(planned, problem)
+    if problem.measurements:
+        tree["comparison"] = {
+            "deviations": _deviations(whole, problem),
+            "mounting": _mountings(planned, problem),
+            "identified": _identified(planned, problem),
+        }
+    return tree
+
+
+def _saw_of(problem: SawProblem) -> Saw | None:
+    """Return the whole saw of a single case, with all its parts; None where its wheels are not known."""
+    if problem.wheel_radius_m is None or problem.wheel_speed_rad_s is None:
+        return None
+    optional = {
+        "tension_difference_N": problem.tension_difference_N,
+        "mounting_factor": problem.mounting_factor,
+        "bending_stiffness_N_m2": problem.bending_stiffness_N_m2,
+    }
+    return Saw(
+        free_span_m=float(problem.free_span_m[0]),
+        linear_density_kg_m=float(problem.linear_density_kg_m[0]),
+        preload_N=float(problem.preload_N[0]),
+        wheel_radius_m=float(problem.wheel_radius_m[0]),
+        wheel_speed_rad_s=float(problem.wheel_speed_rad_s[0]),
+        ends=problem.ends,
+        **{name: float(value[0]) for name, value in optional.items() if value is not None},
+    )
+
+
+def _planned_saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
+    """Return the saw with a stiff blade only if the plan has one; None where its wheels are not known.
+
+    Which mounting explains a measurement, and where a mode meets an excitation, depends on it.
+    """
+    saw = _saw_of(problem)
+    if saw is None or answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any():
+        return saw
+    return replace(saw, bending_stiffness_N_m2=0.0)
+
+
+def _side(one: SideAnswer) -> dict[str, Any]:
+    tree = {
+        "frequencies_Hz": one.frequencies_Hz[0].tolist(),
+        "tension_N": float(one.tension_N[0]),
+        "wave_speed_m_s": float(one.wave_speed_m_s[0]),
+        # A constant-force mounting has no critical speed.
+        "critical_speed_m_s": finite(float(one.critical_speed_m_s[0])),
+    }
+    if one.torsion_Hz is not None:
+        tree["torsion_Hz"] = one.torsion_Hz[0].tolist()
+    return tree
+
+
+def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
+    near = margins(saw, (Side.TIGHT, Side.SLACK), problem.excitations, problem.n_modes)
+    return {
+        "recommended_preload": _recommended(saw, problem),
+        "nearest": [
+            {
+                "side": one.side.value,
+                "mode": one.mode,
+                "excitation": one.excitation,
+                "harmonic": one.harmonic,
+                "mode_Hz": one.mode_Hz,
+                "excitation_Hz": one.excitation_Hz,
+                "margin": one.relative,
+            }
+            for one in near[:_NEAREST]
+        ],
+        "crossings": [
+            {
+                "side": one.side.value,
+                "mode": one.mode,
+                "excitation": one.excitation,
+                "harmonic": one.harmonic,
+                "speed_m_s": one.speed_m_s,
+                "frequency_Hz": one.frequency_Hz,
+                "speed_margin": finite(one.speed_margin),
+            }
+            for side in (Side.TIGHT, Side.SLACK)
+            for one in find_crossings(saw, side, problem.excitations, _speeds_m_s(saw, side), problem.n_modes)
+        ],
+    }
+
+
+def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
+    """Return the preload that keeps the margin wanted, where one was."""
+    if problem.margin_wanted is None or problem.preload_range_N is None:
+        return None
+    try:
+        found = recommend_preload(
+            saw,
+            problem.excitations,
+            margin=problem.margin_wanted,
+            range_N=problem.preload_range_N,
+            n_modes=problem.n_modes,
+        )
+    except RopefricError as error:
+        return _impossible(error)
+    return {
+        "preload_N": found.preload_N,
+        "margin": found.margin,
+        "forbidden_N": [list(interval) for interval in found.forbidden_N],
+        **_judged(found.status),
+    }
+
+
+def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
+    """Return speeds from rest to half as fast again as at work, or to nearly the critical speed."""
+    static_N = saw.preload_N + 0.5 * side.sign * saw.tension_difference_N
+    held = saw.linear_density_kg_m * max(1.0 - saw.mounting_factor, 1e-3)
+    fastest = min(1.5 * max(saw.speed_m_s, 1.0), _FASTEST * math.sqrt(static_N / held))
+    return np.linspace(0.0, fastest, _SPEEDS)
+
+
+def _deviations(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
+    """Return how far each model is from each measurement; a model that has no answer for this saw says why."""
+    found: list[dict[str, Any]] = []
+    for model in MODELS:
+        for point in problem.measurements:
+            row = _measurement(point, model=model)
+            try:
+                (one,) = deviations(saw, (point,), (model,))
+            except RopefricError as error:
+                found.append(row | {"model_Hz": None, "relative": None, "why": error.problem.message})
+            else:
+                found.append(row | {"model_Hz": one.frequency_Hz, "relative": one.relative, "why": ""})
+    return sorted(found, key=lambda row: (row["side"] != Side.REST.value, row["side"] != Side.TIGHT.value))
+
+
+def _measurement(point: Measurement, **first: str) -> dict[str, Any]:
+    return {**first, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
+
+
+def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
+    found = []
+    for point in problem.measurements:
+        if point.side is not Side.REST:
+            try:
+                one = explain_mounting(saw, point)
+            except RopefricError as error:
+                why = {"mounting_factor": None} | _impossible(error)
+            else:
+                why = {"mounting_factor": one.mounting_factor} | _judged(one.status)
+            found.append(_measurement(point) | why)
+    return found
+
+
+def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any]:
+    try:
+        found = identify(saw, problem.measurements)
+    except RopefricError as error:
+        return _impossible(error)
+    preload_std_N, mounting_std = (None, None) if found.std is None else (finite(one) for one in found.std)
+    return {
+        "preload_N": found.preload_N,
+        "mounting_factor": found.mounting_factor,
+        "preload_std_N": preload_std_N,
+        "mounting_factor_std": mounting_std,
+        "free_mounting_factor": found.free_mounting_factor,
+        **_judged(found.status),
+    }
+
+
+def _impossible(error: RopefricError) -> dict[str, Any]:
+    return {"status": "not possible", "advice": error.problem.message}
+
+
+def _judged(status: Any) -> dict[str, Any]:
+    return {"status": status.value, "advice": status.advice}
+
+
+def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
+    sides = [side for side in ("tight", "slack", "rest") if side in tree]
+    modes = range(len(tree["rest"]["frequencies_Hz"]))
+    shown = {"": "frequencies_Hz"} | ({"torsion ": "torsion_Hz"} if "torsion_Hz" in tree["rest"] else {})
+    lines = [f"blade speed {tree['speed_m_s']:.3f} m/s"] if "speed_m_s" in tree else []
+    for side in sides:
+        one, fastest = tree[side], tree[side]["critical_speed_m_s"]
+        limit = "none (constant-force mounting)" if fastest is None else f"{fastest:.2f} m/s"
+        lines.append(
+            f"{side}: F = {one['tension_N']:.1f} N, c = {one['wave_speed_m_s']:.2f} m/s, critical speed {limit}"
+        )
+    if "wheel" in tree:
+        lines.append(f"driving wheel: {100 * tree['wheel']['utilisation']:.3g} % of its grip is used")
+    frequencies = Part(
+        "Natural frequencies",
+        lines=tuple(lines),
+        headings=("mode", *(f"{side} [Hz]" for side in sides)),
+        rows=tuple(
+            (f"{word}{mode + 1}", *(in_words(tree[side][key][mode], ".3f") for side in sides))
+            for word, key in shown.items()
+            for mode in modes
+        ),
+    )
+    further = {"resonance": _resonance_part, "comparison": _comparison_part}
+    return (frequencies, *(part(tree[name]) for name, part in further.items() if name in tree))
+
+
+def _resonance_part(found: Mapping[str, Any]) -> Part:
+    advice = found["recommended_preload"]
+    lines: tuple[str, ...] = ()
+    if advice is not None:
+        preload = f"preload {advice['preload_N']:.4g} N: " if "preload_N" in advice else ""
+        lines = (preload + advice["advice"],)
+    nearest = sorted(found["crossings"], key=lambda one: abs(one["speed_margin"] or 0.0))[:5]
+    return Part(
+        "What may resonate, the nearest first",
+        lines=lines,
+        headings=("side", "mode", "excitation ", "mode [Hz]", "excitation [Hz]", "margin"),
+        rows=tuple(
+            (
+                one["side"],
+                str(one["mode"]),
+                f"{one['harmonic']} × {one['excitation']}",
+                in_words(one["mode_Hz"], ".2f"),
+                in_words(one["excitation_Hz"], ".2f"),
+                f"{100 * one['margin']:+.1f} %",
+            )
+            for one in found["nearest"]
+        ),
+        notes=tuple(
+            f"{one['side']} mode {one['mode']} meets {one['harmonic']} × {one['excitation']} at "
+            f"{one['speed_m_s']:.2f} m/s, {100 * (one['speed_margin'] or 0.0):+.1f} % off ({one['frequency_Hz']:.2f} Hz)"
+            for one in nearest
+        ),
+    )
+
+
+def _comparison_part(found: Mapping[str, Any]) -> Part:
+    return Part(
+        "Against measurement",
+        lines=tuple(
+            f"{one['side']} mode {one['mode']}: {one['measured_Hz']:g} Hz would need a mounting factor of "
+            f"{in_words(one['mounting_factor'], '.2f')}. {one['advice']}"
+            for one in found["mounting"]
+        ),
+        headings=("model", "side", "mode", "measured [Hz]", "model [Hz]", "deviation"),
+        rows=tuple(
+            (
+                one["model"],
+                one["side"],
+                str(one["mode"]),
+                in_words(one["measured_Hz"], ".2f"),
+                in_words(one["model_Hz"], ".2f"),
+                "–" if one["relative"] is None else f"{100 * one['relative']:+.1f} %",
+            )
+            for one in found["deviations"]
+        ),
+        left=2,
+    )
+
+
+def _campbell(answer: SawAnswer, problem: SawProblem) -> SawChart | None:
+    saw = _planned_saw(answer, problem)
+    if saw is None or not problem.excitations:
+        return None
+    speeds = min(
+        (_speeds_m_s(saw, side) for side in (Side.TIGHT, Side.SLACK)), key=lambda one: float(one[-1])
+    )
+    return saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
 KIND = Kind(
@@ -113,15 +607,15 @@ KIND = Kind(
     own_wheel=_own_wheel,
     problem=_problem,
     quantities=_quantities,
-    tree=saw_tree,
+    tree=_tree,
     contacts=_contacts,
-    sweep_fields={
-        "blade.free_span": SweepField(field="free_span_m"),
-        "tension.preload": SweepField(field="preload_N"),
-        "tension.mounting_factor": SweepField(field="mounting_factor"),
-        "drive.tension_difference": SweepField(field="tension_difference_N"),
-        "blade.bending_stiffness": SweepField(field="bending_stiffness_N_m2"),
-    },
     answerable=answerable,
-    scene_key=_scene_key,
+    keys={
+        "n_modes": "blade.modes",
+        "tension_difference_N": "drive",
+        "wheel_radius_m": "wheel",
+        "travel_speed_m_s": "wheel.speed",
+    },
+    sections=_sections,
+    figures={"campbell": Figure(_campbell, "saw_chart.draw_saw_chart")},
 )

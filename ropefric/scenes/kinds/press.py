@@ -1,18 +1,308 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.scenes.kind import Kind, SweepField
-from ropefric.scenes.kinds.press_machine import press_problem
-from ropefric.scenes.kinds.press_report import press_failures, press_quantities, press_tree
-from ropefric.scenes.kinds.press_schema import PressScene
-from ropefric.systems.press.answer import PressProblem
+from ropefric.scenes.kind import (
+    Becomes,
+    Failure,
+    Figure,
+    FrictionTable,
+    Kind,
+    Part,
+    Quantity,
+    SceneTable,
+    arrays,
+    by_name,
+    finite,
+    given,
+    in_words,
+    number,
+    positive,
+    unit,
+)
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.answer import PressAnswer, PressProblem, StartUpTask, as_operated
+from ropefric.systems.press.closures import CLOSURES
+from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
 from ropefric.systems.press.effects import SYSTEM
+from ropefric.systems.press.loads import (
+    distortion_energy_J_m3,
+    gravity_pull_N,
+    gravity_torque_N_m,
+    squeeze_torque_N_m,
+)
+from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import steady_state
+from ropefric.systems.press.steady import Parts, drive_power_W, steady_state
+from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
+from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, whole_number
+
+_ROLES = ("driver", "driven", "tensioner")
+
+
+def _names(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list) or not value or not all(isinstance(one, str) for one in value):
+        reject("RF110", f"expected a list of roller names, got {got(value)}", fix='write ["1", "2", "3"]')
+    return tuple(value)
+
+
+class TensionerTable(StrictTable):
+    """`[rollers.NAME.tensioner]`."""
+
+    spring: Annotated[float, unit("N/m", "20 N/mm"), Becomes("spring_N_m")] = 0.0
+    travel: Annotated[float, unit("m", "30 mm"), Becomes("travel_m")] = 0.0
+    force: Annotated[float | None, unit("N", "2000 N", above=0), Becomes("force_N")] = None
+    mass: Annotated[float | None, unit("kg", "121 kg", above=0), Becomes("mass_kg")] = None
+    damping: Annotated[float, unit("N*s/m", "500 N*s/m"), Becomes("damping_N_s_m")] = 0.0
+    upstream_angle: Annotated[float, unit("rad", "56.7 deg"), Becomes("upstream_angle_rad")] = 0.0
+    downstream_angle: Annotated[float, unit("rad", "19.9 deg"), Becomes("downstream_angle_rad")] = 0.0
+
+
+class RollerTable(StrictTable):
+    """`[rollers.NAME]`."""
+
+    radius: Annotated[float, unit("m", "75 mm", above=0), Becomes("radius_m")]
+    wrap: Annotated[float, unit("rad", "163.3 deg", above=0), Becomes("wrap_angle_rad")]
+    role: Annotated[str, PlainValidator(choice(lambda: _ROLES)), Becomes("role")] = "driven"
+    inertia: Annotated[float | None, unit("kg*m^2", "2.5 kg*m^2", above=0), Becomes("inertia_kg_m2")] = None
+    gravity_torque: Annotated[float, unit("N*m", "26.2 N*m"), Becomes("gravity_torque_N_m")] = 0.0
+    squeeze_torque: Annotated[float, unit("N*m", "33.6 N*m"), Becomes("squeeze_torque_N_m")] = 0.0
+    overspeed: Annotated[float | None, PlainValidator(number), Becomes("overspeed")] = None
+    tensioner: TensionerTable | None = None
+
+    @model_validator(mode="after")
+    def _carries_what_its_role_says(self) -> Self:
+        if (self.role == "tensioner") != (self.tensioner is not None):
+            reject(
+                "RF121",
+                "a tensioner is a roller of that role with a table of its own",
+                fix='write role = "tensioner" and [rollers.NAME.tensioner], or neither',
+                key="role",
+            )
+        return self
+
+
+class BeltTable(StrictTable):
+    """`[belts.NAME]`."""
+
+    loop: Annotated[tuple[str, ...], PlainValidator(_names), Becomes("loop")]
+    width: Annotated[float, unit("m", "2 m", above=0), Becomes("width_m")]
+    thickness: Annotated[float, unit("m", "5 mm", above=0), Becomes("thickness_m")]
+    density: Annotated[float | None, unit("kg/m^3", "1500 kg/m^3", above=0)] = None
+    linear_density: Annotated[
+        float | None, unit("kg/m", "15 kg/m", above=0), Becomes("linear_density_kg_m")
+    ] = None
+    axial_stiffness: Annotated[float | None, unit("N", "2000 kN", above=0), Becomes("axial_stiffness_N")] = (
+        None
+    )
+    damping: Annotated[float, unit("s", "1 ms"), Becomes("damping_s")] = 0.0
+    span_lengths: Annotated[
+        list[Annotated[float, unit("m", "1.2 m", above=0)]] | None, Becomes("span_lengths_m")
+    ] = None
+
+    @model_validator(mode="after")
+    def _has_one_mass(self) -> Self:
+        if (self.density is None) == (self.linear_density is None):
+            reject("RF121", "give either density or linear_density", fix='add density = "1500 kg/m^3"')
+        return self
+
+
+class MachineTable(StrictTable):
+    """`[press]`."""
+
+    speed: Annotated[float | None, unit("m/s", "0.92 m/s"), Becomes("speed_m_s")] = None
+    rotation: Annotated[float | None, unit("rad/s", "50 rpm")] = None
+    preload: Annotated[float | None, unit("N", "2000 N", above=0), Becomes("preload_N")] = None
+    load_factor: Annotated[float, PlainValidator(number), Becomes("load_factor")] = 1.0
+    closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))] = "share"
+
+    @model_validator(mode="after")
+    def _has_one_speed(self) -> Self:
+        if (self.speed is None) == (self.rotation is None):
+            reject(
+                "RF121",
+                "give either speed, of the belts, or rotation, of the first driver",
+                fix='add rotation = "50 rpm"',
+            )
+        for key in ("speed", "rotation", "load_factor"):
+            value = getattr(self, key)
+            if value is not None and value < 0.0:
+                reject("RF110", f"{key} is negative", fix="give it zero or more", key=key)
+        return self
+
+
+class GravityTable(StrictTable):
+    """`[sludge.gravity]`, eqs. (5), (6)."""
+
+    friction: Annotated[float, PlainValidator(positive), Becomes("sludge_friction")]
+    height: Annotated[float, unit("m", "60 mm", above=0), Becomes("sludge_height_m")]
+    density: Annotated[float, unit("kg/m^3", "1000 kg/m^3", above=0), Becomes("sludge_density_kg_m3")]
+    width: Annotated[float, unit("m", "2 m", above=0), Becomes("belt_width_m")]
+    zones: Annotated[dict[str, float], by_name(quantity("m", "1.2 m", above=0), '"2" = "1.2 m"')]
+
+
+class SqueezeTable(StrictTable):
+    """`[sludge.squeeze]`, eqs. (7)-(9)."""
+
+    width: Annotated[float, unit("m", "2 m", above=0)]
+    compression: Annotated[float, unit("m", "10 mm", above=0)]
+    strength: Annotated[float, unit("Pa", "30 kPa", above=0), Becomes("strength_Pa")]
+    poisson_ratio: Annotated[float, PlainValidator(number), Becomes("poisson_ratio")]
+    youngs_modulus: Annotated[float, unit("Pa", "300 kPa", above=0), Becomes("youngs_modulus_Pa")]
+    units: Annotated[dict[str, float], by_name(positive, '"5" = 2, "6" = 1')]
+
+
+class SludgeTable(StrictTable):
+    """`[sludge]`: loads from the sludge, in place of torques."""
+
+    gravity: GravityTable | None = None
+    squeeze: SqueezeTable | None = None
+
+
+class StartUpTable(StrictTable):
+    """`[start_up]`."""
+
+    law: Annotated[str, PlainValidator(choice(lambda: DRIVE_LAWS))] = "s-curve"
+    duration: Annotated[float | None, unit("s", "5 s", above=0)] = None
+    times: list[Annotated[float, unit("s", "1 s")]] | None = None
+    speeds: list[Annotated[float, unit("m/s", "0.5 m/s")]] | None = None
+    simulate: Annotated[float, unit("s", "20 s", above=0)]
+    points: Annotated[int, PlainValidator(whole_number(2, 200_000))] = 2001
+    slip: bool = True
+    loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
+    integrator: Annotated[str, PlainValidator(choice(lambda: INTEGRATORS))] = "exact"
+    step: Annotated[float | None, unit("s", "1 ms", above=0)] = None
+    tolerance: Annotated[float, PlainValidator(positive)] = 1e-6
+
+    @model_validator(mode="after")
+    def _can_be_run(self) -> Self:
+        if self.slip and self.integrator != "exact":
+            reject(
+                "RF111",
+                f"{self.integrator} solves a start-up without slip only",
+                fix='write slip = false, or integrator = "exact"',
+                key="integrator",
+            )
+        if self.law == "table" and (self.times is None or self.speeds is None):
+            reject(
+                "RF121", "a drive law from a table needs times and speeds", fix="add both lists", key="law"
+            )
+        if self.law in {"ramp", "s-curve"} and self.duration is None:
+            reject(
+                "RF121", f"the drive law {self.law} needs a duration", fix='add duration = "5 s"', key="law"
+            )
+        return self
+
+
+class PressScene(SceneTable):
+    """A scene with `system = "press"`."""
+
+    press: MachineTable
+    rollers: dict[str, RollerTable]
+    belts: dict[str, BeltTable]
+    friction: FrictionTable
+    sludge: SludgeTable = Field(default_factory=SludgeTable)
+    start_up: StartUpTable | None = None
+
+    @model_validator(mode="after")
+    def _preloads_its_tensioners(self) -> Self:
+        for name, roller in self.rollers.items():
+            if roller.tensioner is not None and roller.tensioner.force is None and self.press.preload is None:
+                reject(
+                    "RF121",
+                    f"tensioner {name} has no force",
+                    fix='add force = "2000 N" to it, or preload = "2000 N" to [press] for all',
+                    key=f"rollers.{name}.tensioner",
+                )
+        for part, torque, loaded in (
+            ("gravity", "gravity_torque", {} if self.sludge.gravity is None else self.sludge.gravity.zones),
+            ("squeeze", "squeeze_torque", {} if self.sludge.squeeze is None else self.sludge.squeeze.units),
+        ):
+            for name in loaded:
+                if name not in self.rollers:
+                    reject("RF120", f"sludge.{part} names the unknown roller {name!r}", key=f"sludge.{part}")
+                if getattr(self.rollers[name], torque):
+                    reject(
+                        "RF111",
+                        f"roller {name} has a {torque} and a share of sludge.{part}",
+                        fix="keep one of them",
+                        key=f"rollers.{name}.{torque}",
+                    )
+        return self
+
+
+def _problem(table: PressScene, friction: WrapFriction | None) -> PressProblem:
+    assert friction is not None  # noqa: S101  (the schema asks for it)
+    speed_m_s = table.press.speed
+    if speed_m_s is None:
+        drivers = [roller for roller in table.rollers.values() if roller.role == "driver"]
+        speed_m_s = (table.press.rotation or 0.0) * (drivers[0].radius if drivers else 0.0)
+    press = Press(
+        rollers=tuple(_roller(table, name, one) for name, one in table.rollers.items()),
+        belts=tuple(_belt(name, one) for name, one in table.belts.items()),
+        speed_m_s=speed_m_s,
+    )
+    return PressProblem(
+        press=press,
+        closure=table.press.closure,
+        friction=friction,
+        start_up=None if table.start_up is None else _task(table.start_up, speed_m_s),
+        **{"speed_m_s": np.array([speed_m_s])} | arrays(table.press),
+    )
+
+
+def _roller(table: PressScene, name: str, one: RollerTable) -> Roller:
+    """Return a roller, with the torques that the sludge puts on it."""
+    parts = given(one)
+    if one.tensioner is not None:
+        # A force of its own comes before the one preload of all tensioners.
+        force = {"force_N": table.press.preload or 0.0}
+        parts["tensioner"] = Tensioner(**force | given(one.tensioner))
+    gravity, squeeze = table.sludge.gravity, table.sludge.squeeze
+    if gravity is not None and name in gravity.zones:
+        pull_N = gravity_pull_N(**given(gravity), zone_length_m=gravity.zones[name])
+        parts["gravity_torque_N_m"] = float(gravity_torque_N_m(pull_N, radius_m=one.radius))
+    if squeeze is not None and name in squeeze.units:
+        torque = squeeze_torque_N_m(
+            belt_width_m=squeeze.width,
+            radius_m=one.radius,
+            compression_m=squeeze.compression,
+            distortion_energy_J_m3=distortion_energy_J_m3(**given(squeeze)),
+            units=squeeze.units[name],
+        )
+        parts["squeeze_torque_N_m"] = float(torque)
+    return Roller(name=name, **parts)
+
+
+def _belt(name: str, one: BeltTable) -> Belt:
+    mass = {"linear_density_kg_m": (one.density or 0.0) * one.width * one.thickness}
+    lengths = {} if one.span_lengths is None else {"span_lengths_m": tuple(one.span_lengths)}
+    return Belt(name=name, **mass | given(one) | lengths)
+
+
+def _task(table: StartUpTable, speed_m_s: float) -> StartUpTask:
+    known = {
+        "speed_m_s": table.speeds if table.law == "table" else speed_m_s,
+        "duration_s": table.duration,
+        "time_s": table.times,
+    }
+    law = DRIVE_LAWS[table.law]
+    return StartUpTask(
+        speed=law.speed(**{name: known[name] for name in law.parameters}),
+        time_s=np.linspace(0.0, table.simulate, table.points),
+        slip=table.slip,
+        loads=table.loads,
+        integrator=table.integrator,
+        settings=Settings(tolerance=table.tolerance, step_s=table.step),
+    )
 
 
 def _own_wheel(table: PressScene) -> tuple[float, float]:
@@ -39,11 +329,6 @@ def _contacts(problem: PressProblem) -> Mapping[str, FloatArray]:
     }
 
 
-def _in_one_call(problem: PressProblem) -> bool:
-    """Return whether no start-up is asked for: one is simulated at a time."""
-    return problem.start_up is None
-
-
 def _answerable(problem: PressProblem) -> BoolArray:
     """Return where no span is slack at rest; speed can only slacken further."""
     still = steady_state(
@@ -56,39 +341,241 @@ def _answerable(problem: PressProblem) -> BoolArray:
     return np.asarray(~still.slack)
 
 
-_SCENE_KEYS = {
-    "mu": "friction.mu",
-    "speed_m_s": "press.speed",
-    "preload_N": "press.preload",
-    "load_factor": "press.load_factor",
-    "wrap_angle_rad": "wrap",
-    "radius_m": "radius",
-    "inertia_kg_m2": "inertia",
-    "gravity_torque_N_m": "gravity_torque",
-    "squeeze_torque_N_m": "squeeze_torque",
-    "spring_N_m": "spring",
-    "travel_m": "travel",
-    "force_N": "force",
-    "damping_N_s_m": "damping",
-    "mass_kg": "mass",
-    "upstream_angle_rad": "upstream_angle",
-    "downstream_angle_rad": "downstream_angle",
-    "linear_density_kg_m": "linear_density",
-    "thickness_m": "thickness",
-    "width_m": "width",
-    "damping_s": "damping",
-    "axial_stiffness_N": "axial_stiffness",
-    "span_lengths_m": "span_lengths",
+_DIRECTIONS = {
+    "preload": ("falls", "rises"),
+    "speed": ("rises", "falls"),
+    "load": ("rises", "falls"),
+    "friction": ("falls", "rises"),
 }
+"""Which way each leads to the first slip, and out of it where a roller slips already."""
 
 
-def _scene_key(name: str) -> str:
-    kind, _, which = name.partition(" ")
-    if kind in {"span", "roller"} and which:
-        # A span goes slack for want of preload; a roller has a table of its own.
-        return "press.preload" if kind == "span" else f"rollers.{which}"
-    table, dot, last = name.rpartition(".")
-    return table + dot + _SCENE_KEYS.get(last, last)
+def _quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quantity, ...]:
+    del problem
+    slip, spans = answer.slip, answer.model.press.spans
+    return (
+        Quantity(name="largest_utilisation", value=slip.utilisation.max(axis=-1)),
+        Quantity(name="power_W", value=drive_power_W(answer.state)),
+        *(
+            Quantity(name=f"slip.{name}.{measure}", value=getattr(slip, measure)[..., place])
+            for measure in ("utilisation", "as_plotted", "as_printed")
+            for place, name in enumerate(slip.rollers)
+        ),
+        *(
+            Quantity(
+                name=f"effective_tension_N.{span.name}", value=answer.state.effective_tension_N[..., place]
+            )
+            for place, span in enumerate(spans)
+        ),
+    )
+
+
+def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[Failure, ...]:
+    """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer."""
+    if problem.start_up is not None:
+        return ()
+    largest = answer.slip.utilisation.max(axis=-1)
+    words = "a roller slips, so the belts cannot be pulled like this"
+    return (Failure(words=words, measure="largest utilisation", value=largest, fails=largest > 1.0),)
+
+
+def _tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
+    del problem
+    spans = [span.name for span in answer.model.press.spans]
+    slip = answer.slip
+    tree: dict[str, Any] = {
+        "tension_N": dict(zip(spans, answer.at_rest_N[0].tolist(), strict=True)),
+        "effective_tension_N": dict(zip(spans, answer.state.effective_tension_N[0].tolist(), strict=True)),
+        "slip": {
+            roller: {measure: finite(float(slip.of(roller, measure)[0])) for measure in MEASURES}
+            for roller in slip.rollers
+        },
+        "closure": answer.statics.closure,
+        "rank": answer.statics.rank,
+        "undetermined": list(answer.statics.undetermined),
+        "speed_m_s": float(answer.state.speed_m_s[0]),
+    }
+    tree["loads"] = _loads(answer)
+    tree |= _first(answer)
+    if answer.start_up is not None:
+        tree["start_up"] = answer.start_up.summary()
+    return tree
+
+
+def _loads(answer: PressAnswer) -> dict[str, Any]:
+    """Return what the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9)."""
+    press = answer.model.press
+    factor = float(answer.model.problem.load_factor[0])
+    by_roller = {}
+    for roller in press.rollers:
+        if roller.torque_N_m:
+            width_m = max(belt.width_m for belt in press.belts if roller.name in belt.loop)
+            by_roller[roller.name] = {
+                "gravity_pull_N": factor * roller.gravity_torque_N_m / roller.radius_m,
+                "squeeze_N_m": factor * roller.squeeze_torque_N_m / (width_m * roller.radius_m),
+            }
+    total_N = sum(roller.torque_N_m / roller.radius_m for roller in press.rollers)
+    return {"by_roller": by_roller, "total_N": factor * total_N}
+
+
+def _first(answer: PressAnswer) -> dict[str, Any]:
+    """Return which roller is nearest to slip, and what would make the first one slip.
+
+    Where rollers slip already, each value is the one at which the last of them stops, and lies the other way.
+    """
+    model = answer.model
+    use = answer.slip.utilisation[0]
+    slips = [name for name, share in zip(answer.slip.rollers, use, strict=True) if share > 1.0]
+    critical: dict[str, Any] = {}
+    for change in CHANGES:
+        # What a higher speed does is the belts' mass, whether or not it matters at this one.
+        parts = replace(model.parts, mass=model.parts.mass or change == "speed")
+        values = critical_values(
+            solve_statics(_answering_to_speed(as_operated(model), parts), closure=model.problem.closure),
+            model.problem.friction,
+            change,  # type: ignore[arg-type]
+            tensioner=parts.tensioner,
+            told=model.told,
+        )
+        slipping = {name: values[name] for name in slips}
+        first = first_to_slip(slipping or values, change)  # type: ignore[arg-type]
+        if any(value is None for value in slipping.values()):
+            first = None  # nothing of this kind holds that roller
+        critical[change] = {
+            "state": "slips" if slipping else "holds",
+            # A slipping roller that slips at rest and without load too has no way out there.
+            "direction": None
+            if first is None or (slipping and first.value == 0.0)
+            else _DIRECTIONS[change][bool(slipping)],
+            "roller": None if first is None else first.roller,
+            "value": None if first is None else first.value,
+            "unit": CHANGES[change].rpartition("[")[2].rstrip("]"),
+            "by_roller": values,
+        }
+    return {
+        "first_to_slip": answer.slip.rollers[int(np.argmax(use))] if use.any() else None,
+        "slips": slips,
+        "critical": critical,
+    }
+
+
+def _answering_to_speed(press: Press, parts: Parts) -> Press:
+    """Return a press whose T' answers to the speed as with these parts: not at all where its belts weigh nothing."""
+    if not parts.keeps_tension:
+        return press
+    return replace(press, belts=tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts))
+
+
+_FIRST = {
+    "preload": "if the preload of all tensioners falls to",
+    "speed": "if the belts run as fast as",
+    "load": "if all loads grow by the factor",
+    "friction": "if the coefficient falls to",
+}
+_LAST = {
+    "preload": ("the preload of all tensioners rises to", "no preload of all tensioners holds"),
+    "speed": ("the belts run no faster than", "no slower run of the belts holds"),
+    "load": ("all loads fall to what they are times", "no smaller loads hold"),
+    "friction": ("the coefficient rises to", "no coefficient holds"),
+}
+"""What leads to the first slip; what ends the last one, and what to say where nothing of the kind does."""
+
+
+def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
+    uncertain = any("utilisation_std" in one for one in tree["slip"].values())
+    columns = {"utilisation": ("utilisation", ".4g")} | (
+        {"± std": ("utilisation_std", ".2g")} if uncertain else {}
+    )
+    columns |= {
+        key.replace("_", " "): (key, ".4g") for key in ("log", "mu_required", "as_printed", "as_plotted")
+    }
+    spans = Part(
+        "Tensions",
+        headings=("span", "T at rest [N]", "T' at speed [N]"),
+        rows=tuple(
+            (name, in_words(tension, ".1f"), in_words(tree["effective_tension_N"][name], ".1f"))
+            for name, tension in tree["tension_N"].items()
+        ),
+        notes=tuple(tree["undetermined"]),
+    )
+    slip = Part(
+        "Slip",
+        lines=_slip_lines(tree),
+        headings=("roller", *columns),
+        rows=tuple(
+            (name, *(in_words(one.get(key), form) for key, form in columns.values()))
+            for name, one in tree["slip"].items()
+        ),
+    )
+    return (spans, slip, *([_start_up(tree)] if "start_up" in tree else []))
+
+
+def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
+    slips, alone = tree["slips"], len(tree["slips"]) == 1
+    if slips:
+        uses = {name: tree["slip"][name]["utilisation"] for name in slips}
+        found = ", ".join(
+            f"{name} ({'its belt lifts off' if use is None else f'utilisation {use:.3g}'})"
+            for name, use in uses.items()
+        )
+        lines = [f"rollers that slip already: {found}; their belts cannot be pulled like this"]
+    elif tree["first_to_slip"] is None:
+        lines = ["no roller carries a torque"]
+    else:
+        lines = [f"no roller slips; nearest to it is roller {tree['first_to_slip']}"]
+    for change, one in ((change, tree["critical"][change]) for change in _FIRST):
+        si_unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
+        if one["state"] == "slips" and not one["value"]:
+            lines.append(f"{_LAST[change][1]} {'it' if alone else 'them all'}")
+        elif one["state"] == "slips":
+            last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
+            lines.append(f"{last} where {_LAST[change][0]} {one['value']:.4g}{si_unit}")
+        elif one["roller"] is not None:
+            lines.append(f"{_FIRST[change]} {one['value']:.4g}{si_unit}, roller {one['roller']} slips first")
+    return tuple(lines)
+
+
+def _start_up(tree: Mapping[str, Any]) -> Part:
+    found = tree["start_up"]
+    peak = max(found["peak_tension_N"], key=found["peak_tension_N"].__getitem__)
+    lowest_N = min(found["lowest_tension_N"].values())
+    columns = {
+        "peak utilisation": "peak_utilisation",
+        "first slip [s]": "first_slip_s",
+        "slips for [s]": "slipping_s",
+    }
+    return Part(
+        "Start-up",
+        lines=(
+            f"highest tension: {found['peak_tension_N'][peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
+            f"work of the drives: {found['drive_work_J']:.4g} J, of which slip takes {found['slip_loss_J']:.4g} J",
+            f"the energy balance closes to {abs(found['energy_residual']):.1g}",
+        ),
+        headings=("roller", *columns),
+        rows=tuple(
+            (name, *(in_words(found[key].get(name)) for key in columns.values())) for name in tree["slip"]
+        ),
+    )
+
+
+def _start_up_columns(answer: PressAnswer) -> dict[str, FloatArray] | None:
+    """Return the histories of a start-up; columns end in a span's or roller's name: `tension_N.8`, `travel_m.3`."""
+    found = answer.start_up
+    if found is None:
+        return None
+    rollers = [roller.name for roller in found.press.rollers]
+    members = {
+        "tension_N": [span.name for span in found.press.spans],
+        "travel_m": [roller.name for roller in found.press.tensioners],
+        **dict.fromkeys(("roller_speed_rad_s", "relative_angle_rad", "contact"), rollers),
+        **dict.fromkeys(("slip_m", "slip_speed_m_s", "friction_N", "utilisation"), rollers),
+    }
+    columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
+    for name, ends in members.items():
+        values = getattr(found, name)
+        if values is not None:  # without friction there is no utilisation
+            columns |= {f"{name}.{end}": values[:, i].astype(np.float64) for i, end in enumerate(ends)}
+    return columns
 
 
 KIND = Kind(
@@ -96,17 +583,18 @@ KIND = Kind(
     schema=PressScene,
     system=SYSTEM,
     own_wheel=_own_wheel,
-    problem=press_problem,
-    quantities=press_quantities,
-    tree=press_tree,
+    problem=_problem,
+    quantities=_quantities,
+    tree=_tree,
     contacts=_contacts,
-    sweep_fields={
-        "press.speed": SweepField(field="speed_m_s"),
-        "press.preload": SweepField(field="preload_N"),
-        "press.load_factor": SweepField(field="load_factor"),
-    },
-    in_one_call=_in_one_call,
+    in_one_call=lambda problem: problem.start_up is None,  # one start-up is simulated at a time
     answerable=_answerable,
-    failures=press_failures,
-    scene_key=_scene_key,
+    failures=_failures,
+    # A span goes slack for want of preload; a roller has a table of its own.
+    keys={"span": "press.preload", "roller": "rollers.{}"},
+    sections=_sections,
+    histories={"start_up.csv": _start_up_columns},
+    figures={
+        "start_up_figure": Figure(lambda answer, problem: answer.start_up, "press.draw_press_start_up")  # noqa: ARG005
+    },
 )

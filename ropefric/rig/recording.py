@@ -1,0 +1,313 @@
+"""One recording of the virtual rig: mechanics, sensor, converter, and what goes wrong in them or in the file."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ropefric.arrays import FloatArray, frozen_array
+from ropefric.errors import InputError
+from ropefric.registry import Registry
+from ropefric.rig.bench import Bench, Sensor
+from ropefric.rig.mechanics import (
+    RIG_PROTOCOLS,
+    BreakawayPull,
+    RecordingTruth,
+    draw_roughness,
+    draw_teeth,
+    lay_teeth,
+)
+from ropefric.traces.breakaway import Status
+
+SATURATION_MARGIN = 1.02
+_NEAR_PEAK_S, _CLEAR_OF_PEAK_S = 0.03, 0.012
+_LONGEST_GAP = 30
+_ROUGHNESS = (0.007, 0.02)  # standard deviation of the sliding force over the force; dry seals show 2-6 %
+# The worse hides the lesser: a file that cannot be read shows no saturation.
+_SEVERITY = (
+    *(Status.UNREADABLE, Status.TOO_SHORT, Status.SATURATED),
+    *(Status.NO_BREAKAWAY, Status.NO_PEAK, Status.OK),
+)
+
+Samples = tuple[FloatArray, FloatArray]
+"""What the logger wrote: times [s] and counts."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedRecording:
+    """One recording of the virtual rig."""
+
+    time_s: FloatArray
+    counts: FloatArray
+    true_time_s: FloatArray
+    true_force_N: FloatArray
+    truth: RecordingTruth
+
+    def __post_init__(self) -> None:
+        for key in ("time_s", "counts", "true_time_s", "true_force_N"):
+            object.__setattr__(self, key, frozen_array(getattr(self, key)))
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Something that goes wrong in a recording, and what an honest reading makes of it.
+
+    It acts on the pull and what measures it, on the samples, or on the bytes of the file.
+    """
+
+    name: str
+    rate: float
+    expected_status: Status | None = None
+    protocols: tuple[str, ...] = ()
+    on_pull: Callable[[Any, Sensor, Bench, np.random.Generator], tuple[Any, Sensor]] | None = None
+    on_samples: Callable[[Samples, Sensor, float, np.random.Generator], Samples] | None = None
+    on_bytes: Callable[[bytes, np.random.Generator], bytes] | None = None
+
+    def check_protocol(self, protocol: str) -> None:
+        """Refuse a protocol that this fault cannot befall."""
+        if self.protocols and protocol not in self.protocols:
+            raise InputError(
+                f"fault '{self.name}' does not go with protocol '{protocol}'",
+                key="faults",
+                fix=f"leave it out; it goes with: {', '.join(self.protocols)}",
+            )
+
+
+def _near(time_s: FloatArray, peak_s: float, within_s: float) -> tuple[int, int]:
+    """Return first and one past last sample index within some time of the peak; (0, 0) if there is none."""
+    if not math.isfinite(peak_s):
+        return 0, 0
+    first, last = np.searchsorted(time_s, (peak_s - within_s, peak_s + within_s)).tolist()
+    return first, last
+
+
+def _spike(samples: Samples, sensor: Sensor, peak_s: float, rng: np.random.Generator) -> Samples:
+    """Add one to three spikes of one or two samples, up to full scale."""
+    time_s, counts = samples[0], samples[1].copy()
+    top = sensor.adc.max_count
+    first, last = _near(time_s, peak_s, _NEAR_PEAK_S)
+    for _ in range(int(rng.integers(1, 4))):
+        # The motor is loudest when it works hardest: one spike in four falls close to the peak.
+        close = last > first and rng.random() < 0.25
+        at = int(rng.integers(first, last) if close else rng.integers(counts.size))
+        size = top * rng.uniform(0.03, 1.0) * rng.choice((-1.0, 1.0))
+        span = slice(at, at + int(rng.integers(1, 3)))
+        counts[span] = np.clip(np.rint(counts[span] + size), 0, top)
+    return time_s, counts
+
+
+def _dropout(samples: Samples, _sensor: Sensor, peak_s: float, rng: np.random.Generator) -> Samples:
+    """Make one or two gaps of up to 30 samples, empty or stuck at the last value; never at the peak."""
+    time_s, counts = samples[0], samples[1].copy()
+    first, last = _near(time_s, peak_s, _CLEAR_OF_PEAK_S)
+    for _ in range(int(rng.integers(1, 3))):
+        length = int(rng.integers(1, _LONGEST_GAP + 1))
+        starts = np.arange(1, counts.size - length)
+        # The peak itself stays: losing it is another matter.
+        starts = starts[(starts + length <= first) | (starts >= last)]
+        if starts.size:
+            at = int(rng.choice(starts))
+            counts[at : at + length] = np.nan if rng.random() < 0.6 else counts[at - 1]
+    return time_s, counts
+
+
+def _too_short(samples: Samples, _sensor: Sensor, _peak_s: float, rng: np.random.Generator) -> Samples:
+    """End the recording after 5 to 49 samples, still idle."""
+    n = int(rng.integers(5, 50))
+    return samples[0][:n].copy(), samples[1][:n].copy()
+
+
+def _clock_jitter(samples: Samples, _sensor: Sensor, _peak_s: float, rng: np.random.Generator) -> Samples:
+    """Let time stamps jitter by up to 0.4 of a step, or three in a row be the same."""
+    time_s, counts = samples
+    if time_s.size > 1:
+        step_s = float(time_s[1] - time_s[0])
+        if rng.random() < 0.5:
+            time_s = time_s + step_s * rng.uniform(-0.4, 0.4, time_s.size)
+            time_s = time_s - time_s[0]
+        else:
+            time_s = np.rint(time_s / (3.0 * step_s)) * (3.0 * step_s)
+    return time_s, counts
+
+
+def _unreadable(data: bytes, rng: np.random.Generator) -> bytes:
+    """Cut the file off, or write over its beginning."""
+    if rng.random() < 0.5:
+        return data[: int(len(data) * rng.uniform(0.2, 0.8))]
+    head = rng.integers(0, 256, 64, dtype=np.uint8).tobytes()
+    return b"\x00" + head[1:] + data[64:]  # whatever the draw, this is no gzip header
+
+
+def _saturation(
+    pull: BreakawayPull, sensor: Sensor, bench: Bench, rng: np.random.Generator
+) -> tuple[BreakawayPull, Sensor]:
+    """Use a cell that is too small; if all are large enough, let the rope jam, which raises F_A itself."""
+    for cell in reversed(bench.cells):
+        smaller = replace(sensor, cell=cell)
+        if pull.lift_force_N >= SATURATION_MARGIN * smaller.ceiling_N:
+            return pull, smaller
+    lift_N = sensor.ceiling_N * rng.uniform(SATURATION_MARGIN, 1.2)
+    factor = lift_N / pull.lift_force_N
+    jammed = replace(
+        pull,
+        lift_force_N=lift_N,
+        ramp_top_N=lift_N,
+        kinetic_N=factor * pull.kinetic_N,
+        holding_N=factor * pull.holding_N,
+        teeth=pull.teeth.scaled(factor),
+    )
+    return jammed, sensor
+
+
+def _no_breakaway(
+    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
+) -> tuple[BreakawayPull, Sensor]:
+    """Stop the ramp below the static friction and hold it, or end the recording while it rises."""
+    reached = rng.uniform(0.7, 0.95)
+    top_N = pull.pretension_N + reached * (pull.lift_force_N - pull.pretension_N)
+    hold_loss = rng.uniform(0.0, 0.02)
+    stopped = replace(pull, ramp_top_N=top_N, hold_loss=hold_loss, holding_N=min(pull.holding_N, 0.9 * top_N))
+    kind = rng.random()
+    if kind < 0.4:  # the logger stops while the force still rises
+        cut_s = pull.ramp_s + rng.uniform(0.6, 0.95) * (pull.breakaway_s - pull.ramp_s)
+        stopped = replace(stopped, end_s=cut_s)
+    elif kind < 0.6:  # the motor is held only briefly
+        off_s = pull.breakaway_s + rng.uniform(0.1, 0.3)
+        stopped = replace(stopped, off_s=off_s, end_s=off_s + (pull.end_s - pull.off_s))
+    return stopped, sensor
+
+
+def _no_peak(
+    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
+) -> tuple[BreakawayPull, Sensor]:
+    """Let the whole slope be lost to micro-slip, and slide on roughly at the force reached, without teeth."""
+    smooth = replace(
+        pull,
+        micro_slip=rng.uniform(0.15, 0.4),
+        micro_slip_loss=1.0,
+        kinetic_N=pull.lift_force_N,
+        drift=rng.uniform(0.0, 0.015),
+        roughness=draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
+        teeth=pull.teeth.scaled(0.0),
+        has_peak=False,
+    )
+    return smooth, sensor
+
+
+def _high_tooth(
+    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
+) -> tuple[BreakawayPull, Sensor]:
+    """Raise one to three of the first later teeth to 2-8 % above F_A; each then takes longer to reload."""
+    sliding_s = pull.off_s - pull.breakaway_s
+    drop_N = pull.lift_force_N - pull.kinetic_N
+    # Where one tooth can stand so high, all teeth are large: redraw them.
+    height_N, rate_Hz = 0.6 * drop_N, float(rng.uniform(8.0, 25.0))
+    teeth = draw_teeth(rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=4.0 * sliding_s)
+    n = int(rng.integers(1, 4))
+    chosen = rng.choice(np.arange(2, 5), size=n, replace=False)
+    top_N = teeth.top_N.copy()
+    top_N[chosen] = pull.lift_force_N * rng.uniform(1.02, 1.08, n) - pull.kinetic_N
+    # The last of them must come before the motor is off, if need be by a faster reload.
+    needed_N_s = float((top_N[1:5] - teeth.bottom_N[:4]).sum()) / (0.8 * sliding_s)
+    laid = lay_teeth(top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s))
+    return replace(pull, teeth=laid, drift=0.0), sensor
+
+
+def _drift(
+    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
+) -> tuple[BreakawayPull, Sensor]:
+    """Let the sliding level climb slowly to 3 to 8 % above the break-away."""
+    # `drift` counts 1/1.03 of itself at the end, see BreakawayPull.
+    climb = 1.03 * (rng.uniform(1.03, 1.08) * pull.lift_force_N / pull.kinetic_N - 1.0)
+    return replace(pull, drift=climb), sensor
+
+
+def _noisy(pull: Any, sensor: Sensor, _bench: Bench, _rng: np.random.Generator) -> tuple[Any, Sensor]:
+    """Make the noise four times as loud."""
+    return pull, replace(sensor, noise_counts=4.0 * sensor.noise_counts)
+
+
+_PULL = ("breakaway",)
+FAULTS: Registry[Fault] = Registry(
+    "fault",
+    [
+        Fault("spike", 0.07, on_samples=_spike),
+        Fault("dropout", 0.03, on_samples=_dropout),
+        Fault("saturation", 0.01, Status.SATURATED, _PULL, on_pull=_saturation),
+        Fault("no-breakaway", 0.01, Status.NO_BREAKAWAY, _PULL, on_pull=_no_breakaway),
+        Fault("no-peak", 0.01, Status.NO_PEAK, _PULL, on_pull=_no_peak),
+        Fault("too-short", 0.005, Status.TOO_SHORT, on_samples=_too_short),
+        Fault("high-tooth", 0.02, protocols=_PULL, on_pull=_high_tooth),
+        Fault("drift", 0.02, protocols=_PULL, on_pull=_drift),
+        Fault("noisy", 0.01, on_pull=_noisy),
+        Fault("clock-jitter", 0.01, on_samples=_clock_jitter),
+        Fault("unreadable", 0.0025, Status.UNREADABLE, on_bytes=_unreadable),
+    ],
+)
+"""Every fault by name, with the fraction of recordings it befalls in an ordinary campaign."""
+
+
+def simulate_recording(
+    bench: Bench,
+    *,
+    lift_force_N: float,
+    end_tension_N: float,
+    rng: np.random.Generator,
+    faults: Sequence[str] = (),
+    protocol: str = "breakaway",
+    cell: str = "",
+) -> SimulatedRecording:
+    """Return one recording with known truth.
+
+    The mechanics, the noise and the faults draw from generators of their own, so the same seed with and without
+    a fault of the samples differs by that fault alone.
+    """
+    if not 0.0 < end_tension_N < lift_force_N < math.inf:
+        raise InputError(
+            f"the end tension {end_tension_N:g} N must be positive and below the lift force {lift_force_N:g} N",
+            key="end_tension_N",
+            fix="give the slack-side force as end_tension_N and the larger, tight-side force as lift_force_N",
+        )
+    way = RIG_PROTOCOLS[protocol]
+    chosen = [FAULTS[name] for name in faults]
+    for fault in chosen:
+        fault.check_protocol(protocol)
+    draw_rng, fault_rng, noise_rng = (np.random.default_rng(seed) for seed in rng.integers(2**63, size=3))
+    measured_N = lift_force_N if way.measures_lift else end_tension_N
+    pull = way.draw(bench, lift_force_N, end_tension_N, draw_rng)
+    sensor = Sensor(
+        cell=bench.cell_named(cell) if cell else bench.cell_for(measured_N),
+        adc=bench.adc,
+        zero_counts=draw_rng.uniform(*bench.zero_counts),
+        drift_counts=bench.zero_drift_counts * draw_rng.uniform(-1.0, 1.0),
+        noise_counts=draw_rng.uniform(*bench.noise_counts),
+        hum_counts=bench.hum_counts,
+        hum_Hz=bench.hum_Hz,
+        hum_phase_rad=draw_rng.uniform(0.0, 2.0 * np.pi),
+        gain_error=bench.gain_error,
+    )
+    for fault in chosen:
+        if fault.on_pull:
+            pull, sensor = fault.on_pull(pull, sensor, bench, fault_rng)
+    true_time_s = np.arange(math.floor(pull.end_s * bench.sampling_rate_Hz) + 1) / bench.sampling_rate_Hz
+    true_force_N = pull.force_N(true_time_s)
+    truth = pull.truth()
+    samples = (true_time_s, sensor.read(true_force_N, true_time_s, noise_rng))
+    for fault in chosen:
+        if fault.on_samples:
+            samples = fault.on_samples(samples, sensor, truth.breakaway_time_s, fault_rng)
+    statuses = [truth.status, *(fault.expected_status for fault in chosen if fault.expected_status)]
+    return SimulatedRecording(
+        time_s=samples[0],
+        counts=samples[1],
+        true_time_s=true_time_s,
+        true_force_N=true_force_N,
+        truth=replace(
+            truth,
+            status=min(statuses, key=_SEVERITY.index),
+            faults=tuple(fault.name for fault in chosen),
+            cell=sensor.cell.name,
+        ),
+    )

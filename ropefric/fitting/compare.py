@@ -13,7 +13,6 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.standing import (
-    NESTED,
     Standing,
     leave_one_out,
     measured_residual,
@@ -343,7 +342,7 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
 def _tests(standings: Mapping[str, Standing]) -> tuple[FTest, ...]:
     tests = []
     for fuller, stands in standings.items():
-        for simpler in NESTED.get(fuller, ()):
+        for simpler in (case.name for case in stands.problem.law.special_cases):
             found = nested_test(standings[simpler], stands) if simpler in standings else None
             if found is not None:
                 F, dof, p_value = found

@@ -8,7 +8,6 @@ from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
 from ropefric.fitting.design import DesignChart
-from ropefric.fitting.hand import hand_calculation
 from ropefric.fitting.measured_budget import MeasuredCondition, conditions_of_extraction, force_model
 from ropefric.fitting.planning.result import LabPlan
 from ropefric.pipeline.design_views import chart_of_design, plan_for_design, state_design, swings_of_design
@@ -81,7 +80,7 @@ def gather_evidence(run: CampaignRun) -> Evidence:
         swings=attempt("sensitivities", lambda: swings_of_design(fit, prediction)) or (),
         chart=attempt("design chart", lambda: chart_of_design(fit, wheel)),
         plan=attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
-        hand=attempt("hand calculation", lambda: hand_calculation(fit, wheel)) or (),
+        hand=attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
         missing=tuple(missing),
     )
 

@@ -100,9 +100,9 @@ class Diagnosis:
         return {"summary": self.summary, "verdict": self.verdict.to_dict(), "causes": causes}
 
 
-def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_options: Any) -> Diagnosis:
+def diagnose(table: TrialTable, comparison: Comparison | None = None) -> Diagnosis:
     """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do."""
-    ranked = compare_laws(table, ALL_LAWS.values(), **fit_options) if comparison is None else comparison
+    ranked = compare_laws(table, ALL_LAWS.values()) if comparison is None else comparison
     constant = ranked["constant"].fit
     if constant is None or constant.problem is None:
         raise InputError(

@@ -3,8 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.legend import legend_below
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
 from ropefric.plotting.style import GREY, LINE_STYLES, house_style
 
 if TYPE_CHECKING:

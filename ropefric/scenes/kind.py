@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import BaseModel, Field, PlainValidator, model_validator
 
 from ropefric.arrays import BoolArray, FloatArray
+from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, text
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.quantities import LARGEST, SMALLEST, in_range
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
-from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, text
 
 
 def number(value: object) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import FloatArray
+from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Chart,
@@ -26,7 +27,6 @@ from ropefric.scenes.kind import (
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
-from ropefric.trials.toml_fields import StrictTable, choice, reject, whole_number
 
 _NO_CERTIFICATE = "a check after EN 81-50, 5.11, and no certificate: lifts are approved by notified bodies"
 _LARGEST_UNDERCUT_RAD = math.radians(106.0)

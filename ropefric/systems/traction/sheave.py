@@ -6,9 +6,8 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
+from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.reach import refuse_beyond_reach
-from ropefric.systems.spread import Rule, spread
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")
@@ -66,8 +65,8 @@ class TractionProblem:
     counterweight_pulley_kg: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
-            refuse_beyond_reach(name, array, may_vanish=_RULES[name] != "positive")
+        for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
+            refuse_out_of_scale(name, array, may_vanish=_RULES[name] != "positive")
             object.__setattr__(self, name, array)
         for name, low, high in (("groove_angle_rad", 0.0, np.pi), ("undercut_rad", -1.0, np.pi)):
             wrong = (getattr(self, name) <= low) | (getattr(self, name) >= high)

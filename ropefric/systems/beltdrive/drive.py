@@ -7,9 +7,10 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
+from ropefric.systems.checks import Rule
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.reach import refuse_beyond_reach
-from ropefric.systems.spread import Rule, spread
+from ropefric.systems.spread import spread
 
 CLOSURES = ("limit", "tensioner", "fixed")
 _LARGEST_EXPONENT = 700.0

@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
 from ropefric.friction.end_tension import power_log_start
-from ropefric.friction.law import Parameter
+from ropefric.friction.parameter import Parameter
 from ropefric.friction.physics import Columns, Refusal, below_reference, refuse
 from ropefric.friction.power_span import PowerSpan, power_span
 

@@ -7,7 +7,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Parameter
+from ropefric.friction.parameter import Parameter
 from ropefric.friction.physics import Columns
 
 SIZE_PARAMETERS = (

@@ -9,8 +9,7 @@ from scipy.special import ndtri
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.extrapolation import REGRESSORS
-from ropefric.fitting.predict import predict
+from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, levels
 from ropefric.glossary import counted

@@ -4,7 +4,7 @@ import math
 import re
 
 from ropefric.files.plain_text import visible
-from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.glossary import axis_label
 
 _SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")

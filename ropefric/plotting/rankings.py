@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ropefric.errors import InputError
-from ropefric.fitting.comparison import Comparison, ComparisonEntry
+from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.glossary import counted
 from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure, say_instead
 from ropefric.plotting.labels import figure_label, plain_text, shown, typeset

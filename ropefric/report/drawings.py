@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline.answer import CampaignAnswer
 from ropefric.pipeline.evidence import Evidence
 from ropefric.plotting.conditions import conditions_of, draw_repeatability

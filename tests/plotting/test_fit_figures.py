@@ -10,10 +10,10 @@ from scipy.stats import norm
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.plotting.fits import FACETS, draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
 from ropefric.plotting.points import condition_points
+from ropefric.trials.table import TrialTable
 
 
 def by_condition(pulls):

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.comparison import Comparison, ComparisonEntry
+from ropefric.fitting.compare import Comparison, ComparisonEntry, compare_laws
 from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
 
 NAN = math.nan

@@ -14,7 +14,7 @@ from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
 from ropefric.plotting.svg import short_path, svg_text
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.outline import draw_outline
+from ropefric.trials.recording import draw_outline
 
 
 @pytest.fixture

@@ -7,7 +7,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw, Parameter
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.parameter import Parameter
 from ropefric.friction.physics import Columns, Refusal, refuse
 from ropefric.friction.start import mean_mu, searched_start
 

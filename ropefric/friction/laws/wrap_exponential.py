@@ -7,7 +7,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
 from ropefric.friction.exponential_wrap import ExponentialWrap
-from ropefric.friction.law import FrictionLaw, Parameter
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.parameter import Parameter
 from ropefric.friction.power_wrap import plateau_parameter
 from ropefric.friction.start import mean_mu, product, searched_start
 from ropefric.friction.variant import with_variant

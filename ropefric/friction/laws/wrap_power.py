@@ -6,7 +6,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw, Parameter
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.parameter import Parameter
 from ropefric.friction.power_wrap import PowerWrap, exponent_parameter, plateau_parameter
 from ropefric.friction.size import same_for_all, same_for_all_slopes, unmoved_by_radius
 from ropefric.friction.start import mean_mu, product, searched_start

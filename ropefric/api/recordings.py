@@ -10,12 +10,11 @@ import numpy.typing as npt
 
 from ropefric.errors import DataError, InputError
 from ropefric.traces.assemble import assemble_trace
-from ropefric.traces.breakaway import Breakaway
+from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration
-from ropefric.traces.protocols.breakaway import pick_breakaway
+from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
@@ -160,7 +159,7 @@ def find_breakaway(
     trace : ForceTrace
         The recording.
     window_s, peak, start_s, stop_s, min_step_N, ending
-        As `ropefric.traces.settings.PickSettings`.
+        As `ropefric.traces.breakaway.PickSettings`.
 
     Returns
     -------

@@ -11,7 +11,6 @@ from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
 from ropefric.fitting.design import DesignChart, design_chart
-from ropefric.fitting.hand import hand_calculation
 from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
 from ropefric.fitting.measured_budget import MeasuredCondition, conditions_of_extraction, force_model
 from ropefric.fitting.planning.limits import RigLimits, geometric_levels, linear_levels
@@ -98,7 +97,7 @@ def gather_evidence(run: CampaignRun) -> Evidence:
         swings=attempt("sensitivities", lambda: swings_of_design(fit, prediction)) or (),
         chart=attempt("design chart", lambda: chart_of_design(fit, wheel)),
         plan=attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
-        hand=attempt("hand calculation", lambda: hand_calculation(fit, wheel)) or (),
+        hand=attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
         missing=tuple(missing),
     )
 

@@ -16,10 +16,10 @@ from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
-from ropefric.traces.chain import Adc
+from ropefric.traces.breakaway import SIDES
+from ropefric.traces.calibration import Adc
 from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.settings import SIDES
 from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
 from ropefric.trials.workers import Limits

@@ -26,9 +26,9 @@ from ropefric.files.toml_model import (
     whole_number,
 )
 from ropefric.quantities import si_unit_of
-from ropefric.traces.chain import Adc, ForceCell
+from ropefric.traces.breakaway import ENDINGS, PEAKS, SIDES
+from ropefric.traces.calibration import Adc, ForceCell
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.settings import ENDINGS, PEAKS, SIDES
 from ropefric.trials.workers import Limits
 
 SCHEMA = "ropefric.campaign/1"

@@ -13,16 +13,14 @@ from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
-from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.budget import end_tension_std_N, force_std_N
 from ropefric.traces.calibration import Calibration, tare_from_interval
-from ropefric.traces.prepare import MIN_SAMPLES
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
-from ropefric.traces.recalibration import recalibrate
-from ropefric.traces.settings import PickSettings
-from ropefric.traces.trace import ForceTrace
+from ropefric.traces.segments import MIN_SAMPLES
+from ropefric.traces.trace import ForceTrace, recalibrate
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.result import Outline, TrialResult
 

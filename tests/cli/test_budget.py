@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 
 from ropefric.api.models import measured_budgets
-from ropefric.cli.commands.catalogue import find_commands
+from ropefric.cli.app import find_commands
 from ropefric.errors import InputError
 from ropefric.traces.budget import chain_quantities
-from ropefric.traces.calibration import Calibration
-from ropefric.traces.chain import ForceCell
+from ropefric.traces.calibration import Calibration, ForceCell
 
 ROOT = Path(__file__).parents[2]
 TRIALS = ROOT / "fits" / "prth-trials.csv"

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ropefric.plotting.campaign import write_condition_figures
+from ropefric.plotting.conditions import write_condition_figures
 from ropefric.trials import cache as cache_module
 from ropefric.trials.cache import ResultCache
 from ropefric.trials.campaign import load_campaign

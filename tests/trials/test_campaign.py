@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from ropefric.traces.chain import Adc, ForceCell
+from ropefric.traces.calibration import Adc, ForceCell
 from ropefric.traces.readers.profile import Channel
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import SCHEMA

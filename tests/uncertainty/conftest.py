@@ -7,8 +7,7 @@ import pytest
 
 from ropefric.fitting.fit import fit_law
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.traces.calibration import Calibration
-from ropefric.traces.chain import ForceCell
+from ropefric.traces.calibration import Calibration, ForceCell
 from ropefric.trials.conditions import summarise_conditions
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable

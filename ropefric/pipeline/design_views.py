@@ -9,10 +9,8 @@ from ropefric.errors import RopefricError
 from ropefric.fitting.design import DesignChart, design_chart
 from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
-from ropefric.fitting.planning.limits import RigLimits, geometric_levels, linear_levels
-from ropefric.fitting.planning.plan import plan_tests
-from ropefric.fitting.planning.precision import planned_fit
-from ropefric.fitting.planning.result import LabPlan
+from ropefric.fitting.next_tests import LabPlan, plan_tests, planned_fit
+from ropefric.fitting.plan_search import RigLimits, geometric_levels, linear_levels
 from ropefric.fitting.predict import new_rope_std
 from ropefric.fitting.prediction import Prediction
 from ropefric.fitting.result import FitResult

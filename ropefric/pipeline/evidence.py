@@ -9,7 +9,7 @@ from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
 from ropefric.fitting.design import DesignChart
 from ropefric.fitting.measured_budget import MeasuredCondition, conditions_of_extraction, force_model
-from ropefric.fitting.planning.result import LabPlan
+from ropefric.fitting.next_tests import LabPlan
 from ropefric.pipeline.design_views import chart_of_design, plan_for_design, state_design, swings_of_design
 from ropefric.pipeline.run import CampaignRun
 from ropefric.uncertainty.budget import LinearBudget, linear_budget

@@ -22,7 +22,7 @@ from ropefric.cli.quantity_option import read_quantity
 
 if TYPE_CHECKING:
     from ropefric.files.folder import Folder
-    from ropefric.fitting.design_result import Design
+    from ropefric.fitting.design import Design
     from ropefric.fitting.result import FitResult
     from ropefric.report.section import Section
 

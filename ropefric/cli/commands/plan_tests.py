@@ -15,8 +15,8 @@ from ropefric.errors import InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
 
 if TYPE_CHECKING:
-    from ropefric.fitting.planning.exchange import Criterion
-    from ropefric.fitting.planning.precision import PlannedLaw
+    from ropefric.fitting.next_tests import PlannedLaw
+    from ropefric.fitting.plan_search import Criterion
 
 
 Wheels = Annotated[str, typer.Option(metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".')]
@@ -122,9 +122,9 @@ def plan_tests(
     between = read_quantity(scatter_between, "", "--scatter-between") if scatter_between else None
     u_N = read_quantity(u_force, "N", "--u-force") if u_force else None
     how: Criterion = criterion  # type: ignore[assignment]  # the library says what it may be
-    from ropefric.fitting.planning.limits import RigLimits  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.planning.plan import plan_tests as find_plan  # noqa: PLC0415
-    from ropefric.fitting.planning.precision import planned_fit  # noqa: PLC0415
+    from ropefric.fitting.next_tests import plan_tests as find_plan  # noqa: PLC0415
+    from ropefric.fitting.next_tests import planned_fit  # noqa: PLC0415
+    from ropefric.fitting.plan_search import RigLimits  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.lab_plan import plan_sections  # noqa: PLC0415
 
@@ -196,7 +196,7 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
         return tuple(read_quantity(part, unit, option) for part in parts if part)
     low, _, high = text.partition("..")
     ends = [read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
-    from ropefric.fitting.planning.limits import geometric_levels, linear_levels  # noqa: PLC0415  (quick start-up)
+    from ropefric.fitting.plan_search import geometric_levels, linear_levels  # noqa: PLC0415  (quick start-up)
 
     if unit != "rad":
         return geometric_levels(ends[0], ends[1], n)
@@ -207,7 +207,7 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
 
 def _guessed(name: str, guess: list[str], hold: tuple[str, ...], **scatter: float | None) -> "PlannedLaw":
     """Return a law at guessed parameters; `scatter` holds the fields of `MeanScatter`, None where not given."""
-    from ropefric.fitting.planning.precision import MeanScatter, planned_guess  # noqa: PLC0415  (quick start-up)
+    from ropefric.fitting.next_tests import MeanScatter, planned_guess  # noqa: PLC0415  (quick start-up)
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415
 
     if scatter["within"] is None:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.fitting.design_result import QUANTITIES, Design, DesignStatus, SolveFor
 from ropefric.fitting.design_search import CHUNK, DesignSearch, LiftBound
-from ropefric.fitting.extrapolation import outside_range
+from ropefric.fitting.predict import outside_range
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 

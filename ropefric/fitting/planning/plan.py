@@ -6,14 +6,14 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.covariance import bread, unseen_part
-from ropefric.fitting.extrapolation import REGRESSORS, outside_words
 from ropefric.fitting.planning.candidates import allowed_conditions, tested_before
 from ropefric.fitting.planning.exchange import Criterion, Whitened, best_plan
 from ropefric.fitting.planning.limits import FACTORS, RigLimits
 from ropefric.fitting.planning.one_factor import middle_of, nearest_to, one_factor_plan
 from ropefric.fitting.planning.precision import PlannedLaw, expected_std
 from ropefric.fitting.planning.result import LabPlan, Outlook
+from ropefric.fitting.predict import REGRESSORS, outside_words
+from ropefric.fitting.statistics import decomposed, plain_covariance
 from ropefric.friction.condition import Conditions
 
 _MOST = 1000
@@ -75,7 +75,7 @@ def plan_tests(
         wanted_log_lift=planned.law.log_lift(planned.theta, wanted),
         criterion=criterion,
         level=level,
-        parameter_std=np.sqrt(np.diag(bread(np.vstack([planned.known, rows[chosen]])))),
+        parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([planned.known, rows[chosen]])))),
         before=outlook(np.zeros((0, planned.n_free))),
         after=outlook(rows[chosen]),
         one_factor=usual["middle"],
@@ -112,7 +112,7 @@ def _check_enough(planned: PlannedLaw, n_free: int, n: int) -> None:
 
 
 def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
-    unseen = unseen_part(np.vstack([rows, planned.known]))
+    unseen = decomposed(np.vstack([rows, planned.known])).unseen
     if unseen.any():
         names = [name for name, gone in zip(planned.free_names, unseen, strict=True) if gone]
         varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}

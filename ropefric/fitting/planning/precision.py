@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting.identifiability import RANK_RATIO
 from ropefric.fitting.result import FitResult
+from ropefric.fitting.statistics import RANK_RATIO
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean

@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
+from ropefric.files.toml_model import StrictTable, choice, got, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Figure,
@@ -40,7 +41,6 @@ from ropefric.systems.bandsaw.resonance import (
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
 from ropefric.systems.friction import WrapFriction
-from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
 
 _SIDES = tuple(side.value for side in Side)
 

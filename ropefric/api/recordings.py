@@ -19,11 +19,10 @@ from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.recording import blocks_of
-from ropefric.trials.repeatability import Repeatability, summarise
+from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
-from ropefric.trials.tared import tared_trace
 
 
 def read_trace(
@@ -94,7 +93,7 @@ def read_trial(campaign: Campaign | PathLike, trial: str) -> ForceTrace:
     for spec in loaded.trials:
         if spec.trial == trial:
             raws = read_recordings(spec.path, loaded.profile, shown_as=spec.file)
-            return tared_trace(loaded, spec, blocks_of(spec, raws)[0]).trace
+            return tared_trace(loaded, spec, blocks_of(spec, raws)[0])[0]
     raise InputError(f"the campaign has no trial {trial!r}", key="trial", fix="see campaign.trials")
 
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.identifiability import Identifiability
-from ropefric.fitting.judgement import Doubt, Verdict, doubts_of_fit, verdict_of
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.status import FitStatus
+from ropefric.fitting.statistics import Identifiability
+from ropefric.fitting.verdict import Doubt, FitStatus, Verdict, doubts_of_fit, verdict_of
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 
@@ -104,6 +103,13 @@ class FitResult:
     def theta(self) -> FloatArray:
         """Return the parameter values, shape (p,)."""
         return np.array([parameter.value for parameter in self.parameters])
+
+    @property
+    def data(self) -> FitProblem:
+        """Return what was fitted; refuse a fit from a file, which does not carry it."""
+        if self.problem is None:
+            raise InputError(f"the fit of {self.law} carries no data", fix="fit the trials again")
+        return self.problem
 
     @property
     def friction_law(self) -> FrictionLaw:

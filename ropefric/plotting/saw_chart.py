@@ -5,16 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.legend import legend_below
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
 from ropefric.plotting.style import BLUE, GREY, ORANGE, house_style
 from ropefric.systems.bandsaw.saw import Side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropefric.systems.bandsaw.campbell import SawChart
-    from ropefric.systems.bandsaw.resonance import Crossing, Excitation
+    from ropefric.systems.bandsaw.resonance import Crossing, Excitation, SawChart
 
 
 MODE_HEADER = ("side", "mode", "speed_m_s", "frequency_Hz")

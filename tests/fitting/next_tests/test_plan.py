@@ -1,0 +1,233 @@
+"""Plans: what they promise, what they keep to, and what they are worth."""
+
+import csv
+import dataclasses
+import io
+import math
+
+import numpy as np
+import pytest
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.fitting.next_tests import MeanScatter, expected_std, plan_tests, planned_fit, planned_guess
+from ropefric.fitting.store import load_fit
+from ropefric.friction.condition import Conditions, one_condition
+from ropefric.friction.laws import LAWS
+
+# Expected gain in the width of the wanted interval over one factor at a time about the middle of the settings.
+WORTHWHILE = 1.5
+
+
+def test_repeats_do_not_average_out_what_they_share():
+    scatter = MeanScatter(within=0.02, between=0.01, instrument_N=0.5)
+    log_lift = np.log([50.0, 500.0])
+    np.testing.assert_allclose(scatter.variance(log_lift, 4), [2e-4 + 1e-4, 2e-4 + 1e-6], rtol=1e-12)
+    np.testing.assert_allclose(scatter.variance(log_lift, 10**9), [1e-4 + 1e-4, 1e-4 + 1e-6], rtol=1e-6)
+
+
+def test_the_expected_error_is_that_of_least_squares_in_closed_form(guessed):
+    planned = guessed("constant", MeanScatter(within=0.02, between=0.01))
+    at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=[2, 5, 9], end_tension_N=20)
+    target = one_condition(0.04, 0.0049, 12.0, 20.0)
+    found = expected_std(planned, planned.rows(at, 5), target)[0]
+    sigma = math.sqrt(0.01**2 + 0.02**2 / 5)
+    assert found == pytest.approx(12.0 * sigma / math.sqrt(4 + 25 + 81), rel=1e-12)
+
+
+def test_an_error_that_cannot_be_told_is_infinite(guessed):
+    planned = guessed("wrap-power")
+    at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=[2, 5], end_tension_N=20)
+    assert expected_std(planned, planned.rows(at, 5), at).tolist() == [pytest.approx(0.01256, rel=0.01)] * 2
+    other = one_condition(0.04, 0.0049, 12.0, 100.0)
+    assert np.isinf(expected_std(planned, planned.rows(at, 5), other)).all()
+    assert np.isinf(expected_std(planned, np.zeros((0, 3)), other)).all()
+
+
+@pytest.mark.parametrize("name", ["constant", "size-exponential", "wrap-power", "howell", "coupled"])
+@pytest.mark.parametrize("where", ["inside", "large wheel", "strong"])
+def test_a_plan_is_worth_half_as_much_again_as_one_factor_at_a_time(bench, guessed, wanted, name, where):
+    found = plan_tests(guessed(name), bench, wanted(where), starts=2)
+    assert found.gain > WORTHWHILE
+    assert found.after.dof == found.one_factor.dof == 12 - found.planned.n_free
+
+
+@pytest.mark.parametrize("name", ["size-exponential", "wrap-power", "coupled"])
+def test_a_guess_that_is_off_by_a_fifth_still_gives_a_plan_worth_having(bench, guessed, wanted, usual, name):
+    """The plan is made for the guess, and judged by the truth."""
+    truth, target, rng = guessed(name), wanted("strong"), np.random.default_rng(1)
+    usual_std = expected_std(truth, truth.rows(usual(truth), 12), target)[0]
+    for _ in range(3):
+        off = 1.0 + 0.2 * rng.uniform(-1.0, 1.0, truth.theta.size)
+        guess = dataclasses.replace(truth, theta=truth.theta * off)
+        at = plan_tests(guess, bench, target, starts=2).conditions
+        assert usual_std > 1.25 * expected_std(truth, truth.rows(at, 12), target)[0]
+
+
+def test_a_plan_keeps_to_the_rig(bench, guessed, wanted):
+    found = plan_tests(guessed("coupled"), bench, wanted("strong"), starts=2)
+    at = found.conditions
+    for name in ("wheel_radius_m", "wrap_angle_rad", "end_tension_N"):
+        assert set(getattr(at, name).tolist()) <= set(getattr(bench, name))
+    assert np.exp(found.log_lift).max() <= bench.largest_force_N
+    rows = {tuple(row.values())[1:5] for row in found.rows()}
+    assert len(rows) == 12
+    assert any("800 N of the cell" in note for note in found.notes)
+
+
+def test_the_errors_expected_of_parameters_are_those_of_a_fit(bench, guessed, wanted):
+    from ropefric.fitting.fit import fit_law
+    from ropefric.trials.table import TrialTable
+
+    planned = guessed("size-exponential", MeanScatter(within=0.017))
+    plan = plan_tests(planned, bench, wanted("large wheel"), repeats=8, starts=2)
+    at = plan.conditions.select(np.repeat(np.arange(12), 8))
+    scatter = 0.017 * np.random.default_rng(2).standard_normal(len(at))
+    table = TrialTable(
+        trial=tuple(map(str, range(len(at)))),
+        wheel_radius_m=at.wheel_radius_m,
+        rope_radius_m=at.rope_radius_m,
+        wrap_angle_rad=at.wrap_angle_rad,
+        end_tension_N=at.end_tension_N,
+        peak_N=np.exp(planned.law.log_lift(planned.theta, at) + scatter),
+    )
+    fit = fit_law(table, planned.law, clustered=False, scale_covar=False)
+    # The fit's own slopes are those at its estimate, and its scatter is estimated with 84 degrees of freedom.
+    for name, std in plan.expected_parameter_std().items():
+        assert fit[name].std == pytest.approx(std, rel=0.25)
+
+
+def test_the_same_arguments_give_the_same_plan(bench, guessed, wanted):
+    first, second = (
+        plan_tests(guessed("howell"), bench, wanted("inside"), starts=3).to_dict() for _ in range(2)
+    )
+    assert first == second
+
+
+def test_of_both_criteria_each_is_best_at_its_own(bench, guessed, wanted):
+    planned = guessed("coupled")
+    by = {c: plan_tests(planned, bench, wanted("large wheel"), criterion=c, starts=3) for c in "vd"}
+
+    def log_det(plan):
+        rows = planned.rows(plan.conditions, plan.repeats)
+        return np.linalg.slogdet(rows.T @ rows)[1]
+
+    assert by["v"].after.std_log[0] < by["d"].after.std_log[0]
+    assert log_det(by["d"]) > log_det(by["v"])
+
+
+def test_several_wanted_conditions_are_served_together(bench, guessed, wanted):
+    planned, (near, far) = guessed("size-exponential"), (wanted("inside"), wanted("large wheel"))
+    both = Conditions(
+        **{
+            name: np.concatenate([getattr(near, name), getattr(far, name)])
+            for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+        }
+    )
+    together = plan_tests(planned, bench, both, starts=2)
+    for i, alone in enumerate((near, far)):
+        own = plan_tests(planned, bench, alone, starts=2)
+        assert together.after.std_log[i] >= 0.98 * own.after.std_log[0]
+
+
+def test_more_conditions_help_more_than_more_repeats(bench, guessed, wanted):
+    def std(n, repeats):
+        plan = plan_tests(
+            guessed("howell"), bench, wanted("inside"), n_conditions=n, repeats=repeats, starts=2
+        )
+        return plan.after.std_log[0]
+
+    assert std(24, 6) < std(12, 12) < std(12, 6)
+
+
+def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):
+    fit = load_fit(root / "fits" / "prth-coupled.json")
+    planned = planned_fit(fit)
+    target = one_condition(0.1, 0.0049, math.radians(720), 80.0)
+    found = plan_tests(planned, bench, target, n_conditions=6, starts=2)
+    assert found.before.dof == 31
+    assert found.after.dof == 37
+    assert found.after.std_log[0] < found.before.std_log[0]
+    assert found.gain > 1.0
+    old = {tuple(np.round([c, w, f], 9)) for c, w, f in zip(*_columns(planned.tested), strict=True)}
+    new = {tuple(np.round([c, w, f], 9)) for c, w, f in zip(*_columns(found.conditions), strict=True)}
+    assert not old & new
+
+
+def _columns(at):
+    return at.wheel_radius_m, at.wrap_angle_rad, at.end_tension_N
+
+
+def test_the_error_before_is_about_that_of_the_fit(root):
+    from ropefric.fitting.predict import predict
+
+    fit = load_fit(root / "fits" / "prth-coupled.json")
+    planned = planned_fit(fit, instrument_N=0.0)
+    target = one_condition(0.035, 0.0049, math.radians(400), 60.0)
+    # The fit's is estimated from the residuals of 36 conditions, about 1/√(2·31) = 13 % off; three of these.
+    ratio = expected_std(planned, planned.known, target)[0] / predict(fit, target).std_log[0]
+    assert ratio == pytest.approx(1.0, abs=0.4)
+
+
+def test_what_lies_outside_is_said(bench, guessed, wanted):
+    found = plan_tests(guessed("constant"), bench, wanted("large wheel"), starts=1)
+    assert any("wheel radius 100 mm is outside" in note for note in found.notes)
+    # The best for a constant coefficient is the largest wrap only, which would not show that it is none.
+    assert any(note.startswith("only wrap") for note in found.notes)
+
+
+def test_the_plan_is_a_table_for_the_lab(bench, guessed, wanted):
+    found = plan_tests(guessed("constant"), bench, wanted("inside"), n_conditions=3, repeats=5, starts=1)
+    rows = list(csv.DictReader(io.StringIO(found.to_csv())))
+    assert [row["repeats"] for row in rows] == ["5"] * 3
+    assert {float(row["wrap_angle_deg"]) % 45 for row in rows} == {0.0}
+    assert {row["rope_diameter_mm"] for row in rows} == {"9.8"}
+    law = LAWS["constant"]
+    for row in rows:
+        at = one_condition(
+            float(row["wheel_radius_mm"]) / 1e3,
+            float(row["rope_diameter_mm"]) / 2e3,
+            math.radians(float(row["wrap_angle_deg"])),
+            float(row["end_tension_N"]),
+        )
+        lift_N = math.exp(law.log_lift([0.15], at)[0])
+        assert float(row["expected_lift_force_N"]) == pytest.approx(lift_N, rel=1e-3)
+
+
+def test_what_cannot_be_planned_is_told(bench, guessed, wanted):
+    target = wanted("inside")
+    with pytest.raises(InputError, match="3 conditions cannot determine the 3 parameters"):
+        plan_tests(guessed("wrap-power"), bench, target, n_conditions=3)
+    one_wheel = dataclasses.replace(bench, wheel_radius_m=(0.03,))
+    with pytest.raises(InputError, match=r"singular.*apart") as caught:
+        plan_tests(guessed("size-exponential"), one_wheel, target)
+    assert "wheels" in caught.value.fix
+    with pytest.raises(InputError, match="leave 0 conditions"):
+        plan_tests(guessed("constant"), dataclasses.replace(bench, largest_force_N=1.0), target)
+    with pytest.raises(InputError, match="at level 2"):
+        plan_tests(guessed("constant"), bench, target, level=2.0)
+    with pytest.raises(UnknownNameError, match="no parameter 'nu'"):
+        planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02), fixed=("nu",))
+    with pytest.raises(InputError, match="nothing to determine"):
+        planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02), fixed=("mu",))
+    with pytest.raises(InputError, match="give standard deviations"):
+        MeanScatter(within=0.0)
+    with pytest.raises(InputError, match="are no settings"):
+        dataclasses.replace(bench, wheel_radius_m=(0.0, 0.03))
+
+
+def test_settings_the_law_has_no_answer_for_are_left_out(bench, guessed, wanted):
+    low = dataclasses.replace(bench, end_tension_N=(0.5, 20.0, 80.0))
+    found = plan_tests(guessed("wrap-power"), low, wanted("inside"), starts=1)
+    assert any("wrap-power has no answer there" in note for note in found.notes)
+    assert found.conditions.end_tension_N.min() >= 20.0
+
+
+def test_held_parameters_are_not_determined(bench, wanted):
+    law = LAWS["wrap-power"]
+    guess = {"a": 0.2, "b": -0.5, "c": 0.1}
+    scatter = MeanScatter(within=0.017)
+    held = planned_guess(law, guess, scatter, fixed=("b",))
+    assert held.free_names == ("a", "c")
+    free = planned_guess(law, guess, scatter)
+    std = [plan_tests(p, bench, wanted("strong"), starts=2).after.std_log[0] for p in (held, free)]
+    assert std[0] < std[1]

@@ -1,0 +1,97 @@
+"""Plans carried out: pulls simulated from the law with scatter, and on the virtual rig, fitted and predicted."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.next_tests import MeanScatter, plan_tests
+from ropefric.fitting.predict import predict
+
+# What a plan must be better by in the width of the interval of the wanted lift force.
+WORTHWHILE = 1.5
+
+
+@pytest.fixture
+def compared(bench, guessed, wanted, *, campaigns, usual):
+    """Carry out a plan and one factor at a time, n campaigns each."""
+
+    def run(name, where, n):
+        planned, target = guessed(name), wanted(where)
+        plan = plan_tests(planned, bench, target, repeats=4, starts=2)
+        return tuple(campaigns(planned, at, target, n=n) for at in (plan.conditions, usual(planned)))
+
+    return run
+
+
+def test_the_promised_error_is_the_error_found(bench, guessed, wanted, campaigns):
+    planned, target = guessed("howell"), wanted("strong")
+    plan = plan_tests(planned, bench, target, repeats=4, starts=2)
+    found = campaigns(planned, plan.conditions, target, n=30)
+    # An rms of 30 errors is itself known to 1/√60 = 13 %; three of these.
+    assert math.sqrt((found.errors**2).mean()) == pytest.approx(plan.after.std_log[0], rel=0.39)
+    # The width is 2 t s, and s² has 10 degrees of freedom in each of 30 campaigns.
+    assert found.widths.mean() == pytest.approx(2 * plan.after.half_width_log[0], rel=0.15)
+    assert found.covered >= 0.85
+
+
+@pytest.mark.parametrize(("name", "where"), [("size-exponential", "large wheel"), ("howell", "strong")])
+def test_a_plan_carried_out_beats_one_factor_at_a_time(compared, name, where):
+    ours, theirs = compared(name, where, n=8)
+    assert np.median(theirs.widths) > WORTHWHILE * np.median(ours.widths)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["constant", "size-exponential", "wrap-power", "howell", "coupled"])
+@pytest.mark.parametrize("where", ["inside", "large wheel", "strong"])
+def test_all_plans_carried_out_beat_one_factor_at_a_time(compared, name, where):
+    ours, theirs = compared(name, where, n=20)
+    assert np.median(theirs.widths) > WORTHWHILE * np.median(ours.widths)
+    assert (theirs.errors**2).mean() > WORTHWHILE * (ours.errors**2).mean()
+
+
+@pytest.mark.slow
+def test_a_plan_pulled_on_the_virtual_rig_beats_one_factor_at_a_time(bench, guessed, wanted, usual, tmp_path):
+    """Recordings with ramp, noise, converter and tare, extracted, fitted, predicted: the whole way, three times."""
+    scatter = MeanScatter(within=0.017, between=0.01)
+    planned, target = guessed("size-exponential", scatter), wanted("large wheel")
+    plan = plan_tests(planned, bench, target, repeats=4, starts=4)
+    widths = {"ours": [], "theirs": []}
+    for name, conditions in (("ours", plan.conditions), ("theirs", usual(planned))):
+        for seed in range(3):
+            table = pulled(planned, conditions, tmp_path / f"{name}-{seed}", seed)
+            low, high = predict(fit_law(table, planned.law), target, check=False).interval_N[0]
+            widths[name].append(math.log(high / low))
+    assert np.mean(widths["theirs"]) > WORTHWHILE * np.mean(widths["ours"])
+
+
+def pulled(planned, conditions, folder, seed):
+    from ropefric.api.inputs import trial_table
+    from ropefric.rig.bench import Bench
+    from ropefric.rig.campaign import CampaignPlan, RigCondition, simulate_campaign
+    from ropefric.trials.campaign import load_campaign
+    from ropefric.trials.extract import extract_campaign
+
+    rows = tuple(
+        RigCondition(wheel_radius_m=R, wrap_angle_rad=phi, end_tension_N=F)
+        for R, phi, F in zip(
+            conditions.wheel_radius_m.tolist(),
+            conditions.wrap_angle_rad.tolist(),
+            conditions.end_tension_N.tolist(),
+            strict=True,
+        )
+    )
+    plan = CampaignPlan(
+        name="planned",
+        law=planned.law.name,
+        parameters=planned.law.as_mapping(planned.theta),
+        rope_diameter_m=0.0098,
+        conditions=rows,
+        design=rows[0],
+        repeats=4,
+        faults={},
+        bench=Bench(trial_scatter=planned.scatter.within, condition_scatter=planned.scatter.between),
+    )
+    simulate_campaign(folder, plan, seed=seed)
+    return trial_table(extract_campaign(load_campaign(folder / "campaign.toml")))

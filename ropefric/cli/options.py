@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
     from ropefric.files.folder import OutputFolder
     from ropefric.fitting.result import FitResult
-    from ropefric.fitting.table import TrialTable
     from ropefric.fitting.verdict import Verdict
     from ropefric.report.section import Section
+    from ropefric.trials.table import TrialTable
 
 T = TypeVar("T")
 
@@ -93,7 +93,7 @@ def campaign_file(path: Path) -> Path:
 
 def read_table(path: Path, out: Output) -> "TrialTable":
     """Return a trial table, and say on stderr what is doubtful about it."""
-    from ropefric.fitting.table import read_trial_table  # noqa: PLC0415  (quick start-up)
+    from ropefric.trials.table import read_trial_table  # noqa: PLC0415  (quick start-up)
 
     table = read_trial_table(path)
     out.problems(table.warnings)

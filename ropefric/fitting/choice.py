@@ -11,9 +11,9 @@ from ropefric.errors import FitError, RopefricError
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.standing import NESTED
 from ropefric.fitting.verdict import RIVAL, Doubt, FitStatus, Verdict, same_lift, verdict_of
 from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -154,7 +154,8 @@ def _agree(chosen: ComparisonEntry, rival: ComparisonEntry, wheel: Conditions | 
         own, other = (predict(entry.fit, wheel, check=False) for entry in (chosen, rival) if entry.fit)
     except RopefricError:
         return False
-    nested = chosen.law in NESTED.get(rival.law, ()) or rival.law in NESTED.get(chosen.law, ())
+    laws = ALL_LAWS[chosen.law], ALL_LAWS[rival.law]
+    nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
     # Of a law on a bound no interval is known, and only its force can be looked at.
     known = rival.fit.status is FitStatus.OK
     return same_lift(

@@ -12,8 +12,7 @@ from ropefric.api.uncertainty import measured_budgets
 from ropefric.cli.app import find_commands
 from ropefric.errors import InputError
 from ropefric.traces.budget import chain_quantities
-from ropefric.traces.calibration import Calibration
-from ropefric.traces.chain import ForceCell
+from ropefric.traces.calibration import Calibration, ForceCell
 
 ROOT = Path(__file__).parents[2]
 TRIALS = ROOT / "fits" / "prth-trials.csv"

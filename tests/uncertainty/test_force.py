@@ -7,8 +7,7 @@ import pytest
 
 from ropefric.errors import InputError
 from ropefric.traces.budget import chain_quantities, end_tension_std_N, force_std_N
-from ropefric.traces.calibration import Calibration
-from ropefric.traces.chain import Adc, ForceCell
+from ropefric.traces.calibration import Adc, Calibration, ForceCell
 
 SMALL = Calibration(cell=ForceCell(name="small", full_scale_N=1000.0))
 LARGE = Calibration(cell=ForceCell(name="large", full_scale_N=5000.0))

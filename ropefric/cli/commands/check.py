@@ -59,8 +59,7 @@ def check(
 
 def _is_scene(path: Path) -> bool:
     """Return whether a file is a scene; one that cannot be read is for the check of campaigns to tell of."""
-    from ropefric.trials.file_kind import is_scene  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.toml_document import read_toml  # noqa: PLC0415
+    from ropefric.files.toml import is_scene, read_toml  # noqa: PLC0415  (quick start-up)
 
     try:
         return is_scene(read_toml(path).data)

@@ -96,7 +96,7 @@ def _write_chart(fit: "FitResult", found: "Design", folder: "Folder", probabilit
 
     from ropefric.fitting.design import design_chart  # noqa: PLC0415
     from ropefric.plotting.design_chart import draw_design_chart  # noqa: PLC0415
-    from ropefric.plotting.save import save_figure  # noqa: PLC0415
+    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
 
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     radii_m = np.unique(np.append(np.linspace(small_m, large_m, 4), found.wheel_radius_m[0]))

@@ -54,10 +54,10 @@ def extract(
     Writes trials.csv (a row a recording), conditions.csv (a row a condition), problems.csv and, in figures/,
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
-    from ropefric.pipeline.folder import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.pipeline.run import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
     from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
-    from ropefric.trials.tables import write_tables  # noqa: PLC0415
+    from ropefric.trials.result import write_tables  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
     loaded = load_campaign(campaign, missing_recordings="flag")
@@ -106,7 +106,7 @@ def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: O
     """Draw one figure per condition into figures/ of a folder and publish them, telling how far it is."""
     from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
 
-    from ropefric.plotting.campaign import write_condition_figures  # noqa: PLC0415
+    from ropefric.plotting.conditions import write_condition_figures  # noqa: PLC0415
 
     with Progress(out, "figures") as progress, ExitStack() as stack:
         executor = None

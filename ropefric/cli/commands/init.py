@@ -17,11 +17,11 @@ def init(
         None,
         "--scene",
         metavar="NAME",
-        help="Write this scene: hoist, climbing-hoist, belt-press, press-start-up, band-saw, …; repeatable.",
+        help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
     ),
     force: bool = Option(False, "--force", help="Write over files that are already there."),
 ) -> Answer:
-    """Write commented templates to fill in: a campaign, or with --scenes hoists, presses and band saws to solve."""
+    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
     if scenes or scene:
         from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
 
@@ -29,7 +29,7 @@ def init(
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {first if first in written else written[0]}")
     else:
-        from ropefric.trials.campaign_templates import write_templates  # noqa: PLC0415  (quick start-up)
+        from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
 
         written = write_templates(folder, overwrite=force)
         out.note(f"next: fill them in, then  ropefric check {written[0]}")

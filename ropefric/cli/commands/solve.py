@@ -46,11 +46,12 @@ def solve(
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
     force: Force = False,
 ) -> Answer:
-    """Solve a scene: a hoist, a belt press or a band saw, with the effects that its accuracy calls for.
+    """Solve a scene: a hoist, belt press, band saw, traction sheave or belt drive, with the effects it calls for.
 
     Exits with 4 when the friction behind the answer is not supported, when the error may be larger than the accuracy
     wanted, and when the machine does not do what it is for: a hoist that does not lift its payload, a press that
-    slips. A sweep says at how many points that is so, and exits with 4 for the error alone.
+    slips. A traction sheave is checked by one clause of EN 81-50, which is no certificate. A sweep says at how many
+    points that is so, and exits with 4 for the error alone.
     """
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
 
@@ -98,8 +99,8 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
 
 
 def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> list[Path]:
-    from ropefric.plotting.chart import scene_figures  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.plotting.save import save_figure  # noqa: PLC0415
+    from ropefric.plotting.chart import scene_figures  # noqa: PLC0415
+    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
     from ropefric.scenes.sweep import columns_text  # noqa: PLC0415
 
     files = [*folder.write({"answer.json": json_text(tree)})]
@@ -135,7 +136,7 @@ def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> li
 
     files = [write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
-        from ropefric.plotting.save import save_figure  # noqa: PLC0415
+        from ropefric.plotting.figure import save_figure  # noqa: PLC0415
         from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
 
         files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")

@@ -8,8 +8,8 @@ import numpy.typing as npt
 from ropefric.api.campaigns import PathLike, as_campaign
 from ropefric.api.inputs import as_fit
 from ropefric.arrays import FloatArray
+from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
-from ropefric.fitting.design_result import Design, SolveFor
 from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ropefric.fitting.planning.result import LabPlan, Outlook
+from ropefric.fitting.next_tests import LabPlan, Outlook
 from ropefric.glossary import counted
 from ropefric.report.section import Section, Table, interval, plain
 

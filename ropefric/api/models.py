@@ -13,8 +13,8 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.bootstrap import with_intervals
 from ropefric.fitting.compare import Comparison, compare_laws
+from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
-from ropefric.fitting.design_result import Design, SolveFor
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
 from ropefric.fitting.fit import fit_law
@@ -26,11 +26,9 @@ from ropefric.fitting.measured_budget import (
     conditions_of_table,
     state_condition,
 )
-from ropefric.fitting.planning.exchange import Criterion
-from ropefric.fitting.planning.limits import RigLimits
-from ropefric.fitting.planning.plan import plan_tests as find_plan
-from ropefric.fitting.planning.precision import PlannedLaw, planned_fit
-from ropefric.fitting.planning.result import LabPlan
+from ropefric.fitting.next_tests import LabPlan, PlannedLaw, planned_fit
+from ropefric.fitting.next_tests import plan_tests as find_plan
+from ropefric.fitting.plan_search import Criterion, RigLimits
 from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.problem import Loss
@@ -377,7 +375,7 @@ def plan_tests(
     Parameters
     ----------
     known : FitResult, PlannedLaw or path-like
-        A fit or its file; or a law with guessed parameters, from `ropefric.fitting.planning.precision.planned_guess`.
+        A fit or its file; or a law with guessed parameters, from `ropefric.fitting.next_tests.planned_guess`.
     wheels_m, wraps_rad, end_tensions_N : sequence of float
         Settings the rig has: R_w [m], φ [rad], F_B [N].
     wheel_radius_m, wrap_angle_rad, end_tension_N : float
@@ -387,7 +385,7 @@ def plan_tests(
     largest_force_N : float
         The largest F_A the cell takes [N].
     n_conditions, repeats, criterion, level, starts, seed
-        As `ropefric.fitting.planning.plan.plan_tests`.
+        As `ropefric.fitting.next_tests.plan_tests`.
 
     Raises
     ------
@@ -396,7 +394,7 @@ def plan_tests(
 
     Examples
     --------
-    >>> from ropefric.fitting.planning.precision import MeanScatter, planned_guess
+    >>> from ropefric.fitting.next_tests import MeanScatter, planned_guess
     >>> from ropefric.friction.laws import LAWS
     >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
     >>> plan = plan_tests(law, wheels_m=[0.03, 0.04], wraps_rad=[3.0, 6.0, 9.0, 12.0], end_tensions_N=[20.0, 40.0],

@@ -18,7 +18,7 @@ from ropefric.accuracy.studies.press_transient import start_up
 from ropefric.accuracy.studies.scenes import planned
 from ropefric.plotting.style import house_style
 from ropefric.plotting.work_precision import draw_work_precision
-from ropefric.systems.press.transient.spectrum import rk4_limit_s
+from ropefric.systems.press.transient.integrators import rk4_limit_s
 
 __all__ = ["MACHINE_LINE", "PICTURES", "cost_block", "hard_cases", "with_blocks", "write_pictures"]
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ropefric.api.campaigns import PathLike
-    from ropefric.fitting.table import TrialTable
     from ropefric.trials.result import Extraction
+    from ropefric.trials.table import TrialTable
 
 
 def fit(

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 from ropefric.api.campaigns import PathLike
 from ropefric.api.inputs import as_fit, trial_table
 from ropefric.errors import InputError
-from ropefric.fitting.gum.assemble import MeasuredQuantity, state_condition, state_lift
-from ropefric.fitting.gum.forces import GRAVITY_LIMIT
-from ropefric.fitting.gum.from_extraction import conditions_of_extraction
-from ropefric.fitting.gum.from_table import conditions_of_table
-from ropefric.fitting.gum.lift import WheelUncertainty
-from ropefric.fitting.gum.statement import Statement
+from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
+from ropefric.fitting.measured_budget import (
+    GRAVITY_LIMIT,
+    MeasuredQuantity,
+    conditions_of_extraction,
+    conditions_of_table,
+    state_condition,
+)
 from ropefric.fitting.planning.exchange import Criterion
 from ropefric.fitting.planning.limits import RigLimits
 from ropefric.fitting.planning.plan import plan_tests as find_plan
@@ -21,11 +23,12 @@ from ropefric.fitting.planning.result import LabPlan
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import one_condition
 from ropefric.trials.result import Extraction
+from ropefric.uncertainty.statement import Statement
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ropefric.fitting.table import TrialTable
+    from ropefric.trials.table import TrialTable
 
 
 def budget(
@@ -59,7 +62,7 @@ def budget(
     one_pull : bool
         Of one pull with a new rope, not of the mean law.
     level, draws, seed
-        As `ropefric.fitting.gum.statement.state_uncertainty`.
+        As `ropefric.uncertainty.statement.state_uncertainty`.
 
     Returns
     -------
@@ -121,7 +124,7 @@ def measured_budgets(
     gain_limit : float
         Limit of error of the gain, common to both sides [-].
     weights_tolerance : float
-        Of the dead weights of an extraction [-], see `ropefric.fitting.gum.forces.weights`.
+        Of the dead weights of an extraction [-], see `ropefric.fitting.measured_budget.weights`.
     gravity_limit : float
         Limit of error of g of the weights [-].
     level, draws, seed

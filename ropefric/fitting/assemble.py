@@ -32,10 +32,10 @@ from ropefric.fitting.statistics import (
     plain_covariance,
     rounded_covariance,
 )
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import distinct
 from ropefric.glossary import counted
+from ropefric.trials.table import TrialTable
 
 # Repeats of one value have a standard deviation of this or less, by rounding.
 _RESIDUE = 1e-14

@@ -11,9 +11,9 @@ from ropefric.errors import FitError, RopefricError
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.standing import NESTED
 from ropefric.fitting.verdict import RIVAL, Doubt, FitStatus, Verdict, same_lift, verdict_of
 from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -124,7 +124,8 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
         own, other = (predict(one, wheel, check=False) for one in (fit, rival))
     except RopefricError:
         return False
-    nested = fit.law in NESTED.get(rival.law, ()) or rival.law in NESTED.get(fit.law, ())
+    laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
+    nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
     # Of a law on a bound no interval is known, and only its force can be looked at.
     known = rival.status is FitStatus.OK
     return same_lift(

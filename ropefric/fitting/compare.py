@@ -12,7 +12,6 @@ from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.standing import (
-    NESTED,
     Standing,
     leave_one_out,
     measured_residual,
@@ -20,12 +19,12 @@ from ropefric.fitting.standing import (
     standing,
 )
 from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.verdict import RIVAL, FitStatus
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
+from ropefric.trials.table import TrialTable
 
 Unit = Literal["conditions", "trials"]
 
@@ -183,7 +182,7 @@ def compare_laws(
     tests = tuple(
         FTest(simpler=simpler, fuller=fuller, f=found[0], dof=found[1], p_value=found[2])
         for fuller, stands in standings.items()
-        for simpler in NESTED.get(fuller, ())
+        for simpler in (case.name for case in stands.problem.law.special_cases)
         if simpler in standings and (found := nested_test(standings[simpler], stands)) is not None
     )
     return Comparison(

@@ -12,14 +12,13 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.design_result import QUANTITIES, DesignStatus, SolveFor
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
-from ropefric.fitting.propagation import LiftModel, linear_std, quantile
+from ropefric.fitting.propagation import linear_std
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.rising_root import first_crossing, rising_root
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
+from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.friction.parameter import columns_of
-from ropefric.friction.physics import refusals_of
+from ropefric.uncertainty.quantity import quantile
 
 LIMITS: dict[str, tuple[float, float]] = {
     "wrap": (0.0, 40.0 * math.pi),
@@ -91,11 +90,7 @@ class LiftBound:
 
     def answered(self, conditions: Conditions) -> BoolArray:
         """Return where the law has an answer, shape (n,)."""
-        columns = columns_of(self.theta, self.law.parameter_names, self.law.name)
-        refused = np.zeros(len(conditions), dtype=np.bool_)
-        for refusal in refusals_of(self.law.physics, columns, conditions):
-            refused |= refusal.mask.reshape(-1)
-        return ~refused
+        return self.law.answers(self.theta, conditions)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

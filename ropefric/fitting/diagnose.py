@@ -14,10 +14,10 @@ from ropefric.errors import InputError
 from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import Comparison, ComparisonEntry, compare_laws
 from ropefric.fitting.statistics import ConditionMeans, condition_means
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 Supported = Literal["yes", "no", "cannot-tell"]
 

@@ -10,11 +10,13 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.propagation import LiftModel, drawn_range, linear_std, quantile
+from ropefric.fitting.propagation import drawn_range, linear_std
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.verdict import Doubt, Verdict, doubts_of_interval, verdict_of
 from ropefric.friction.condition import Conditions
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.uncertainty.quantity import quantile
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]
@@ -321,10 +323,4 @@ def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftMo
             key=missing,
             fix="give both, or neither for a rope at rest",
         )
-    rho, v = density or 0.0, speed or 0.0
-    if not (math.isfinite(rho) and math.isfinite(v) and rho >= 0.0):
-        raise InputError(
-            f"mass per length {rho:g} kg/m and speed {v:g} m/s must be finite and the mass zero or more",
-            key="linear_density_kg_m",
-        )
-    return LiftModel(law=ALL_LAWS[fit.law], linear_density_kg_m=rho, speed_m_s=v)
+    return LiftModel(law=ALL_LAWS[fit.law], linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)

@@ -24,21 +24,6 @@ _ROUNDS = 4
 _NO_ANSWER = 1e3
 _MAX_EVALUATIONS = 100
 
-NESTED: dict[str, tuple[str, ...]] = {
-    "constant-offset": ("constant",),
-    "size-power": ("constant",),
-    "size-exponential": ("constant",),
-    "wrap-exponential": ("constant",),
-    "wrap-exponential-from-zero": ("constant",),
-    "wrap-power": ("constant",),
-    "wrap-power-from-zero": ("constant",),
-    "coupled": ("constant", "size-exponential", "wrap-power"),
-    "coupled-from-zero": ("constant", "size-exponential", "wrap-power-from-zero"),
-    "howell": ("constant",),
-    "bending": ("constant",),
-}
-"""The laws that are special or limiting cases of another."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Standing:

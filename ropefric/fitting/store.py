@@ -18,10 +18,10 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.result import SCHEMA, FitResult, FitStatistics, FittedParameter
-from ropefric.fitting.table import read_trial_table
 from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
+from ropefric.trials.table import read_trial_table
 
 MOST_BYTES = 256 * 2**20
 """A fit of a million conditions is smaller."""
@@ -110,7 +110,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     >>> import tempfile
     >>> import numpy as np
     >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
+    >>> from ropefric.trials.table import TrialTable
     >>> table = TrialTable(
     ...     trial=("a", "b", "c"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9],
     ...     end_tension_N=20, peak_N=[36.6, 66.1, 121.7],

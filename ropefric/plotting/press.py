@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ropefric.systems.press.sweep import PressSweep
-    from ropefric.systems.press.transient.result import StartUp
+    from ropefric.systems.press.critical import PressSweep
+    from ropefric.systems.press.transient.start_up import StartUp
 
 
 def draw_press_tension(sweep: "PressSweep") -> FigureWithData:
@@ -361,7 +361,7 @@ def line_axis(sweep: "PressSweep") -> "tuple[str, str, FloatArray]":
         return "preload_N", PRELOAD_LABEL, sweep.preload_N
     raise InputError(
         f"a sweep of {sweep.preload_N.size} preloads and {sweep.speed_m_s.size} speeds is not one line a roller",
-        fix="take over_speed or over_preload, or draw a map",
+        fix="sweep over speeds or preloads alone, or draw a map",
     )
 
 
@@ -371,7 +371,7 @@ def grid_of(sweep: "PressSweep") -> "tuple[FloatArray, FloatArray]":
         raise InputError(
             "a map needs several preloads and speeds; "
             f"the sweep has {sweep.preload_N.size} and {sweep.speed_m_s.size}",
-            fix="take over_preload_and_speed",
+            fix="sweep over both",
         )
     return sweep.speed_m_s, sweep.preload_N
 

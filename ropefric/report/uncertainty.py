@@ -3,11 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from ropefric.fitting.gum.budget import BudgetLine
-from ropefric.fitting.gum.propagation import DISAGREEMENT, numerical_tolerance
-from ropefric.fitting.gum.quantity import Quantity
-from ropefric.fitting.gum.statement import Statement
 from ropefric.report.section import Section, Table, interval, plain
+from ropefric.uncertainty.budget import BudgetLine
+from ropefric.uncertainty.quantity import Quantity
+from ropefric.uncertainty.statement import DISAGREEMENT, Statement, numerical_tolerance
 
 _HEADINGS = (
     "source",

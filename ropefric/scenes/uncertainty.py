@@ -7,10 +7,10 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.fitting.propagation import quantile
 from ropefric.scenes.kind import Quantity
 from ropefric.scenes.scene import FrictionSource
 from ropefric.systems.friction import WrapFriction
+from ropefric.uncertainty.quantity import directions, quantile
 
 _STEP = 1e-3
 """Of a standard error, for the derivative along a direction: its square is the error of a central difference."""
@@ -50,44 +50,25 @@ def carry_through(
     """
     if source.covariance is None:
         return tuple(known(quantity) for quantity in nominal)
-    squares = [np.zeros_like(quantity.value) for quantity in nominal]
-    for direction in _directions(source.covariance):
-        slopes = _slopes(source, solve, nominal, direction)
-        squares = [square + slope**2 for square, slope in zip(squares, slopes, strict=True)]
-    reach = quantile(0.5 + 0.5 * level, source.dof)
-    return tuple(
-        _with_std(quantity, np.sqrt(square), reach) for quantity, square in zip(nominal, squares, strict=True)
-    )
-
-
-def _directions(covariance: FloatArray) -> list[FloatArray]:
-    """Return vectors d with C = Σ d dᵀ; one of NaN where the covariance is not known."""
-    if not np.isfinite(covariance).all():
-        return [np.full(covariance.shape[0], np.nan)]
-    scale = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), 1.0))
-    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    return [
-        scale * vector * np.sqrt(value)
-        for value, vector in zip(values, vectors.T, strict=True)
-        if value > 0.0
-    ]
-
-
-def _slopes(
-    source: FrictionSource,
-    solve: Callable[[WrapFriction], tuple[Quantity, ...]],
-    nominal: tuple[Quantity, ...],
-    direction: FloatArray,
-) -> list[FloatArray]:
-    if np.isnan(direction).any():
-        return [np.full_like(quantity.value, np.nan) for quantity in nominal]
-    theta = source.friction.theta
+    theta, squares = source.friction.theta, [np.zeros_like(quantity.value) for quantity in nominal]
+    # A covariance that is not known leaves every number without an error.
+    finite = bool(np.isfinite(source.covariance).all())
+    columns = directions(source.covariance) if finite else np.zeros((theta.size, 0))
     try:
-        up, down = (solve(source.with_theta(theta + sign * _STEP * direction)) for sign in (1.0, -1.0))
+        for step in _STEP * columns.T[columns.any(axis=0)]:
+            ends = zip(
+                solve(source.with_theta(theta + step)), solve(source.with_theta(theta - step)), strict=True
+            )
+            slopes = [(_read(up) - _read(down)) / (2.0 * _STEP) for up, down in ends]
+            squares = [square + slope**2 for square, slope in zip(squares, slopes, strict=True)]
     except RopefricError:
         # A law at the edge of where it has an answer has no slope there.
-        return [np.full_like(quantity.value, np.nan) for quantity in nominal]
-    return [(_read(one) - _read(other)) / (2.0 * _STEP) for one, other in zip(up, down, strict=True)]
+        finite = False
+    reach = quantile(0.5 + 0.5 * level, source.dof)
+    return tuple(
+        _with_std(quantity, np.sqrt(square) if finite else np.full_like(square, np.nan), reach)
+        for quantity, square in zip(nominal, squares, strict=True)
+    )
 
 
 def _read(quantity: Quantity) -> FloatArray:

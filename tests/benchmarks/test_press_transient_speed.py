@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.inputs import press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
+from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings
 from ropefric.systems.press.transient.model import elastic_press
-from ropefric.systems.press.transient.problem import LinearStartUp
 from ropefric.systems.press.transient.start_up import start_up
 
 TIMES_S = np.linspace(0.0, 10.0, 201)

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from ropefric.api.uncertainty import measured_budgets
-from ropefric.cli.commands.catalogue import find_commands
+from ropefric.cli.app import find_commands
 from ropefric.errors import InputError
-from ropefric.traces.budget import force_budget
+from ropefric.traces.budget import chain_quantities
 from ropefric.traces.calibration import Calibration, ForceCell
 
 ROOT = Path(__file__).parents[2]
@@ -257,7 +257,7 @@ def test_a_cell_knows_what_was_assumed_of_it():
     assert cell.assumed == LIMITS[1:]
     calibration = Calibration.from_dict(Calibration(cell=cell).to_dict())
     assert calibration.cell.assumed == LIMITS[1:]
-    components = {one.name: one.assumed for one in force_budget(300.0, calibration).components}
+    components = {one.name: one.assumed for one in chain_quantities(300.0, calibration)}
     assert components["linearity"] == ""
     assert components["transmitter"] == "cells.K1.transmitter"
 

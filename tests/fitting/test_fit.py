@@ -15,9 +15,9 @@ from ropefric.fitting import problem as problems
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.fit import fit_law, trial_std
 from ropefric.fitting.statistics import pooled_scatter
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
 
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench" / "truth.toml"
 

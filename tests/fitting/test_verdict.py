@@ -13,10 +13,10 @@ from ropefric.fitting import fit as fitting
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.statistics import find_trends, identify
-from ropefric.fitting.table import TrialTable
 from ropefric.fitting.verdict import ADVICE, FitStatus
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.trials.table import TrialTable
 
 TWELVE_WRAPS = np.linspace(np.pi / 2, 4 * np.pi, 12)
 

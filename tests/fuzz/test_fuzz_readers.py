@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.sniff import inspect_file
 
 FOLDER = scratch()
 ROWS = [(i * 0.01, 12.5 + 1.5 * i) for i in range(24)]
@@ -110,7 +110,7 @@ from pathlib import Path
 import atheris
 with atheris.instrument_imports(include=["ropefric.traces.readers"]):
     from ropefric.traces.readers import read_recordings
-    from ropefric.traces.readers.sniff import inspect_file
+    from ropefric.traces.readers.inspection import inspect_file
 from ropefric.errors import RopefricError
 from ropefric.traces.readers.profile import ImportProfile
 warnings.simplefilter("error")

@@ -4,9 +4,9 @@ import mpmath as mp
 import numpy as np
 
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.transient.inputs import press_inputs
+from ropefric.systems.press.transient.drives import press_inputs
+from ropefric.systems.press.transient.integrators import LinearStartUp
 from ropefric.systems.press.transient.model import elastic_press
-from ropefric.systems.press.transient.problem import LinearStartUp
 
 __all__ = ["WRAP_RAD", "linear_start", "small_press", "true_state"]
 

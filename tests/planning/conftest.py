@@ -13,9 +13,9 @@ from ropefric.fitting.planning.limits import RigLimits, geometric_levels, linear
 from ropefric.fitting.planning.one_factor import middle_of, one_factor_plan
 from ropefric.fitting.planning.precision import MeanScatter, planned_guess
 from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
 
 LAW_GUESSES = {
     "constant": {"mu": 0.15},

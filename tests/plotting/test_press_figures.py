@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.press import (
     MEASURE_LABELS,
     draw_press_map,
@@ -15,11 +16,10 @@ from ropefric.plotting.press import (
     draw_tension_maps,
     name_lines,
 )
-from ropefric.plotting.save import save_figure
+from ropefric.systems.press.critical import sweep_press
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.sweep import over_preload, over_preload_and_speed, over_speed
 
 SPEEDS, PRELOADS = np.linspace(0.0, 8.0, 9), np.linspace(100.0, 1000.0, 10)
 
@@ -43,11 +43,11 @@ def statics():
 
 @pytest.fixture(scope="module")
 def grid(statics):
-    return over_preload_and_speed(statics, 0.6, preload_N=PRELOADS, speed_m_s=SPEEDS)
+    return sweep_press(statics, 0.6, preload_N=PRELOADS, speed_m_s=SPEEDS)
 
 
 def test_tensions_are_drawn_once_and_named(statics):
-    sweep = over_speed(statics, 0.6, speed_m_s=SPEEDS)
+    sweep = sweep_press(statics, 0.6, speed_m_s=SPEEDS)
     made = draw_press_tension(sweep)
     (axes,) = made.figure.axes
     assert [text.get_text() for text in axes.texts] == [
@@ -61,7 +61,7 @@ def test_tensions_are_drawn_once_and_named(statics):
 
 
 def test_slip_is_drawn_over_preload_with_its_limit(statics):
-    sweep = over_preload(statics, 0.6, preload_N=PRELOADS[3:])
+    sweep = sweep_press(statics, 0.6, preload_N=PRELOADS[3:])
     made = draw_press_slip(sweep)
     (axes,) = made.figure.axes
     assert axes.get_yscale() == "log"
@@ -75,7 +75,7 @@ def test_slip_is_drawn_over_preload_with_its_limit(statics):
 
 @pytest.mark.parametrize("measure", MEASURES)
 def test_every_measure_can_be_drawn(statics, measure):
-    made = draw_press_slip(over_speed(statics, 0.6, speed_m_s=SPEEDS), measure=measure, rollers=["load"])
+    made = draw_press_slip(sweep_press(statics, 0.6, speed_m_s=SPEEDS), measure=measure, rollers=["load"])
     assert made.tables[0].header == ("speed_m_s", "roller", measure)
     assert made.figure.axes[0].get_ylabel().startswith(MEASURE_LABELS[measure][:10])
     assert all(np.isfinite(row[2]) for row in made.tables[0].rows)
@@ -109,7 +109,7 @@ def test_maps_of_rollers_and_spans_stand_side_by_side(grid):
 
 
 def test_a_sweep_of_the_wrong_kind_is_refused(statics, grid):
-    line = over_speed(statics, 0.6, speed_m_s=SPEEDS)
+    line = sweep_press(statics, 0.6, speed_m_s=SPEEDS)
     for draw in (draw_press_tension, draw_press_slip):
         with pytest.raises(InputError, match="a sweep of 10 preloads and 9 speeds"):
             draw(grid)

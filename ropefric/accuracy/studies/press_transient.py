@@ -19,12 +19,9 @@ from ropefric.accuracy.study import (
 )
 from ropefric.arrays import FloatArray
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.inputs import press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
+from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings, rk4_limit_s
 from ropefric.systems.press.transient.model import elastic_press
-from ropefric.systems.press.transient.problem import LinearStartUp
-from ropefric.systems.press.transient.spectrum import rk4_limit_s
 
 TIMES_S = (0.1, 0.2, 0.4)
 SPEED_M_S, RUN_UP_S = 0.916, 0.3

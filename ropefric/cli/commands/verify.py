@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import NOT_TRUSTED
-from ropefric.cli.output import Output
-from ropefric.cli.tables import make_table, number
+from ropefric.cli.options import NOT_TRUSTED, Answer, Command
+from ropefric.cli.output import Output, make_table, number
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -30,14 +28,9 @@ def verify(out: Output, folder: FitFolder = Path("fits")) -> Answer:
     out.note(f"{n_ok} of {len(found)} fits come out of their data again")
 
     def show(console: "Console") -> None:
+        words = {True: "ok", False: "FAILED"}
         rows = [
-            (
-                Path(item.path).name,
-                "ok" if item.ok else "FAILED",
-                number(item.difference, ".1g"),
-                item.message,
-            )
-            for item in found
+            (Path(one.path).name, words[one.ok], number(one.difference, ".1g"), one.message) for one in found
         ]
         console.print(make_table(("fit", "", "change [standard errors]", "found "), rows, left=2))
 

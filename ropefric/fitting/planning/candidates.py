@@ -8,7 +8,6 @@ from ropefric.arrays import BoolArray
 from ropefric.fitting.planning.limits import FACTORS, RigLimits
 from ropefric.fitting.planning.precision import PlannedLaw
 from ropefric.friction.condition import Conditions, condition_groups
-from ropefric.friction.physics import refusals_of
 
 
 def allowed_conditions(
@@ -16,10 +15,8 @@ def allowed_conditions(
 ) -> tuple[BoolArray, list[str]]:
     """Return which combinations can be tested, shape (N,), and what is left out, in words."""
     law, theta = planned.law, planned.theta
-    refused = np.zeros(len(grid), dtype=bool)
-    for refusal in refusals_of(law.physics, tuple(theta), grid):
-        refused |= refusal.mask
-    allowed, notes = ~refused, []
+    allowed, notes = law.answers(theta, grid), []
+    refused = ~allowed
     if refused.any():
         notes.append(
             f"{int(refused.sum())} of {len(grid)} settings are left out: {law.name} has no answer there"

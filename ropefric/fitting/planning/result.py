@@ -11,8 +11,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.fitting.planning.exchange import Criterion
 from ropefric.fitting.planning.precision import PlannedLaw
-from ropefric.fitting.propagation import quantile
 from ropefric.friction.condition import Conditions
+from ropefric.uncertainty.quantity import quantile
 
 SCHEMA = "ropefric.test-plan/1"
 

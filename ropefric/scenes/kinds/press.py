@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import BoolArray, FloatArray
+from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Failure,
@@ -43,7 +44,6 @@ from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import Parts, drive_power_W, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
-from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, whole_number
 
 _ROLES = ("driver", "driven", "tensioner")
 
@@ -405,7 +405,7 @@ def _tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
 def _loads(answer: PressAnswer) -> dict[str, Any]:
     """Return what the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9)."""
     press = answer.model.press
-    factor = float(answer.model.load_factor[0])
+    factor = float(answer.model.problem.load_factor[0])
     by_roller = {}
     for roller in press.rollers:
         if roller.torque_N_m:
@@ -431,8 +431,8 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
         # What a higher speed does is the belts' mass, whether or not it matters at this one.
         parts = replace(model.parts, mass=model.parts.mass or change == "speed")
         values = critical_values(
-            solve_statics(_answering_to_speed(as_operated(model), parts), closure=model.closure),
-            model.friction,
+            solve_statics(_answering_to_speed(as_operated(model), parts), closure=model.problem.closure),
+            model.problem.friction,
             change,  # type: ignore[arg-type]
             tensioner=parts.tensioner,
             told=model.told,

@@ -26,10 +26,10 @@ from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.section import Section
 from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.bound import worst_case
-from ropefric.systems.effect import Effect, Method, System
+from ropefric.systems.checks import Rule
+from ropefric.systems.checks import side_by_side as spread
+from ropefric.systems.effect import Effect, Method, System, worst_case
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.spread import Rule, spread
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.bandsaw.ends import Ends
-from ropefric.systems.reach import refuse_beyond_reach
+from ropefric.systems.checks import refuse_out_of_scale as refuse_beyond_reach
 
 Pair = tuple[FloatArray, FloatArray]
 """An unevaluated sum of a float and what it lacks."""

@@ -1,33 +1,58 @@
 """The mechanics of a rope on a wheel: one exponential, with what does not press set apart from what does."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.systems.friction import WrapFriction
+from ropefric.systems.hoist.problem import HoistProblem
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))
 _MAX_STEPS = 400
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+TOLD = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
+"""What of a contact each of the law's own effects tells it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class HoistModel:
-    """A rope on a wheel as assembled from its effects.
+    """A rope on a wheel with the effects that are in it; without any F_A = F_B e^{μφ}, light, limp and at rest.
 
     A tension F presses the rope onto the wheel only by F − c − E: c = ρv² keeps its mass on the circle, and
     E = EI/(2R²) keeps it bent. What presses grows as P_A = P_B e^M over the arc that is in contact.
     """
 
-    friction: WrapFriction
-    told: frozenset[str]
-    wheel_radius_m: FloatArray
-    rope_radius_m: FloatArray
-    wrap_angle_rad: FloatArray
-    end_tension_N: FloatArray
-    circling_N: FloatArray | float = 0.0
-    bending_N: FloatArray | float = 0.0
+    problem: HoistProblem
+    effects: frozenset[str] = frozenset()
+
+    @cached_property
+    def end_tension_N(self) -> FloatArray:
+        """Return F_B with the weight of the rope that hangs from it [N]."""
+        end_N = self.problem.end_tension_N
+        return end_N + self.problem.weight_N if "rope-weight" in self.effects else end_N
+
+    @cached_property
+    def circling_N(self) -> FloatArray:
+        """Return c [N]."""
+        return self.problem.circling_N if "centrifugal" in self.effects else np.zeros(self.problem.n)
+
+    @cached_property
+    def bending_N(self) -> FloatArray:
+        """Return E [N]."""
+        return self.problem.bending_N if "bending-stiffness" in self.effects else np.zeros(self.problem.n)
+
+    def exponent(self, contact_rad: FloatArray, pressing_N: FloatArray) -> FloatArray:
+        """Return M over the arc in contact, as the law sees it."""
+        return self.problem.friction.exponent(
+            wheel_radius_m=self.problem.wheel_radius_m,
+            rope_radius_m=self.problem.rope_radius_m,
+            wrap_angle_rad=contact_rad,
+            slack_tension_N=pressing_N,
+            told=frozenset(TOLD[name] for name in self.effects & TOLD.keys()),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,36 +91,21 @@ def lifted_arc_rad(bending_N: FloatArray | float, bent_by_N: FloatArray | float)
 
 def solve_lift(model: HoistModel) -> Lift:
     """Return the lift force of a model, F_A = c + E + (F_B − c − E) e^M, eq. (17) with (1)'s inertia."""
-    idle_N = np.asarray(model.circling_N + model.bending_N)
+    idle_N = model.circling_N + model.bending_N
     # In this order, because their sum would round away a small E beside a large c.
-    pressing_N = np.asarray((model.end_tension_N - model.circling_N) - model.bending_N)
+    pressing_N = (model.end_tension_N - model.circling_N) - model.bending_N
     _refuse_floating(model, pressing_N)
-    contact = _contact_arc(model, pressing_N) if np.any(model.bending_N) else model.wrap_angle_rad
-    exponent = _exponent(model, contact, pressing_N)
+    contact = _contact_arc(model, pressing_N) if model.bending_N.any() else model.problem.wrap_angle_rad
+    exponent = model.exponent(contact, pressing_N)
     log_lift = np.log(pressing_N) + exponent
-    if np.any(idle_N):
+    if idle_N.any():
         with np.errstate(divide="ignore"):
             log_lift = np.logaddexp(np.log(idle_N), log_lift)
-    return Lift(
-        log_lift=log_lift,
-        exponent=exponent,
-        contact_rad=contact,
-        end_tension_N=np.asarray(model.end_tension_N),
-    )
-
-
-def _exponent(model: HoistModel, contact_rad: FloatArray, pressing_N: FloatArray) -> FloatArray:
-    return model.friction.exponent(
-        wheel_radius_m=model.wheel_radius_m,
-        rope_radius_m=model.rope_radius_m,
-        wrap_angle_rad=contact_rad,
-        slack_tension_N=pressing_N,
-        told=model.told,
-    )
+    return Lift(log_lift=log_lift, exponent=exponent, contact_rad=contact, end_tension_N=model.end_tension_N)
 
 
 def _refuse_floating(model: HoistModel, pressing_N: FloatArray) -> None:
-    circling_N = np.broadcast_to(model.circling_N, pressing_N.shape)
+    circling_N, bending_N = model.circling_N, model.bending_N
     floating = model.end_tension_N <= circling_N
     if floating.any():
         first = int(np.argmax(floating))
@@ -108,7 +118,6 @@ def _refuse_floating(model: HoistModel, pressing_N: FloatArray) -> None:
         )
     if (pressing_N <= 0.0).any():
         first = int(np.argmax(pressing_N <= 0.0))
-        bending_N = np.broadcast_to(model.bending_N, pressing_N.shape)
         pulling_N = model.end_tension_N[first] - circling_N[first]
         raise InputError(
             f"EI/(2 R^2) = {bending_N[first]:.6g} N is not below the {pulling_N:.6g} N that pull the rope round the "
@@ -122,11 +131,12 @@ def _refuse_floating(model: HoistModel, pressing_N: FloatArray) -> None:
 def _contact_arc(model: HoistModel, pressing_N: FloatArray) -> FloatArray:
     """Return φ − θ_A − θ_B; θ_A falls with the lift force that it helps to set, so it is iterated from above."""
     slack = lifted_arc_rad(model.bending_N, pressing_N + model.bending_N)
-    contact = model.wrap_angle_rad - 2.0 * slack
+    wrap_rad = model.problem.wrap_angle_rad
+    contact = wrap_rad - 2.0 * slack
     if (contact < 0.0).any():
         first = int(np.argmax(contact < 0.0))
         raise InputError(
-            f"a wrap of {model.wrap_angle_rad[first]:.6g} rad is less than the {2.0 * slack[first]:.6g} rad by which "
+            f"a wrap of {wrap_rad[first]:.6g} rad is less than the {2.0 * slack[first]:.6g} rad by which "
             "this stiff rope stands off the wheel: it never touches",
             code="RF510",
             key="wrap_angle_rad",
@@ -134,10 +144,10 @@ def _contact_arc(model: HoistModel, pressing_N: FloatArray) -> FloatArray:
         )
     for _ in range(_MAX_STEPS):
         # ln F_A may exceed what a float holds; the ratio E/F_A then is zero to every digit.
-        growth = np.exp(-_exponent(model, contact, pressing_N))
+        growth = np.exp(-model.exponent(contact, pressing_N))
         tight = lifted_arc_rad(model.bending_N * growth, pressing_N + model.bending_N * growth)
-        longer = model.wrap_angle_rad - slack - tight
-        if (np.abs(longer - contact) <= 1e-14 * model.wrap_angle_rad).all():
+        longer = wrap_rad - slack - tight
+        if (np.abs(longer - contact) <= 1e-14 * wrap_rad).all():
             return longer
         contact = longer
     raise SolverError(

@@ -8,7 +8,6 @@ not rise along the wrap, unless it is told the tension and not the wrap; what it
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import lru_cache
 from itertools import product
 
@@ -16,37 +15,15 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.registry import Registry
-from ropefric.systems.bound import worst_case
-from ropefric.systems.effect import Effect, Method, System
+from ropefric.systems.effect import Effect, Method, System, missing, worst_case
 from ropefric.systems.friction import EVERYTHING
 from ropefric.systems.hoist.contact import HoistModel, Lift, lifted_arc_rad, solve_lift
-from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
+from ropefric.systems.hoist.problem import HoistProblem
 
 Bound = Callable[[HoistProblem], FloatArray]
 
 # Bounds are sums and maxima of rounded numbers.
 _ROUNDING = 1e-12
-
-
-def circling_N(problem: HoistProblem) -> FloatArray:
-    """Return c = ρv² [N]; zero where the scene does not give it."""
-    if problem.linear_density_kg_m is None or problem.speed_m_s is None:
-        return np.zeros(problem.n)
-    return problem.linear_density_kg_m * problem.speed_m_s**2
-
-
-def bending_N(problem: HoistProblem) -> FloatArray:
-    """Return E = EI/(2R²) [N]; zero where the scene does not give it."""
-    if problem.bending_stiffness_N_m2 is None:
-        return np.zeros(problem.n)
-    return problem.bending_stiffness_N_m2 / (2.0 * problem.centreline_radius_m**2)
-
-
-def weight_N(problem: HoistProblem) -> FloatArray:
-    """Return the weight ρgh of the hanging rope [N]; zero where the scene does not give it."""
-    if problem.linear_density_kg_m is None or problem.hanging_length_m is None:
-        return np.zeros(problem.n)
-    return problem.linear_density_kg_m * GRAVITY_M_S2 * problem.hanging_length_m
 
 
 def _pressing_N(problem: HoistProblem, *, without: str = "") -> FloatArray:
@@ -61,15 +38,15 @@ def _pressing_N(problem: HoistProblem, *, without: str = "") -> FloatArray:
 def _parts_N(problem: HoistProblem) -> dict[str, FloatArray]:
     """Return what each effect adds to the force that presses [N]."""
     return {
-        "centrifugal": -circling_N(problem),
-        "bending-stiffness": -bending_N(problem),
-        "rope-weight": weight_N(problem),
+        "centrifugal": -problem.circling_N,
+        "bending-stiffness": -problem.bending_N,
+        "rope-weight": problem.weight_N,
     }
 
 
 def least_pressing_N(problem: HoistProblem) -> FloatArray:
     """Return what presses on the wheel at the slack end at least, F_B − c − E [N]."""
-    return problem.end_tension_N - circling_N(problem) - bending_N(problem)
+    return problem.end_tension_N - problem.circling_N - problem.bending_N
 
 
 def _wraps(problem: HoistProblem) -> FloatArray:
@@ -98,11 +75,11 @@ def _exponents(problem: HoistProblem, told: frozenset[str], pressing_N: FloatArr
 
 def _lifted(problem: HoistProblem, pulled_by_N: FloatArray) -> FloatArray:
     """Return the two arcs by which the rope stands off at most, where F_B less ρv² is `pulled_by_N` [rad]."""
-    return 2.0 * lifted_arc_rad(bending_N(problem), pulled_by_N)
+    return 2.0 * lifted_arc_rad(problem.bending_N, pulled_by_N)
 
 
 def _shortest_contact(problem: HoistProblem) -> FloatArray:
-    return problem.wrap_angle_rad - _lifted(problem, least_pressing_N(problem) + bending_N(problem))
+    return problem.wrap_angle_rad - _lifted(problem, least_pressing_N(problem) + problem.bending_N)
 
 
 def answerable(problem: HoistProblem) -> BoolArray:
@@ -115,7 +92,7 @@ def answerable(problem: HoistProblem) -> BoolArray:
     pressing_N = least_pressing_N(problem)
     possible = pressing_N > 0.0
     if possible.any() and problem.bending_stiffness_N_m2 is not None:
-        pulled_by_N = np.where(possible, pressing_N + bending_N(problem), np.inf)
+        pulled_by_N = np.where(possible, pressing_N + problem.bending_N, np.inf)
         possible &= problem.wrap_angle_rad > _lifted(problem, pulled_by_N)
     if "end-tension" not in problem.friction.law.effects:
         return possible
@@ -171,7 +148,7 @@ def _feedback(problem: HoistProblem) -> FloatArray:
     """
     if problem.bending_stiffness_N_m2 is None:
         return np.ones(problem.n)
-    e = bending_N(problem) / (least_pressing_N(problem) + bending_N(problem))
+    e = problem.bending_N / (least_pressing_N(problem) + problem.bending_N)
     gain = _steepest(problem) * np.sqrt(e / (2.0 - e))
     factor: FloatArray = np.divide(1.0, 1.0 - gain, out=np.full(problem.n, np.inf), where=gain < 1.0)
     return factor
@@ -217,10 +194,10 @@ def _excess(problem: HoistProblem, effect: str) -> FloatArray:
 def centrifugal_bound(problem: HoistProblem) -> FloatArray:
     """Return −ln(1 − c/(F_B − E)), and what a stiff rope stands off further."""
     # P e^M(P) grows with P, by less than P itself, so F_A falls by less than what presses does.
-    idle_N = circling_N(problem)
+    idle_N = problem.circling_N
     if not idle_N.any():
         return np.zeros(problem.n)
-    left = problem.end_tension_N - bending_N(problem)
+    left = problem.end_tension_N - problem.bending_N
     change = -np.log1p(-idle_N / left) + _excess(problem, "centrifugal")
     return _feedback(problem) * (
         change + _arc_change(problem, problem.end_tension_N - idle_N, problem.end_tension_N)
@@ -229,10 +206,10 @@ def centrifugal_bound(problem: HoistProblem) -> FloatArray:
 
 def weight_bound(problem: HoistProblem) -> FloatArray:
     """Return ln(1 + w/P), and what a stiff rope stands off less."""
-    heavy_N = weight_N(problem)
+    heavy_N = problem.weight_N
     if not heavy_N.any():
         return np.zeros(problem.n)
-    pulled_by_N = problem.end_tension_N - circling_N(problem)
+    pulled_by_N = problem.end_tension_N - problem.circling_N
     change = np.log1p(heavy_N / least_pressing_N(problem)) + _excess(problem, "rope-weight")
     return _feedback(problem) * (change + _arc_change(problem, pulled_by_N, pulled_by_N + heavy_N))
 
@@ -246,60 +223,18 @@ def _arc_change(problem: HoistProblem, slacker_N: FloatArray, tighter_N: FloatAr
 
 def bending_bound(problem: HoistProblem) -> FloatArray:
     """Return −ln(1 − E/(F_B − c)), and the friction of the arcs that are lost."""
-    stiff_N = bending_N(problem)
+    stiff_N = problem.bending_N
     if not stiff_N.any():
         return np.zeros(problem.n)
-    pulled_by_N = problem.end_tension_N - circling_N(problem)
+    pulled_by_N = problem.end_tension_N - problem.circling_N
     change = -np.log1p(-stiff_N / pulled_by_N) + _excess(problem, "bending-stiffness")
     return change + _steepest(problem) * _lifted(problem, pulled_by_N)
-
-
-def bare(problem: HoistProblem) -> HoistModel:
-    """Return the model without any effect: one coefficient, a light and limp rope at rest, F_A = F_B e^{μφ}."""
-    return HoistModel(
-        friction=problem.friction,
-        told=frozenset(),
-        wheel_radius_m=problem.wheel_radius_m,
-        rope_radius_m=problem.rope_radius_m,
-        wrap_angle_rad=problem.wrap_angle_rad,
-        end_tension_N=problem.end_tension_N,
-    )
-
-
-def _nothing(problem: HoistProblem) -> tuple[str, ...]:  # noqa: ARG001  (the signature of `needs`)
-    return ()
-
-
-def _needs(**keys: str) -> Callable[[HoistProblem], tuple[str, ...]]:
-    def missing(problem: HoistProblem) -> tuple[str, ...]:
-        return tuple(key for name, key in keys.items() if getattr(problem, name) is None)
-
-    return missing
-
-
-def _told(what: str) -> Callable[[HoistModel, HoistProblem], HoistModel]:
-    def apply(model: HoistModel, problem: HoistProblem) -> HoistModel:  # noqa: ARG001  (the signature of `apply`)
-        return replace(model, told=model.told | {what})
-
-    return apply
-
-
-def _circle(model: HoistModel, problem: HoistProblem) -> HoistModel:
-    return replace(model, circling_N=circling_N(problem))
-
-
-def _hang(model: HoistModel, problem: HoistProblem) -> HoistModel:
-    return replace(model, end_tension_N=model.end_tension_N + weight_N(problem))
-
-
-def _bend(model: HoistModel, problem: HoistProblem) -> HoistModel:
-    return replace(model, bending_N=bending_N(problem))
 
 
 def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
     if "bending-stiffness" in problem.friction.law.effects:
         return ("friction.law (bending has the stiffness in it already)",)
-    return _needs(bending_stiffness_N_m2="rope.bending_stiffness")(problem)
+    return missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
 
 
 EFFECTS: Registry[Effect[HoistProblem, HoistModel]] = Registry(
@@ -309,45 +244,39 @@ EFFECTS: Registry[Effect[HoistProblem, HoistModel]] = Registry(
             name="wrap-dependence",
             adds="a coefficient that depends on how far the rope wraps",
             instead="its average at the reference wrap, over the whole wrap",
-            needs=_nothing,
             influence=bounded(told_bound("wrap")),
-            apply=_told("wrap"),
             cost=0.3,
         ),
         Effect(
             name="size",
             adds="a coefficient that depends on the wheel's radius over the rope's",
             instead="the coefficient at the reference wheel and rope",
-            needs=_nothing,
             influence=bounded(told_bound("size")),
-            apply=_told("size"),
             cost=0.1,
         ),
         Effect(
             name="end-tension",
             adds="a coefficient that depends on the end tension (the wrap it stands for)",
             instead="the coefficient at the reference end tension",
-            needs=_nothing,
             influence=bounded(told_bound("end-tension")),
-            apply=_told("end-tension"),
             cost=0.3,
         ),
         Effect(
             name="rope-weight",
             adds="the weight of the rope that hangs from the slack side, on top of the end tension",
             instead="a rope without weight",
-            needs=_needs(linear_density_kg_m="rope.linear_density", hanging_length_m="rope.hanging_length"),
+            needs=missing(
+                {"linear_density_kg_m": "rope.linear_density", "hanging_length_m": "rope.hanging_length"}
+            ),
             influence=bounded(weight_bound),
-            apply=_hang,
             cost=0.05,
         ),
         Effect(
             name="centrifugal",
             adds="the tension rho v^2 that keeps the running rope on its circle and presses nothing",
             instead="a rope at rest",
-            needs=_needs(linear_density_kg_m="rope.linear_density", speed_m_s="wheel.speed"),
+            needs=missing({"linear_density_kg_m": "rope.linear_density", "speed_m_s": "wheel.speed"}),
             influence=bounded(centrifugal_bound),
-            apply=_circle,
             cost=0.2,
         ),
         Effect(
@@ -356,7 +285,6 @@ EFFECTS: Registry[Effect[HoistProblem, HoistModel]] = Registry(
             instead="a limp rope",
             needs=_stiffness_needs,
             influence=bounded(bending_bound),
-            apply=_bend,
             cost=5.0,
         ),
     ),
@@ -371,19 +299,16 @@ _CLOSED_FORM = Method(
 )
 
 
-def _method(model: HoistModel, budget: float) -> Method:  # noqa: ARG001  (the signature of `System.method`)
-    return _CLOSED_FORM
-
-
-def _solve(model: HoistModel, method: Method) -> Lift:  # noqa: ARG001  (the signature of `System.solve`)
-    return solve_lift(model)
-
-
 def _distance(answer: Lift, reference: Lift) -> float:
     return float(np.max(np.abs(np.expm1(answer.log_lift - reference.log_lift))))
 
 
 SYSTEM: System[HoistProblem, HoistModel, Lift] = System(
-    name="hoist", effects=EFFECTS, bare=bare, method=_method, solve=_solve, distance=_distance
+    name="hoist",
+    effects=EFFECTS,
+    bare=lambda problem: HoistModel(problem=problem),
+    method=lambda model, budget: _CLOSED_FORM,  # noqa: ARG005  (nothing to choose)
+    solve=lambda model, method: solve_lift(model),  # noqa: ARG005  (nothing to choose)
+    distance=_distance,
 )
 """A rope on a wheel."""

@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ropefric.arrays import FloatArray
+from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.reach import refuse_beyond_reach
-from ropefric.systems.spread import Rule, spread
 
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
@@ -27,8 +28,8 @@ class HoistProblem:
     payload_kg: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
-            refuse_beyond_reach(name, array, may_vanish=name not in _DIVIDES)
+        for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
+            refuse_out_of_scale(name, array, may_vanish=name not in _DIVIDES)
             object.__setattr__(self, name, array)
 
     @property
@@ -37,20 +38,31 @@ class HoistProblem:
         return self.wheel_radius_m.size
 
     @property
-    def centreline_radius_m(self) -> FloatArray:
-        """Return R_w + R_r [m], shape (n,)."""
-        return self.wheel_radius_m + self.rope_radius_m
+    def circling_N(self) -> FloatArray:
+        """Return c = ρv² [N]; zero where the scene does not give it."""
+        if self.linear_density_kg_m is None or self.speed_m_s is None:
+            return np.zeros(self.n)
+        return self.linear_density_kg_m * self.speed_m_s**2
+
+    @property
+    def bending_N(self) -> FloatArray:
+        """Return E = EI/(2R²) at the centreline's R = R_w + R_r [N]; zero where the scene does not give it."""
+        if self.bending_stiffness_N_m2 is None:
+            return np.zeros(self.n)
+        return self.bending_stiffness_N_m2 / (2.0 * (self.wheel_radius_m + self.rope_radius_m) ** 2)
+
+    @property
+    def weight_N(self) -> FloatArray:
+        """Return the weight ρgh of the hanging rope [N]; zero where the scene does not give it."""
+        if self.linear_density_kg_m is None or self.hanging_length_m is None:
+            return np.zeros(self.n)
+        return self.linear_density_kg_m * GRAVITY_M_S2 * self.hanging_length_m
 
 
 _DIVIDES = {"wheel_radius_m", "rope_radius_m", "end_tension_N"}
 _RULES: dict[str, Rule] = {
-    "wheel_radius_m": "positive",
-    "rope_radius_m": "positive",
-    "wrap_angle_rad": "positive",
-    "end_tension_N": "positive",
+    **dict.fromkeys(("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N"), "positive"),
     "speed_m_s": "any",
-    "linear_density_kg_m": "zero or more",
-    "hanging_length_m": "zero or more",
-    "bending_stiffness_N_m2": "zero or more",
+    **dict.fromkeys(("linear_density_kg_m", "hanging_length_m", "bending_stiffness_N_m2"), "zero or more"),
     "payload_kg": "positive",
 }

@@ -1,29 +1,28 @@
 """A press as assembled from its effects, and its tensions, slip and start-up."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
-import numpy as np
+from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.systems.checks import Rule, side_by_side
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import SlipTable, slip_table, steady_contacts
 from ropefric.systems.press.statics import Statics, solve_statics
 from ropefric.systems.press.steady import Parts, SteadyState, respond
-from ropefric.systems.press.transient.ingredients import Ingredients
 from ropefric.systems.press.transient.integrators import Settings
-from ropefric.systems.press.transient.polynomial import PiecewisePolynomial
-from ropefric.systems.press.transient.result import StartUp
-from ropefric.systems.press.transient.start_up import start_up
-from ropefric.systems.spread import Rule, spread
+from ropefric.systems.press.transient.start_up import StartUp, start_up
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StartUpTask:
     """A start-up to be simulated."""
 
-    speed: PiecewisePolynomial
+    speed: PPoly
     time_s: FloatArray
     slip: bool
     loads: str
@@ -44,7 +43,8 @@ class PressProblem:
     start_up: StartUpTask | None = None
 
     def __post_init__(self) -> None:
-        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
+        rules: dict[str, Rule] = dict.fromkeys(("speed_m_s", "preload_N", "load_factor"), "zero or more")
+        for name, array in side_by_side({name: getattr(self, name) for name in rules}, rules).items():
             object.__setattr__(self, name, array)
         if self.start_up is not None and self.n > 1:
             raise InputError(
@@ -57,27 +57,56 @@ class PressProblem:
         return self.speed_m_s.size
 
 
-_RULES: dict[str, Rule] = {
-    "speed_m_s": "zero or more",
-    "preload_N": "zero or more",
-    "load_factor": "zero or more",
-}
+LOADS = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_N_m"}
+"""The torque of a roller that each effect is about."""
+TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
+"""What of a contact each effect tells a law."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+def told_by(effects: frozenset[str]) -> frozenset[str]:
+    """Return what a law is told of a contact with these effects in."""
+    return frozenset().union(*(TOLD[name] for name in effects & TOLD.keys()))
+
+
+def without_load(press: Press, effect: str) -> Press:
+    """Return a press whose rollers do not feel one of the loads."""
+    nothing: dict[str, Any] = {LOADS[effect]: 0.0}
+    return replace(press, rollers=tuple(replace(roller, **nothing) for roller in press.rollers))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PressModel:
-    """A press as assembled from its effects."""
+    """A press with the effects that are in it; without any: no loads or mass, locked tensioners, one coefficient."""
 
-    press: Press
-    closure: str
-    friction: WrapFriction
-    told: frozenset[str]
-    speed_m_s: FloatArray
-    preload_N: FloatArray | None
-    load_factor: FloatArray
-    parts: Parts
-    ingredients: Ingredients
-    start_up: StartUpTask | None = None
+    problem: PressProblem
+    effects: frozenset[str] = frozenset()
+
+    @cached_property
+    def press(self) -> Press:
+        """Return the machine with the loads that are in."""
+        press = self.problem.press
+        for effect in LOADS.keys() - self.effects:
+            press = without_load(press, effect)
+        return press
+
+    @property
+    def told(self) -> frozenset[str]:
+        """Return what the law is told of a contact."""
+        return told_by(self.effects)
+
+    @property
+    def parts(self) -> Parts:
+        """Return what resists and what gives way when the belts run."""
+        return Parts(
+            mass="belt-inertia" in self.effects,
+            springs="tensioner-spring" in self.effects,
+            stretch="belt-elasticity" in self.effects,
+        )
+
+    @property
+    def start_up(self) -> StartUpTask | None:
+        """Return the start-up to be simulated, where it is."""
+        return self.problem.start_up if "transient" in self.effects else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -94,28 +123,20 @@ class PressAnswer:
 
 def solve_press(model: PressModel) -> PressAnswer:
     """Return tensions and slip of a model, and its start-up where it has one."""
-    statics = solve_statics(model.press, closure=model.closure)
-    state = respond(
-        model.parts,
-        statics,
-        preload_N=model.preload_N,
-        speed_m_s=model.speed_m_s,
-        load_factor=model.load_factor,
+    problem = model.problem
+    statics = solve_statics(model.press, closure=problem.closure)
+    state, still = (
+        respond(
+            parts, statics, preload_N=problem.preload_N, speed_m_s=speed_m_s, load_factor=problem.load_factor
+        )
+        for parts, speed_m_s in ((model.parts, problem.speed_m_s), (Parts(), 0.0 * problem.speed_m_s))
     )
-    at_rest = respond(
-        Parts(),
-        statics,
-        preload_N=model.preload_N,
-        speed_m_s=np.zeros_like(model.speed_m_s),
-        load_factor=model.load_factor,
-    )
-    contacts = steady_contacts(state)
     return PressAnswer(
         model=model,
         statics=statics,
         state=state,
-        at_rest_N=at_rest.effective_tension_N,
-        slip=slip_table(contacts, model.friction, told=model.told),
+        at_rest_N=still.effective_tension_N,
+        slip=slip_table(steady_contacts(state), problem.friction, told=model.told),
         start_up=None if model.start_up is None else _started(model, model.start_up),
     )
 
@@ -132,10 +153,10 @@ def _started(model: PressModel, task: StartUpTask) -> StartUp:
         as_operated(model),
         speed=task.speed,
         time_s=task.time_s,
-        friction=model.friction,
+        friction=model.problem.friction,
         slip=task.slip,
         loads="constant" if task.loads == "constant" else "with-speed",
-        ingredients=model.ingredients,
+        effects=model.effects,
         integrator=task.integrator,
         settings=task.settings,
     )
@@ -143,18 +164,11 @@ def _started(model: PressModel, task: StartUpTask) -> StartUp:
 
 def as_operated(model: PressModel) -> Press:
     """Return the machine with the preload and the loads of its operating point."""
-    factor = float(model.load_factor[0])
+    factor, preload_N = float(model.problem.load_factor[0]), model.problem.preload_N
     rollers = []
     for roller in model.press.rollers:
-        tensioner = roller.tensioner
-        if tensioner is not None and model.preload_N is not None:
-            tensioner = replace(tensioner, force_N=float(model.preload_N[0]))
-        rollers.append(
-            replace(
-                roller,
-                tensioner=tensioner,
-                gravity_torque_N_m=factor * roller.gravity_torque_N_m,
-                squeeze_torque_N_m=factor * roller.squeeze_torque_N_m,
-            )
-        )
+        changes: dict[str, Any] = {name: factor * getattr(roller, name) for name in LOADS.values()}
+        if roller.tensioner is not None and preload_N is not None:
+            changes["tensioner"] = replace(roller.tensioner, force_N=float(preload_N[0]))
+        rollers.append(replace(roller, **changes))
     return replace(model.press, rollers=tuple(rollers))

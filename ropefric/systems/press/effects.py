@@ -8,8 +8,8 @@ their bounds up at most.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from itertools import product
 
@@ -18,130 +18,89 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
 from ropefric.registry import Registry
-from ropefric.systems.bound import worst_case
-from ropefric.systems.effect import Effect, Method, System
-from ropefric.systems.press.answer import PressAnswer, PressModel, PressProblem, solve_press
-from ropefric.systems.press.machine import Press
-from ropefric.systems.press.slip import contacts_of, utilisation
-from ropefric.systems.press.statics import solve_statics, span_density_kg_m
-from ropefric.systems.press.steady import Parts, drive_power_W, speed_shift_kg_m
-from ropefric.systems.press.transient.ingredients import Ingredients
-from ropefric.systems.spread import Rule
-
-_RULES: dict[str, Rule] = {
-    "speed_m_s": "zero or more",
-    "preload_N": "zero or more",
-    "load_factor": "zero or more",
-}
-
-
-STEADY = (
-    "gravity-load",
-    "squeeze-load",
-    "belt-inertia",
-    "tensioner-spring",
-    "belt-elasticity",
-    "wrap-dependence",
-    "size",
+from ropefric.systems.effect import Effect, Method, System, worst_case
+from ropefric.systems.press.answer import (
+    LOADS,
+    TOLD,
+    PressAnswer,
+    PressModel,
+    PressProblem,
+    solve_press,
+    told_by,
+    without_load,
 )
-"""The effects that act on a steady run, in the order of the bits of a subset."""
+from ropefric.systems.press.machine import missing_elasticity, missing_masses
+from ropefric.systems.press.slip import contacts_of, utilisation
+from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.steady import Parts, drive_power_W, speed_shift_kg_m
 
-_TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
 _ROUNDING = 1e-9
-
-
-def without_gravity(press: Press) -> Press:
-    """Return a press whose rollers do not feel the weight of the sludge."""
-    return replace(press, rollers=tuple(replace(roller, gravity_torque_N_m=0.0) for roller in press.rollers))
-
-
-def without_squeeze(press: Press) -> Press:
-    """Return a press that does not squeeze."""
-    return replace(press, rollers=tuple(replace(roller, squeeze_torque_N_m=0.0) for roller in press.rollers))
-
-
-def influence_of(name: str) -> Callable[[PressProblem], float]:
-    """Return the `influence` of one effect of a steady run.
-
-    A start-up swings about the steady run, and no bound is known for how far.
-    """
-    return worst_case(
-        lambda problem: np.array([_largest_change(name, problem)]),
-        rounding=_ROUNDING,
-        possible=lambda problem: problem.start_up is None or _is_idle(name, problem),
-    )
-
-
-def of_start_up(problem: PressProblem) -> float:
-    """Return the `influence` of an effect that only a start-up has: not known where there is one."""
-    return 0.0 if problem.start_up is None else math.inf
-
-
-def _is_idle(name: str, problem: PressProblem) -> bool:
-    """Return whether a law does not look at what the effect would tell it."""
-    return name in _TOLD and not problem.friction.law.effects
 
 
 def _largest_change(name: str, problem: PressProblem) -> float:
     names = _applicable(problem)
     if name not in names:
         return 0.0
-    corners = _corners(problem)
-    axis = names.index(name)
-    by_span = np.abs(np.diff(corners.tension_N, axis=axis)) / corners.tension_N[(-1,) * len(names)]
-    use = np.abs(np.diff(corners.utilisation, axis=axis))
-    largest_use = corners.utilisation[(-1,) * len(names)].max(axis=-1, keepdims=True)
-    by_roller = np.divide(
-        use, np.broadcast_to(largest_use, use.shape), out=np.zeros_like(use), where=use > 0.0
-    )
-    return max(float(by_span.max()), float(by_roller.max()), _share_of_pull(name, problem.press))
+    tension_N, use = _corners(problem)
+    axis, whole = names.index(name), (-1,) * len(names)
+    by_span = np.abs(np.diff(tension_N, axis=axis)) / tension_N[whole]
+    change = np.abs(np.diff(use, axis=axis))
+    largest = np.broadcast_to(use[whole].max(axis=-1, keepdims=True), change.shape)
+    by_roller = np.divide(change, largest, out=np.zeros_like(change), where=change > 0.0)
+    return max(float(by_span.max()), float(by_roller.max()), _share_of_pull(name, problem))
 
 
-def _share_of_pull(name: str, press: Press) -> float:
+def _share_of_pull(name: str, problem: PressProblem) -> float:
     """Return a load's share of the pull Σ M/R of all loads, and so of the drivers' power."""
-    torque = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_N_m"}.get(name)
-    if torque is None:
+    if name not in LOADS:
         return 0.0
-    own_N = sum(getattr(roller, torque) / roller.radius_m for roller in press.rollers)
-    total_N = sum(roller.torque_N_m / roller.radius_m for roller in press.rollers)
+    rollers = problem.press.rollers
+    own_N = sum(getattr(roller, LOADS[name]) / roller.radius_m for roller in rollers)
+    total_N = sum(roller.torque_N_m / roller.radius_m for roller in rollers)
     if own_N == 0.0:
         return 0.0
     return abs(own_N / total_N) if total_N else math.inf
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Corners:
-    """Tensions and slip of every subset of effects: one axis of length 2 an effect, then points, then members."""
-
-    tension_N: FloatArray
-    utilisation: FloatArray
-
-
 @lru_cache(maxsize=4)
-def _corners(problem: PressProblem) -> _Corners:
-    """Return all subsets at once; the bounds of all effects are read off the same table."""
-    names = _applicable(problem)
-    shares = _shares(problem)
-    tension_N = np.empty((2,) * len(names) + shares.base_N.shape)
+def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray]:
+    """Return T' and U of every subset of effects: one axis of length 2 an effect, then points, then spans or rollers.
+
+    The bounds of all effects are read off the same table.
+    """
+    names, press = _applicable(problem), problem.press
+    statics = solve_statics(without_load(press, "squeeze-load"), closure=problem.closure)
+    by_squeeze = solve_statics(without_load(press, "gravity-load"), closure=problem.closure)
+    preloads = np.array([[part.force_N for part in press.take_ups]])
+    if problem.preload_N is not None:
+        preloads = np.repeat(problem.preload_N[:, np.newaxis], len(press.take_ups), axis=1)
+    load, squared = problem.load_factor[:, np.newaxis], problem.speed_m_s[:, np.newaxis] ** 2
+    base_N = statics.given_N + preloads @ statics.by_preload.T + 0.0 * squared
+    loads_N = {"gravity-load": load * statics.by_load_N, "squeeze-load": load * by_squeeze.by_load_N}
+    shift = {"locked": squared * speed_shift_kg_m(statics, "locked")}
+    if not missing_elasticity(press):
+        shift["elastic"] = squared * speed_shift_kg_m(statics, "elastic")
+    tension_N = np.empty((2,) * len(names) + base_N.shape)
     for subset in product((0, 1), repeat=len(names)):
         chosen = {name for name, flag in zip(names, subset, strict=True) if flag}
-        tension_N[subset] = shares.tension_N(chosen)
+        parts = Parts(
+            mass="belt-inertia" in chosen,
+            springs="tensioner-spring" in chosen,
+            stretch="belt-elasticity" in chosen,
+        )
+        tension_N[subset] = base_N + sum(share for name, share in loads_N.items() if name in chosen)
+        if not parts.keeps_tension:
+            tension_N[subset] += shift[parts.tensioner]
     if not (tension_N > 0.0).all():
         raise SolverError("a span goes slack without some of the effects")
-    return _Corners(tension_N=tension_N, utilisation=_utilisation(problem, names, tension_N))
-
-
-def _utilisation(problem: PressProblem, names: list[str], tension_N: FloatArray) -> FloatArray:
-    """Return U of every subset; one evaluation of the law for each set of what it is told."""
-    telling = [name for name in names if name in _TOLD]
-    found = np.empty((*tension_N.shape[:-1], len(problem.press.rollers)))
+    # One evaluation of the law for each set of what it is told.
+    use = np.empty((*tension_N.shape[:-1], len(press.rollers)))
+    telling = [name for name in names if name in TOLD]
     for flags in product((0, 1), repeat=len(telling)):
-        told = frozenset[str]().union(
-            *(_TOLD[name] for name, flag in zip(telling, flags, strict=True) if flag)
-        )
+        told = told_by(frozenset(name for name, flag in zip(telling, flags, strict=True) if flag))
         place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
-        found[place] = utilisation(contacts_of(problem.press, tension_N[place]), problem.friction, told=told)
-    return found
+        use[place] = utilisation(contacts_of(press, tension_N[place]), problem.friction, told=told)
+    return tension_N, use
 
 
 def _applicable(problem: PressProblem) -> list[str]:
@@ -151,264 +110,98 @@ def _applicable(problem: PressProblem) -> list[str]:
         names.append("belt-inertia")
         if problem.press.tensioners:
             names.append("tensioner-spring")
-        if _stretches(problem.press):
+        if not missing_elasticity(problem.press):
             names.append("belt-elasticity")
-    if "wrap-dependence" in problem.friction.law.effects or "end-tension" in problem.friction.law.effects:
+    looked_at = set(problem.friction.law.effects)
+    if looked_at & {"wrap-dependence", "end-tension", "offset"}:
         names.append("wrap-dependence")
-    if "size" in problem.friction.law.effects:
+    if "size" in looked_at:
         names.append("size")
-    if "offset" in problem.friction.law.effects:
-        names.append("wrap-dependence")
-    return list(dict.fromkeys(names))
-
-
-def _stretches(press: Press) -> bool:
-    return all(belt.axial_stiffness_N is not None and belt.span_lengths_m is not None for belt in press.belts)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Shares:
-    """The columns of which the tensions of every subset are sums, shape (n or 1, n_spans)."""
-
-    base_N: FloatArray
-    loads_N: dict[str, FloatArray]
-    speed_N: dict[tuple[bool, bool], FloatArray]
-
-    def tension_N(self, names: set[str]) -> FloatArray:
-        """Return T' with the named effects in."""
-        total = self.base_N + sum(share for load, share in self.loads_N.items() if load in names)
-        if "belt-inertia" in names:
-            total = total + self.speed_N["tensioner-spring" in names, "belt-elasticity" in names]
-        return total
-
-
-def _shares(problem: PressProblem) -> _Shares:
-    press = problem.press
-    statics = solve_statics(without_squeeze(press), closure=problem.closure)
-    by_squeeze = solve_statics(without_gravity(press), closure=problem.closure)
-    preloads = (
-        np.array([part.tensioner.force_N for part in press.tensioners if part.tensioner is not None])
-        if problem.preload_N is None
-        else np.repeat(problem.preload_N[:, np.newaxis], len(press.tensioners), axis=1)
-    )
-    load = problem.load_factor[:, np.newaxis]
-    squared = problem.speed_m_s[:, np.newaxis] ** 2
-    locked = squared * -span_density_kg_m(press)
-    elastic = squared * speed_shift_kg_m(statics, "elastic") if _stretches(press) else locked
-    base_N = np.atleast_2d(statics.given_N + preloads @ statics.by_preload.T)
-    return _Shares(
-        base_N=np.broadcast_to(base_N, locked.shape),
-        loads_N={"gravity-load": load * statics.by_load_N, "squeeze-load": load * by_squeeze.by_load_N},
-        speed_N={
-            (False, False): locked,
-            (False, True): locked,
-            (True, False): np.zeros_like(locked),
-            (True, True): elastic,
-        },
-    )
-
-
-Needs = Callable[[PressProblem], tuple[str, ...]]
-Apply = Callable[[PressModel, PressProblem], PressModel]
-
-
-def bare(problem: PressProblem) -> PressModel:
-    """Return the model without any effect: unloaded belts without mass, locked tensioners, one coefficient."""
-    return PressModel(
-        press=without_squeeze(without_gravity(problem.press)),
-        closure=problem.closure,
-        friction=problem.friction,
-        told=frozenset(),
-        speed_m_s=problem.speed_m_s,
-        preload_N=problem.preload_N,
-        load_factor=problem.load_factor,
-        parts=Parts(),
-        ingredients=Ingredients(
-            arc_inertia=False, belt_damping=False, tensioner_damping=False, centrifugal=False
-        ),
-    )
-
-
-def _nothing(problem: PressProblem) -> tuple[str, ...]:  # noqa: ARG001  (the signature of `needs`)
-    return ()
-
-
-def _elastic_belts(problem: PressProblem) -> tuple[str, ...]:
-    missing = []
-    for belt in problem.press.belts:
-        if belt.axial_stiffness_N is None:
-            missing.append(f"belts.{belt.name}.axial_stiffness")
-        if belt.span_lengths_m is None:
-            missing.append(f"belts.{belt.name}.span_lengths")
-    return tuple(missing)
-
-
-def _start_up(problem: PressProblem) -> tuple[str, ...]:
-    return () if problem.start_up is not None else ("start_up",)
-
-
-def _moving_masses(problem: PressProblem) -> tuple[str, ...]:
-    # What a start-up needs besides is no news to somebody who asks for none.
-    if problem.start_up is None:
-        return _start_up(problem)
-    missing = [*_elastic_belts(problem)]
-    for roller in problem.press.rollers:
-        if roller.inertia_kg_m2 is None and roller.role != "driver":
-            missing.append(f"rollers.{roller.name}.inertia")
-        if roller.tensioner is not None and roller.tensioner.mass_kg is None:
-            missing.append(f"rollers.{roller.name}.tensioner.mass")
-    return tuple(missing)
-
-
-def _a_tensioner(problem: PressProblem) -> tuple[str, ...]:
-    return () if problem.press.tensioners else ("rollers.NAME.tensioner",)
-
-
-def _load(model: PressModel, problem: PressProblem, torque: str) -> PressModel:
-    own = {roller.name: getattr(roller, torque) for roller in problem.press.rollers}
-    rollers = tuple(replace(roller, **{torque: own[roller.name]}) for roller in model.press.rollers)
-    return replace(model, press=replace(model.press, rollers=rollers))
-
-
-def _weigh(model: PressModel, problem: PressProblem) -> PressModel:
-    return _load(model, problem, "gravity_torque_N_m")
-
-
-def _squeeze(model: PressModel, problem: PressProblem) -> PressModel:
-    return _load(model, problem, "squeeze_torque_N_m")
-
-
-def _circle(model: PressModel, problem: PressProblem) -> PressModel:  # noqa: ARG001  (the signature of `apply`)
-    moving = replace(model.ingredients, centrifugal=True)
-    return replace(model, parts=replace(model.parts, mass=True), ingredients=moving)
-
-
-def _spring(model: PressModel, problem: PressProblem) -> PressModel:  # noqa: ARG001  (the signature of `apply`)
-    return replace(model, parts=replace(model.parts, springs=True))
-
-
-def _stretch(model: PressModel, problem: PressProblem) -> PressModel:  # noqa: ARG001  (the signature of `apply`)
-    return replace(model, parts=replace(model.parts, stretch=True))
-
-
-def _told(*what: str) -> Apply:
-    def apply(model: PressModel, problem: PressProblem) -> PressModel:  # noqa: ARG001  (the signature of `apply`)
-        return replace(model, told=model.told | set(what))
-
-    return apply
-
-
-def _with(ingredient: str) -> Apply:
-    def apply(model: PressModel, problem: PressProblem) -> PressModel:  # noqa: ARG001  (the signature of `apply`)
-        return replace(model, ingredients=replace(model.ingredients, **{ingredient: True}))
-
-    return apply
-
-
-def _run_up(model: PressModel, problem: PressProblem) -> PressModel:
-    return replace(model, start_up=problem.start_up)
+    return names
 
 
 def _steady(
-    name: str, adds: str, instead: str, *, apply: Apply, needs: Needs = _nothing
+    name: str,
+    adds: str,
+    instead: str,
+    needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
 ) -> Effect[PressProblem, PressModel]:
-    return Effect(
-        name=name,
-        adds=adds,
-        instead=instead,
-        needs=needs,
-        influence=influence_of(name),
-        apply=apply,
-        cost=0.05,
+    """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
+
+    def is_bounded(problem: PressProblem) -> bool:
+        unseen = name in TOLD and not problem.friction.law.effects  # by a law that looks at nothing
+        return problem.start_up is None or unseen
+
+    influence = worst_case(
+        lambda problem: np.array([_largest_change(name, problem)]), rounding=_ROUNDING, possible=is_bounded
     )
+    return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=0.05)
 
 
-def _moving(
-    name: str, adds: str, instead: str, *, apply: Apply, cost: float
-) -> Effect[PressProblem, PressModel]:
+def _moving(name: str, adds: str, instead: str, *, cost: float = 0.1) -> Effect[PressProblem, PressModel]:
+    """Return an effect that only a start-up has; no bound is known where there is one."""
     return Effect(
         name=name,
         adds=adds,
         instead=instead,
-        needs=_moving_masses,
-        influence=of_start_up,
-        apply=apply,
+        needs=_needs_of_start_up,
+        influence=lambda problem: 0.0 if problem.start_up is None else math.inf,
         cost=cost,
     )
+
+
+def _scene_keys(fields: Iterable[str]) -> tuple[str, ...]:
+    """Return fields as scenes call them: without the units."""
+    return tuple(re.sub("_(N|m|kg|kg_m2)$", "", field) for field in fields)
+
+
+def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:
+    # What a start-up needs besides is no news to somebody who asks for none.
+    if problem.start_up is None:
+        return ("start_up",)
+    return _scene_keys([*missing_elasticity(problem.press), *missing_masses(problem.press)])
 
 
 EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
     "effect of a press",
     (
-        _steady(
-            "gravity-load", "the drag of the sludge's weight, eq. (6)", "no drag of weight", apply=_weigh
-        ),
-        _steady(
-            "squeeze-load",
-            "the work of squeezing the cake, eq. (9)",
-            "rollers that do not squeeze",
-            apply=_squeeze,
-        ),
+        _steady("gravity-load", "the drag of the sludge's weight, eq. (6)", "no drag of weight"),
+        _steady("squeeze-load", "the work of squeezing the cake, eq. (9)", "rollers that do not squeeze"),
         _steady(
             "belt-inertia",
             "the tension rho A v^2 that keeps the running belts on their path, eq. (39)",
             "belts without mass",
-            apply=_circle,
         ),
         _steady(
             "tensioner-spring",
             "tensioners that give way on their springs when the belts run",
             "tensioners locked where they stand at rest",
-            apply=_spring,
-            needs=_a_tensioner,
+            lambda problem: () if problem.press.tensioners else ("rollers.NAME.tensioner",),
         ),
         _steady(
             "belt-elasticity",
             "belts that stretch by their EA",
             "belts that do not stretch",
-            apply=_stretch,
-            needs=_elastic_belts,
+            lambda problem: _scene_keys(missing_elasticity(problem.press)),
         ),
         _steady(
             "wrap-dependence",
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
-            apply=_told("wrap", "end-tension"),
         ),
         _steady(
             "size",
             "a coefficient that depends on the roller's radius over half the belt's thickness",
             "the coefficient at the reference radius",
-            apply=_told("size"),
         ),
-        _moving(
-            "belt-damping",
-            "the material damping of the belts",
-            "belts that do not damp",
-            apply=_with("belt_damping"),
-            cost=0.1,
-        ),
-        _moving(
-            "tensioner-damping",
-            "the dampers of the tensioners",
-            "tensioners without dampers",
-            apply=_with("tensioner_damping"),
-            cost=0.1,
-        ),
+        _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
+        _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
         _moving(
             "arc-inertia",
             "the mass of the belts on the rollers",
             "belts without mass on the rollers (slip then cannot be simulated)",
-            apply=_with("arc_inertia"),
-            cost=0.1,
         ),
-        _moving(
-            "transient",
-            "the start-up, with its swings and slips",
-            "the steady run alone",
-            apply=_run_up,
-            cost=100.0,
-        ),
+        _moving("transient", "the start-up, with its swings and slips", "the steady run alone", cost=100.0),
     ),
 )
 """In the order in which they are applied."""
@@ -441,28 +234,19 @@ def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the s
     )
 
 
-def _solve(model: PressModel, method: Method) -> PressAnswer:  # noqa: ARG001  (the signature of `System.solve`)
-    return solve_press(model)
-
-
 def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
     found = [
         _relative(answer.state.effective_tension_N, reference.state.effective_tension_N),
         _of_largest(answer.slip.utilisation, reference.slip.utilisation),
         _of_largest(*(drive_power_W(one.state)[..., np.newaxis] for one in (answer, reference))),
     ]
-    if reference.start_up is not None:
-        if answer.start_up is None:
+    moved, other = answer.start_up, reference.start_up
+    if other is not None:
+        if moved is None:
             return np.inf
-        found.append(
-            _relative(answer.start_up.tension_N.max(axis=0), reference.start_up.tension_N.max(axis=0))
-        )
-        if answer.start_up.utilisation is not None and reference.start_up.utilisation is not None:
-            found.append(
-                _of_largest(
-                    answer.start_up.utilisation.max(axis=0), reference.start_up.utilisation.max(axis=0)
-                )
-            )
+        found.append(_relative(moved.tension_N.max(axis=0), other.tension_N.max(axis=0)))
+        if moved.utilisation is not None and other.utilisation is not None:
+            found.append(_of_largest(moved.utilisation.max(axis=0), other.utilisation.max(axis=0)))
     return max(found)
 
 
@@ -479,6 +263,11 @@ def _of_largest(values: FloatArray, reference: FloatArray) -> float:
 
 
 SYSTEM: System[PressProblem, PressModel, PressAnswer] = System(
-    name="press", effects=EFFECTS, bare=bare, method=_method, solve=_solve, distance=_distance
+    name="press",
+    effects=EFFECTS,
+    bare=lambda problem: PressModel(problem=problem),
+    method=_method,
+    solve=lambda model, method: solve_press(model),  # noqa: ARG005  (the model says which)
+    distance=_distance,
 )
 """Rollers and belts."""

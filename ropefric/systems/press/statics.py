@@ -57,19 +57,13 @@ def incidence(press: Press) -> FloatArray:
 
 def pull_matrix(press: Press) -> FloatArray:
     """Return P, shape (n_tensioners, n_spans): P T' is the belts' pull along each travel, eqs. (21), (22) [N]."""
-    rows = []
-    for roller in press.tensioners:
-        tensioner = roller.tensioner
-        if tensioner is None:
-            continue
-        arriving, leaving = math.cos(tensioner.upstream_angle_rad), math.cos(tensioner.downstream_angle_rad)
-        rows.append(
-            [
-                arriving * (span.end == roller.name) + leaving * (span.start == roller.name)
-                for span in press.spans
-            ]
-        )
-    return np.array(rows, dtype=np.float64).reshape(len(rows), len(press.spans))
+    which = [roller.tensioner is not None for roller in press.rollers]
+    arriving = np.array([[math.cos(part.upstream_angle_rad)] for part in press.take_ups])
+    leaving = np.array([[math.cos(part.downstream_angle_rad)] for part in press.take_ups])
+    return (
+        arriving.reshape(-1, 1) * spans_into(press)[which]
+        + leaving.reshape(-1, 1) * spans_out_of(press)[which]
+    )
 
 
 def carried_belts(press: Press) -> FloatArray:
@@ -186,11 +180,10 @@ def solve_statics(press: Press, *, closure: str = "share") -> Statics:
 def _right_hand_side(press: Press, n_equations: int) -> FloatArray:
     """Return what stands against the balances, a column each: springs, loads, one newton of each preload."""
     loads_N = (load_torques_N_m(press) / radii_m(press))[has_balance(press)]
-    data = [roller.tensioner for roller in press.rollers if roller.tensioner is not None]
-    right = np.zeros((n_equations, 2 + len(data)))
+    right = np.zeros((n_equations, 2 + len(press.take_ups)))
     right[: len(loads_N), 1] = loads_N
-    right[len(loads_N) :, 0] = [part.spring_N_m * part.travel_m for part in data]
-    right[len(loads_N) :, 2:] = np.eye(len(data))
+    right[len(loads_N) :, 0] = [part.spring_N_m * part.travel_m for part in press.take_ups]
+    right[len(loads_N) :, 2:] = np.eye(len(press.take_ups))
     return right
 
 

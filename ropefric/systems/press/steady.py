@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError, Problem, SolverError, UnknownNameError
+from ropefric.errors import SolverError, UnknownNameError
 from ropefric.registry import did_you_mean
-from ropefric.systems.press.machine import Press
+from ropefric.systems.checks import checked, refuse_out_of_scale
+from ropefric.systems.press.machine import Press, missing_elasticity, refuse_missing
 from ropefric.systems.press.statics import (
     Statics,
     carried_belts,
@@ -20,13 +21,11 @@ from ropefric.systems.press.statics import (
     radii_m,
     span_density_kg_m,
 )
-from ropefric.systems.reach import refuse_beyond_reach
 
 
 def loop_lengths_m(press: Press) -> FloatArray:
     """Return the length of every belt, free spans and arcs, shape (n_belts,) [m]."""
-    missing = [f"belts.{belt.name}.span_lengths_m" for belt in press.belts if belt.span_lengths_m is None]
-    _refuse_missing(missing)
+    _refuse_missing([key for key in missing_elasticity(press) if "span_lengths" in key])
     arcs_m = {roller.name: roller.radius_m * roller.wrap_angle_rad for roller in press.rollers}
     return np.array(
         [sum(belt.span_lengths_m or ()) + sum(arcs_m[name] for name in belt.loop) for belt in press.belts]
@@ -53,16 +52,12 @@ def speed_shift_kg_m(statics: Statics, tensioner: Literal["locked", "elastic"]) 
         raise UnknownNameError(
             f"tensioner = '{tensioner}' is unknown", key="tensioner", fix="locked or elastic"
         )
-    stiffness = [belt.axial_stiffness_N for belt in press.belts]
-    missing = [
-        f"belts.{belt.name}.axial_stiffness_N" for belt in press.belts if belt.axial_stiffness_N is None
-    ]
-    missing += [f"belts.{belt.name}.span_lengths_m" for belt in press.belts if belt.span_lengths_m is None]
-    _refuse_missing(missing)
-    give = np.diag(loop_lengths_m(press) / np.array(stiffness, dtype=np.float64))
+    _refuse_missing(missing_elasticity(press))
+    stiffness = np.array([belt.axial_stiffness_N for belt in press.belts], dtype=np.float64)
+    give = np.diag(loop_lengths_m(press) / stiffness)
     density = np.array([belt.linear_density_kg_m for belt in press.belts])
     pull = pull_matrix(press) @ carried_belts(press).T
-    springs = np.diag([part.tensioner.spring_N_m for part in press.tensioners if part.tensioner is not None])
+    springs = np.diag([part.spring_N_m for part in press.take_ups])
     # One system in z and dx, so that a spring of no stiffness needs no division by zero.
     system = np.block([[give, pull.T], [pull, -springs]])
     right = np.concatenate([-give @ density, np.zeros(len(springs))])
@@ -71,16 +66,7 @@ def speed_shift_kg_m(statics: Statics, tensioner: Literal["locked", "elastic"]) 
 
 
 def _refuse_missing(keys: list[str]) -> None:
-    if keys:
-        raise InputError(
-            f"the elastic tensioner needs {', '.join(keys)}",
-            code="RF521",
-            key=keys[0],
-            fix="give them, or take tensioner='locked'",
-            problems=[
-                Problem(code="RF521", key=key, message=f"the elastic tensioner needs {key}") for key in keys
-            ],
-        )
+    refuse_missing("the elastic tensioner", keys, fix="give them, or take tensioner='locked'")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -182,18 +168,15 @@ def _superpose(
 
 
 def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
-    array = np.asarray(values, dtype=np.float64)
-    bad = ~(np.isfinite(array) & (array >= 0.0))
-    if bad.any():
-        raise InputError(f"{name} is {array[bad].ravel()[0]:g}; it must be finite and zero or more", key=name)
-    refuse_beyond_reach(name, array, may_vanish=True)
+    array = checked(name, values, "zero or more")
+    refuse_out_of_scale(name, array, may_vanish=True)
     return array
 
 
 def _preloads(
     press: Press, preload_N: npt.ArrayLike | Mapping[str, npt.ArrayLike] | None
 ) -> list[FloatArray]:
-    own = {roller.name: roller.tensioner.force_N for roller in press.rollers if roller.tensioner is not None}
+    own = {roller.name: part.force_N for roller, part in zip(press.tensioners, press.take_ups, strict=True)}
     chosen: Mapping[str, npt.ArrayLike] = own
     if isinstance(preload_N, Mapping):
         unknown = preload_N.keys() - own.keys()
@@ -255,15 +238,11 @@ def respond(
     Between locked tensioners T stays and T' = T − ρAv² (eq. (39)), whether or not the belts stretch. Belts that do
     not stretch leave tensioners on springs where they are, and T' stays. Where both give way dT' = −ρAv²/(1 + s).
     """
-    if parts.keeps_tension:
-        still = steady_state(
-            statics, preload_N=preload_N, speed_m_s=np.zeros_like(speed_m_s), load_factor=load_factor
-        )
-        return replace(still, speed_m_s=speed_m_s)
-    return steady_state(
+    state = steady_state(
         statics,
         preload_N=preload_N,
-        speed_m_s=speed_m_s,
+        speed_m_s=np.zeros_like(speed_m_s) if parts.keeps_tension else speed_m_s,
         load_factor=load_factor,
-        tensioner=parts.tensioner,
+        tensioner="locked" if parts.keeps_tension else parts.tensioner,
     )
+    return replace(state, speed_m_s=speed_m_s)

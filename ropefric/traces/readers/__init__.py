@@ -1,19 +1,25 @@
-"""Recording files: one reader a format, found by name or by the file's ending."""
+"""Recording files: one reader a format, found by name or by the file's ending.
+
+In: a file and an `ImportProfile` (profile.py). Out: `RawRecording`s, columns as they are in the file. A reader opens the
+file as tables (table.py says how their columns become channels): delimited.py, excel.py, matlab.py, tdms.py.
+inspection.py looks at an unknown file and suggests a profile.
+"""
 
 from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
 from ropefric.files.read import InputFile, use_file
+from ropefric.files.text import Source
 from ropefric.registry import Registry
-from ropefric.traces.readers import delimited, excel, matlab, tdms, wide
+from ropefric.traces.readers import excel, matlab, tdms
+from ropefric.traces.readers.delimited import DELIMITED, WIDE
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
-from ropefric.traces.readers.reader import Reader
-from ropefric.traces.readers.source import Source
+from ropefric.traces.readers.table import Reader
 
-TEXT_FORMATS = (delimited.READER.name, wide.READER.name)
+TEXT_FORMATS = (DELIMITED.name, WIDE.name)
 
 READERS: Registry[Reader] = Registry(
-    "file format", [delimited.READER, wide.READER, matlab.READER, tdms.READER, excel.READER]
+    "file format", [DELIMITED, WIDE, matlab.READER, tdms.READER, excel.READER]
 )
 """Every reader by name."""
 
@@ -35,7 +41,7 @@ def find_reader(path: str | PurePath, profile: ImportProfile, *, shown_as: str =
                 fix=f'name the format, for example format = "delimited"; known: {", ".join(READERS)}',
             )
         reader = fitting[0]
-    return wide.READER if reader is delimited.READER and profile.block_columns > 0 else reader
+    return WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
 
 
 def read_recordings(

@@ -2,21 +2,21 @@
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.files.text import Source
+from ropefric.files.text_table import find_head_rows, is_number
 from ropefric.registry import did_you_mean
-from ropefric.traces.readers.cells import CellStyle, bad_cell, is_number
-from ropefric.traces.readers.header import find_table_rows
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.reader import Reader
-from ropefric.traces.readers.source import Source
-from ropefric.traces.readers.table import Table
+from ropefric.traces.readers.table import Reader, Table, bad_cell
 
 Grid = list[list[Any]]
+_RowsOf = Callable[[str], Iterable[Sequence[Any]]]
+_Opener = Callable[[io.BytesIO], tuple[Sequence[str], _RowsOf]]
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 """Cells whose formula failed; they hold no value, and python-calamine shows them empty."""
@@ -26,35 +26,38 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the table of one sheet: the profile's, else the first that has content."""
     grid = _load(source, profile.table)
     texts = [[_text(cell) for cell in row] for row in grid]
-    rows = find_table_rows(texts, profile, source)
+    rows = find_head_rows(texts, profile, source)
     n_columns = max(
         (i + 1 for row in texts[rows.data_row - 1 :] for i, cell in enumerate(row) if cell), default=0
     )
-    header = texts[rows.header_row - 1] if rows.header_row else []
-    units = texts[rows.units_row - 1] if rows.units_row else []
-    names = tuple([*header, *[""] * n_columns][:n_columns])
-    style = CellStyle(separator="\t", decimal=profile.decimal or ".", missing=tuple(profile.missing))
+    names, units = (
+        tuple([*(texts[row - 1] if row else []), *[""] * n_columns][:n_columns]) for row in rows[:2]
+    )
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         body = list(enumerate(grid[rows.data_row - 1 :], start=rows.data_row))
         while body and not any(_text(cell) for cell in body[-1][1]):
             body.pop()
-        return [
-            np.array(
-                [_number(row, index, names, style, source, line=line) for line, row in body], dtype=np.float64
-            )
-            for index in indices
-        ]
 
-    return (
-        Table(
-            names=names,
-            units=tuple([*units, *[""] * n_columns][:n_columns]),
-            values=values,
-            has_header=any(names),
-            first_line=rows.data_row,
-        ),
-    )
+        decimal = profile.decimal or "."
+        no_value = profile.no_value_numbers(decimal)
+
+        def number(cell: Any, index: int, line: int) -> float:
+            if isinstance(cell, int | float) and not isinstance(cell, bool) and math.isfinite(cell):
+                return math.nan if cell in no_value else float(cell)
+            text = _text(cell)
+            if text in profile.no_value:
+                return math.nan
+            if isinstance(cell, str) and is_number(text, decimal):
+                value = float(text.replace(",", "."))
+                if math.isfinite(value):
+                    return value
+            raise bad_cell(text, names[index] or f"column {index + 1}", decimal, source, line=line)
+
+        columns = ([(row[i] if i < len(row) else None, i, line) for line, row in body] for i in indices)
+        return [np.array([number(*cell) for cell in column], dtype=np.float64) for column in columns]
+
+    return (Table(names=names, units=units, values=values, has_header=any(names), first_line=rows.data_row),)
 
 
 def _text(cell: Any) -> str:
@@ -64,86 +67,63 @@ def _text(cell: Any) -> str:
     return repr(cell) if isinstance(cell, float) else str(cell).strip()
 
 
-def _number(
-    row: Sequence[Any], index: int, names: Sequence[str], style: CellStyle, source: Source, *, line: int
-) -> float:
-    cell = row[index] if index < len(row) else None
-    if isinstance(cell, int | float) and not isinstance(cell, bool) and math.isfinite(cell):
-        return float(cell)
-    text = _text(cell)
-    if text in style.no_value:
-        return math.nan
-    if isinstance(cell, str) and is_number(text, style.decimal):
-        value = float(text.replace(",", "."))
-        if math.isfinite(value):
-            return value
-    raise bad_cell(text, index, names, style, source, line=line)
-
-
 def _load(source: Source, table: str) -> Grid:
-    raw = source.raw_bytes()
-    try:
-        from python_calamine import CalamineWorkbook  # noqa: PLC0415  (an extra that is not always there)
-    except ImportError:
-        return _load_openpyxl(raw, source, table)
-    try:
-        book = CalamineWorkbook.from_filelike(io.BytesIO(raw))
-        sheets = book.sheet_names
-        chosen = _choose(sheets, table, source)
-        # From the first row on, so that row numbers are those the sheet shows.
-        grids = (
-            [list(r) for r in book.get_sheet_by_name(name).to_python(skip_empty_area=False)]
-            for name in chosen
-        )
-        return next((grid for grid in grids if grid), [])
-    except MemoryError:
-        raise
-    except Exception as error:
-        if getattr(error, "code", "") == "RF105":
-            raise
-        raise _unreadable(error, source) from None
-
-
-def _load_openpyxl(raw: bytes, source: Source, table: str) -> Grid:
-    try:
-        from openpyxl import load_workbook  # noqa: PLC0415  (an extra that is not always there)
-    except ImportError:
+    """Return the cells of the sheet named, else of the first that has content."""
+    raw = io.BytesIO(source.raw_bytes())
+    open_book = _calamine() or _openpyxl()
+    if open_book is None:
         raise source.error(
             "reading sheets needs the package python-calamine or openpyxl",
             code="RF107",
             fix='pip install "ropefric[lab]"',
-        ) from None
+        )
     try:
-        book = load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
-        chosen = _choose(book.sheetnames, table, source)
-        grids = ([list(row) for row in book[name].iter_rows(values_only=True)] for name in chosen)
-        return next((grid for grid in grids if grid), [])
+        sheets, rows_of = open_book(raw)
+        chosen = [table] if table in sheets else [] if table else sheets
+        grids = ([list(row) for row in rows_of(name)] for name in chosen)
+        grid = next((grid for grid in grids if grid), [])
     except MemoryError:
         raise
-    except Exception as error:
-        if getattr(error, "code", "") == "RF105":
-            raise
-        raise _unreadable(error, source) from None
-
-
-def _choose(sheets: Sequence[str], table: str, source: Source) -> Sequence[str]:
-    if not table:
-        return sheets
-    if table not in sheets:
+    except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
+        raise source.error(
+            f"this is not a readable sheet ({type(error).__name__}: {error})",
+            fix="save it again as .xlsx or .csv, or name its format in [import] format",
+        ) from None
+    if table and not chosen:
         raise source.error(
             f"there is no sheet {table!r}",
             code="RF105",
             key="[import] table",
             fix=did_you_mean(table, sheets),
         )
-    return [table]
+    return grid
 
 
-def _unreadable(error: Exception, source: Source) -> Exception:
-    return source.error(
-        f"this is not a readable sheet ({type(error).__name__}: {error})",
-        fix="save it again as .xlsx or .csv, or name its format in [import] format",
-    )
+def _calamine() -> _Opener | None:
+    try:
+        from python_calamine import CalamineWorkbook  # noqa: PLC0415  (an extra that is not always there)
+    except ImportError:
+        return None
+
+    def open_book(raw: io.BytesIO) -> tuple[Sequence[str], _RowsOf]:
+        book = CalamineWorkbook.from_filelike(raw)
+        # From the first row on, so that row numbers are those the sheet shows.
+        return book.sheet_names, lambda name: book.get_sheet_by_name(name).to_python(skip_empty_area=False)
+
+    return open_book
+
+
+def _openpyxl() -> _Opener | None:
+    try:
+        from openpyxl import load_workbook  # noqa: PLC0415  (an extra that is not always there)
+    except ImportError:
+        return None
+
+    def open_book(raw: io.BytesIO) -> tuple[Sequence[str], _RowsOf]:
+        book = load_workbook(raw, read_only=True, data_only=True)
+        return book.sheetnames, lambda name: book[name].iter_rows(values_only=True)
+
+    return open_book
 
 
 READER = Reader(

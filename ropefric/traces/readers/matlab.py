@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ropefric.files.text import Source
 from ropefric.registry import did_you_mean
-from ropefric.traces.readers.arrays import array_table
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.reader import Reader
-from ropefric.traces.readers.source import Source
-from ropefric.traces.readers.table import Table
+from ropefric.traces.readers.table import Reader, Table, array_table
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 

@@ -1,14 +1,38 @@
-"""A table in a file: its columns' names and units, and a way to their values."""
+"""What a reader gives: tables whose columns become the channels of recordings."""
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.errors import DataError
+from ropefric.files.text import Source
+from ropefric.files.text_table import bare_unit, is_number
+from ropefric.quantities import split_unit_suffix
+from ropefric.registry import did_you_mean
+from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording
+
+SAFE_NAMES: dict[str, tuple[str, ...]] = {
+    "time": ("time", "t"),
+    "force": ("force", "load", "f"),
+    "counts": ("counts", "adc"),
+}
+"""Bare headers that can mean nothing else, lower case; all other columns must be named by the profile."""
+
+_DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]++")
+_DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
+_NAMED_MISSING = frozenset(
+    ("na", "n/a", "#n/a", "null", "none", "-", "--", "---", "?", "missing", "error", "over", "ovl")
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
-    """One table of a file; one recording."""
+    """One table of a file, one recording: its columns' names and units, and a way to their values."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -17,3 +41,191 @@ class Table:
     sample: str = ""
     first_line: int = 0
     time_s: FloatArray | None = None
+
+    def unit(self, index: int) -> str:
+        """Return the unit of a column: the file's own, else the suffix of its header."""
+        return bare_unit(self.units[index]) or split_unit_suffix(self.names[index])[1]
+
+    def find(self, wanted: str | int, source: Source, key: str) -> int:
+        """Return the index of a column by its number or name."""
+        if isinstance(wanted, int):
+            n = len(self.names)
+            if 1 <= wanted <= n:
+                return wanted - 1
+            why, fix = f"column {wanted} was asked for; {self.listed}", f"give a column number from 1 to {n}"
+        elif not self.has_header:
+            why = f"column {wanted!r} was asked for by name, but the columns have no names; {self.listed}"
+            name = key.rpartition(" ")[2]
+            fix = f"give its number, for example {name} = {{ column = 1 }}, or set header_row"
+        else:
+            names = [header.strip() for header in self.names]
+            for candidates in (names, [split_unit_suffix(header)[0] for header in names]):
+                hits = [index for index, header in enumerate(candidates) if header == wanted.strip()]
+                if len(hits) == 1:
+                    return hits[0]
+                if hits:
+                    break
+            why, fix = (
+                f"there is no column {wanted!r}; {self.listed}",
+                did_you_mean(wanted, filter(None, names)),
+            )
+            if hits:
+                why = f"several columns are called {wanted!r}: numbers {', '.join(str(hit + 1) for hit in hits)}"
+                fix = f"give the number of the one you mean, for example {{ column = {hits[0] + 1} }}"
+        raise source.error(why, code="RF105", key=key, fix=fix)
+
+    @property
+    def listed(self) -> str:
+        """Return the columns for a message."""
+        if not self.has_header:
+            return f"the file has {len(self.names)} columns without names"
+        shown = [name.strip() or f"(column {i})" for i, name in enumerate(self.names[:30], start=1)]
+        more = ", ..." if len(self.names) > len(shown) else ""
+        return f"the file has the columns {', '.join(shown)}{more}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reader:
+    """A file format."""
+
+    name: str
+    suffixes: tuple[str, ...]
+    description: str
+    tables: Callable[[Source, ImportProfile], Sequence[Table]]
+
+    def read(self, source: Source, profile: ImportProfile) -> tuple[RawRecording, ...]:
+        """Return the file's recordings, columns as they are in the file; raises `DataError` RF101 to RF108."""
+        return tuple(_recording(table, profile, source) for table in self.tables(source, profile))
+
+
+def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecording:
+    picks = _pick_columns(table, profile, source)
+    arrays = table.values([index for index, _ in picks.values()])
+    columns = dict(zip(picks, arrays, strict=True))
+    units = {channel: unit for channel, (_, unit) in picks.items()}
+    if table.time_s is not None and "time" not in columns and profile.sampling_rate_Hz is None:
+        columns["time"], units["time"] = table.time_s, "s"
+    name = PurePath(source.shown).name
+    return RawRecording(
+        name=f"{name}#{table.sample}" if table.sample else name,
+        source=source.shown,
+        sample=table.sample,
+        columns=columns,
+        units=units,
+        first_line=table.first_line,
+    )
+
+
+def guess_channels(names: Sequence[str], *, needs_time: bool = True) -> dict[str, Channel]:
+    """Return the channels whose headers can mean nothing else, or an empty dict where that is not enough."""
+    bare = [split_unit_suffix(name.strip())[0].lower() for name in names]
+    found = {
+        channel: [number for number, name in enumerate(bare, start=1) if name in meanings]
+        for channel, meanings in SAFE_NAMES.items()
+    }
+    n_time, n_signal = len(found["time"]), len(found["force"]) + len(found["counts"])
+    if n_signal != 1 or n_time > 1 or (needs_time and n_time == 0):
+        return {}
+    return {channel: Channel(column=numbers[0]) for channel, numbers in found.items() if numbers}
+
+
+def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[str, tuple[int, str]]:
+    """Return index and unit of the column of every channel the profile names, or of those that are plain by name.
+
+    The unit is the profile's, else the file's own, else the suffix of the header.
+    """
+    channels: Mapping[str, Channel] = profile.channels
+    if not channels:
+        needs_time = profile.sampling_rate_Hz is None and table.time_s is None
+        channels = guess_channels(table.names, needs_time=needs_time)
+        if not channels:
+            raise source.error(
+                f"cannot tell which column is what; {table.listed}",
+                code="RF105",
+                key="[import.channels]",
+                fix="name the columns, for example time = { column = 1, unit = "
+                f'"s" }} and force = {{ column = 2, unit = "N" }}; `ropefric inspect {source.shown}` '
+                "suggests them",
+            )
+    picks = {}
+    for name, channel in channels.items():
+        index = table.find(channel.column, source, f"[import.channels] {name}")
+        picks[name] = (index, "" if name == "counts" else channel.unit or table.unit(index))
+    return picks
+
+
+def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | None) -> DataError:
+    """Return the error for a cell that is no number, with a guess at what it is."""
+    other = "," if decimal == "." else "."
+    why, fix = "", "mend or remove the cell, or list its text in [import] missing"
+    if is_number(cell, decimal):
+        why, fix = "it is too large for a float", "mend the cell"
+    elif cell.lower().lstrip("+-") in ("inf", "infinity"):
+        why = "an infinite value is no measurement"
+    elif is_number(cell, other):
+        mark = "comma" if other == "," else "point"
+        why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
+    elif "," in cell and _DIGITS_AND_MARKS.fullmatch(cell):
+        why, fix = "it looks like a thousands separator", "save the file without thousands separators"
+    elif cell.lower() in _NAMED_MISSING:
+        why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'
+    elif _DATE.search(cell):
+        why = "it looks like a date or a clock"
+        fix = "export seconds since the start, or leave the column out and set [import] sampling_rate"
+    shown = cell if len(cell) <= 40 else cell[:37] + "..."
+    message = f"cannot read {shown!r} as a number" + (f"; {why}" if why else "")
+    return source.error(message, code="RF102", line=line, key=name, fix=fix)
+
+
+def array_table(
+    columns: Mapping[str, np.ndarray[Any, Any]],
+    source: Source,
+    *,
+    units: Mapping[str, str] | None = None,
+    time_s: FloatArray | None = None,
+) -> Table:
+    """Return a table of named arrays of a binary file; blank names are columns that have numbers only."""
+    keys = [key.strip() or f"column {number}" for number, key in enumerate(columns, start=1)]
+    arrays = list(columns.values())
+
+    def values(indices: Sequence[int]) -> list[FloatArray]:
+        found = [_real(keys[index], arrays[index], source) for index in indices]
+        sizes = {index: array.size for index, array in zip(indices, found, strict=True)}
+        if len(set(sizes.values())) > 1:
+            listed = ", ".join(
+                f"{keys[i]} has {size}{' values' if i == indices[0] else ''}" for i, size in sizes.items()
+            )
+            raise source.error(
+                f"the columns differ in length: {listed}", code="RF103", fix="save them with one length"
+            )
+        if found and found[0].size == 0:
+            raise source.error("there are no data rows")
+        return found
+
+    return Table(
+        names=tuple(key.strip() for key in columns),
+        units=tuple((units or {}).get(key, "") for key in columns),
+        values=values,
+        has_header=any(key.strip() for key in columns),
+        time_s=time_s,
+    )
+
+
+def _real(key: str, values: np.ndarray[Any, Any], source: Source) -> FloatArray:
+    if values.dtype.kind not in "iuf":
+        raise source.error(
+            f"the column holds {values.dtype} values, not real numbers",
+            code="RF102",
+            key=key,
+            fix="name another column, or save this one as numbers",
+        )
+    array = values.astype(np.float64)
+    infinite = np.isinf(array)
+    if infinite.any():
+        raise source.error(
+            f"sample {int(np.argmax(infinite)) + 1} is infinite, which is no measurement",
+            code="RF102",
+            key=key,
+            fix="save NaN where a sample is missing",
+        )
+    return array

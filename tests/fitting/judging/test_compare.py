@@ -8,7 +8,6 @@ from scipy import optimize, stats
 
 from ropefric.errors import InputError, RopefricError, UnknownNameError
 from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.standing import NESTED
 from ropefric.fitting.statistics import (
     aicc,
     akaike_weights,
@@ -18,9 +17,9 @@ from ropefric.fitting.statistics import (
     least_squares_deviance,
     scatter_fit,
 )
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.trials.table import TrialTable
 
 
 def _average_form_rss(wrap, y, shape, rates):
@@ -220,7 +219,9 @@ def test_nested_pairs_are_nested():
         ("howell", "constant"): ([0.2, 1.0], [0.2]),
         ("bending", "constant"): ([0.2, 1e-9], [0.2]),
     }
-    assert set(special) == {(fuller, simpler) for fuller, known in NESTED.items() for simpler in known}
+    assert set(special) == {
+        (law.name, simpler.name) for law in ALL_LAWS.values() for simpler in law.special_cases
+    }
     for (fuller, simpler), (theta, plain) in special.items():
         tolerance = 1e-3 if fuller == "bending" else 1e-7
         np.testing.assert_allclose(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.compare import ALWAYS, compare_laws
-from ropefric.fitting.table import TrialTable
+from ropefric.trials.table import TrialTable
 
 
 def pulls(wraps, log_lift, repeats=6, within=0.01):

@@ -1,14 +1,42 @@
-"""Ways to bring a belt from rest to its speed; position, speed and acceleration follow from each exactly."""
+"""What moves a press from outside: ways to bring it to its speed, and all inputs as polynomials on common pieces."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import PPoly
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.systems.press.transient.polynomial import PiecewisePolynomial
+from ropefric.systems.checks import checked
+from ropefric.systems.press.transient.model import ElasticPress
+
+
+def piecewise(starts_s: npt.ArrayLike, coefficients: npt.ArrayLike) -> PPoly:
+    """Return the function Σ c_j (t − t_i)^j on each piece; the first starts at 0, the last never ends."""
+    starts, rows = np.array(starts_s, dtype=np.float64), np.array(coefficients, dtype=np.float64)
+    if rows.ndim != 2 or starts.shape != rows.shape[:1] or not starts.size:
+        raise InputError("a piecewise polynomial needs one row of coefficients for each piece")
+    if not (np.isfinite(starts).all() and np.isfinite(rows).all()):
+        raise InputError("a piecewise polynomial needs finite numbers")
+    if starts[0] != 0.0 or (np.diff(starts) <= 0.0).any():
+        raise InputError(f"the pieces start at {starts.tolist()} s; they must start at 0 and rise")
+    return PPoly(rows.T[::-1], np.append(starts, 2.0 * starts[-1] + 1.0))
+
+
+def settles(function: PPoly) -> bool:
+    """Return whether a function ends with a constant."""
+    return not function.c[:-1, -1].any()
+
+
+def final_value(function: PPoly) -> float:
+    """Return the value that a function ends with."""
+    if not settles(function):
+        raise InputError("the function never settles", fix="let its last piece be constant")
+    return float(function.c[-1, -1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,56 +46,25 @@ class DriveLaw:
     name: str
     meaning: str
     parameters: tuple[str, ...]
-    speed: Callable[..., PiecewisePolynomial]
+    speed: Callable[..., PPoly]
 
 
-def positive(name: str, value: float) -> float:
-    """Return a finite positive number."""
-    if not 0.0 < value < float("inf"):
-        raise InputError(f"{name} is {value:g}; it must be positive and finite", key=name)
-    return float(value)
+def _constant(*, speed_m_s: float) -> PPoly:
+    return piecewise([0.0], [[float(checked("speed_m_s", speed_m_s))]])
 
 
-def _constant(*, speed_m_s: float) -> PiecewisePolynomial:
-    return PiecewisePolynomial.of([0.0], [[positive("speed_m_s", speed_m_s)]])
+def _ramp(*, speed_m_s: float, duration_s: float) -> PPoly:
+    final, duration = float(checked("speed_m_s", speed_m_s)), float(checked("duration_s", duration_s))
+    return piecewise([0.0, duration], [[0.0, final / duration], [final, 0.0]])
 
 
-_CONSTANT = DriveLaw(
-    name="constant",
-    meaning="full speed from the first moment, while the rest of the machine still stands",
-    parameters=("speed_m_s",),
-    speed=_constant,
-)
-
-
-def _ramp(*, speed_m_s: float, duration_s: float) -> PiecewisePolynomial:
-    final, duration = positive("speed_m_s", speed_m_s), positive("duration_s", duration_s)
-    return PiecewisePolynomial.of([0.0, duration], [[0.0, final / duration], [final, 0.0]])
-
-
-_RAMP = DriveLaw(
-    name="ramp",
-    meaning="constant acceleration; it jumps at both ends of the ramp",
-    parameters=("speed_m_s", "duration_s"),
-    speed=_ramp,
-)
-
-
-def _s_curve(*, speed_m_s: float, duration_s: float) -> PiecewisePolynomial:
-    final, duration = positive("speed_m_s", speed_m_s), positive("duration_s", duration_s)
+def _s_curve(*, speed_m_s: float, duration_s: float) -> PPoly:
+    final, duration = float(checked("speed_m_s", speed_m_s)), float(checked("duration_s", duration_s))
     rise = [0.0, 0.0, 3.0 * final / duration**2, -2.0 * final / duration**3]
-    return PiecewisePolynomial.of([0.0, duration], [rise, [final, 0.0, 0.0, 0.0]])
+    return piecewise([0.0, duration], [rise, [final, 0.0, 0.0, 0.0]])
 
 
-_S_CURVE = DriveLaw(
-    name="s-curve",
-    meaning="a smooth rise whose acceleration starts and ends at zero; its greatest is 1.5 times the mean",
-    parameters=("speed_m_s", "duration_s"),
-    speed=_s_curve,
-)
-
-
-def _table(*, time_s: npt.ArrayLike, speed_m_s: npt.ArrayLike) -> PiecewisePolynomial:
+def _table(*, time_s: npt.ArrayLike, speed_m_s: npt.ArrayLike) -> PPoly:
     times, speeds = np.asarray(time_s, dtype=np.float64), np.asarray(speed_m_s, dtype=np.float64)
     if times.ndim != 1 or times.shape != speeds.shape or not times.size:
         raise InputError(
@@ -77,19 +74,92 @@ def _table(*, time_s: npt.ArrayLike, speed_m_s: npt.ArrayLike) -> PiecewisePolyn
         )
     if times[0] != 0.0 or (np.diff(times) <= 0.0).any() or not np.isfinite(times).all():
         raise InputError("the times of the table must start at 0 s and rise", key="time_s")
-    if not (np.isfinite(speeds).all() and (speeds >= 0.0).all()):
-        raise InputError("the speeds of the table must be finite and zero or more", key="speed_m_s")
+    checked("speed_m_s", speeds, "zero or more")
     slopes = np.append(np.diff(speeds) / np.diff(times), 0.0)
-    return PiecewisePolynomial(starts_s=times, coefficients=np.column_stack([speeds, slopes]))
+    return piecewise(times, np.column_stack([speeds, slopes]))
 
 
-_TABLE = DriveLaw(
-    name="table",
-    meaning="speeds at given times with straight lines between them; after the last one the speed stays",
-    parameters=("time_s", "speed_m_s"),
-    speed=_table,
+DRIVE_LAWS: Registry[DriveLaw] = Registry(
+    "drive law",
+    [
+        DriveLaw(
+            name="constant",
+            meaning="full speed from the first moment, while the rest of the machine still stands",
+            parameters=("speed_m_s",),
+            speed=_constant,
+        ),
+        DriveLaw(
+            name="ramp",
+            meaning="constant acceleration; it jumps at both ends of the ramp",
+            parameters=("speed_m_s", "duration_s"),
+            speed=_ramp,
+        ),
+        DriveLaw(
+            name="s-curve",
+            meaning="a smooth rise whose acceleration starts and ends at zero; its greatest is 1.5 times the mean",
+            parameters=("speed_m_s", "duration_s"),
+            speed=_s_curve,
+        ),
+        DriveLaw(
+            name="table",
+            meaning="speeds at given times with straight lines between them; after the last one the speed stays",
+            parameters=("time_s", "speed_m_s"),
+            speed=_table,
+        ),
+    ],
 )
-
-
-DRIVE_LAWS: Registry[DriveLaw] = Registry("drive law", [_CONSTANT, _RAMP, _S_CURVE, _TABLE])
 """The drive laws."""
+
+Loads = Literal["with-speed", "constant"] | PPoly
+
+ONE, LOAD, SPEED, ACCELERATION, SPEED_SQUARED, FIRST_DRIVER = range(6)
+"""Places of the inputs: 1, the factor on all loads, v, dv/dt, v²; then shift and its two derivatives per driver."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Inputs:
+    """Inputs u(t) of a press, by their Taylor coefficients on common pieces, shape (n_pieces, n_inputs, n_orders)."""
+
+    starts_s: FloatArray
+    taylor: FloatArray
+
+    def at(self, time_s: npt.ArrayLike, piece: int | None = None) -> FloatArray:
+        """Return u, shape (..., n_inputs); at a jump the value after it, unless a piece is named."""
+        time = np.asarray(time_s, dtype=np.float64)
+        place = np.searchsorted(self.starts_s, time, side="right") - 1 if piece is None else piece
+        tau = np.asarray(time - self.starts_s[place])[..., None]
+        value = np.zeros(1)
+        for order in reversed(range(self.taylor.shape[2])):
+            value = self.taylor[place, :, order] + value * (tau / (order + 1.0))
+        return value
+
+
+def press_inputs(model: ElasticPress, speed: PPoly, loads: Loads) -> Inputs:
+    """Return the inputs of a press."""
+    one = piecewise([0.0], [[1.0]])
+    if isinstance(loads, PPoly):
+        factor = loads
+    elif loads == "with-speed":
+        if final_value(speed) <= 0.0:
+            raise InputError("loads 'with-speed' need a drive that ends with a positive speed", key="loads")
+        factor = PPoly(speed.c / final_value(speed), speed.x)
+    elif loads == "constant":
+        factor = one
+    else:
+        raise InputError(
+            f"loads = '{loads}' is unknown", key="loads", fix="with-speed, constant, or a function"
+        )
+    squared = PPoly(np.array([np.convolve(row, row) for row in speed.c.T]).T, speed.x)
+    functions = [one, factor, speed, speed.derivative(), squared]
+    for extra in model.overspeed - model.overspeed[0]:
+        own = PPoly(extra * speed.c, speed.x)
+        functions += [own.antiderivative(), own, own.derivative()]
+    return common_pieces(functions)
+
+
+def common_pieces(functions: Sequence[PPoly]) -> Inputs:
+    """Return functions by their Taylor coefficients on pieces on which all of them are polynomials."""
+    starts = np.unique(np.concatenate([function.x[:-1] for function in functions]))
+    orders = range(max(len(function.c) for function in functions))
+    taylor = [[function(starts, order) for order in orders] for function in functions]
+    return Inputs(starts_s=starts, taylor=np.moveaxis(np.array(taylor), 2, 0))

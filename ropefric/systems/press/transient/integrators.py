@@ -1,9 +1,9 @@
-"""Ways from a linear start-up to its states at given times: the exact one, and those it is compared with."""
+"""The linear start-up, and ways to its states at given times: the exact one, and those it is compared with."""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -12,24 +12,67 @@ from scipy.integrate import solve_ivp
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.registry import Registry
-from ropefric.systems.press.transient.exponential import Propagator
-from ropefric.systems.press.transient.problem import LinearStartUp
-from ropefric.systems.press.transient.spectrum import rk4_limit_s
-
-MOST_STEPS = 500_000
-"""Of a start-up; each takes some 50 µs."""
+from ropefric.systems.press.transient.drives import SPEED, Inputs
+from ropefric.systems.press.transient.exact import Propagator, check_steps
+from ropefric.systems.press.transient.model import ElasticPress
+from ropefric.systems.press.transient.motion import Motion, power_forms, starting_state, sticking
 
 
-def check_steps(needed: float) -> None:
-    """Refuse a start-up of more steps than anybody waits for; return quietly otherwise."""
-    if not needed <= MOST_STEPS:
-        raise SolverError(
-            f"the start-up takes more than {MOST_STEPS} steps, the limit: its fastest oscillation, or the step or"
-            " tolerance asked for, is too short for the time simulated",
-            code="RF524",
-            key="start_up.simulate",
-            fix="simulate a shorter time, or correct the inertias, masses and stiffnesses",
-        )
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinearStartUp:
+    """A start-up in which no belt slips or goes slack: dy/dt = A y + B u(t), and powers that are squares of it."""
+
+    model: ElasticPress
+    inputs: Inputs
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Return the equations of motion."""
+        return Motion(model=self.model, mode=sticking(self.model))
+
+    @cached_property
+    def n_state(self) -> int:
+        """Return the size of the state y = (q, dq/dt)."""
+        return 2 * self.motion.n_coordinates
+
+    @cached_property
+    def forms(self) -> FloatArray:
+        """Return the powers, shape (6, n_w, n_w), see `ropefric.systems.press.transient.motion.POWERS`."""
+        return power_forms(self.motion)
+
+    @cached_property
+    def start(self) -> FloatArray:
+        """Return the state at t = 0."""
+        return starting_state(self.motion, self.inputs)
+
+    @cached_property
+    def scale(self) -> FloatArray:
+        """Return what counts as large for each state and work, for absolute tolerances, shape (n_state + 6,)."""
+        model = self.model
+        way = float((model.preload_N / model.stiffness_N_m).max())
+        speed = max(float(np.abs(self.inputs.taylor[:, SPEED, 0]).max()), 1e-3)
+        mass = float(model.roller_mass_kg.sum() + model.arc_mass_kg.sum())
+        n_q = self.n_state // 2
+        return np.repeat([way, speed, 0.5 * mass * speed**2], [n_q, n_q, 6])
+
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """Return the eigenvalues of A [1/s]."""
+        return np.linalg.eigvals(self.motion.derivative[:, : self.n_state])
+
+    def rate(self, y: FloatArray, u: FloatArray) -> FloatArray:
+        """Return d(state, works)/dt, shape (n_state + 6,)."""
+        w = np.concatenate([y[: self.n_state], u])
+        return np.concatenate([self.motion.derivative @ w, (self.forms @ w) @ w])
+
+    def jacobian(self, y: FloatArray, u: FloatArray) -> FloatArray:
+        """Return the derivative of `rate` by (state, works), shape (n_state + 6, n_state + 6)."""
+        n = self.n_state
+        w = np.concatenate([y[:n], u])
+        whole = np.zeros((n + 6, n + 6))
+        whole[:n, :n] = self.motion.derivative[:, :n]
+        whole[n:, :n] = 2.0 * (self.forms @ w)[:, :n]
+        return whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +85,7 @@ class Settings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Integrator:
-    """A way to integrate."""
+    """A way to integrate; `solve` returns states beside works at sorted times, shape (n_times, n_state + 6)."""
 
     name: str
     meaning: str
@@ -50,54 +93,71 @@ class Integrator:
     solve: Callable[[LinearStartUp, FloatArray, Settings], FloatArray]
 
 
+Advance = Callable[[int, float, FloatArray, FloatArray], FloatArray]
+"""(piece of the drive, its start, stops inside it, state and works at its start) to those at the stops."""
+
+
+def _piece_by_piece(problem: LinearStartUp, times_s: FloatArray, advance: Advance) -> FloatArray:
+    """Carry state and works through the pieces of the drive, and return them at sorted times."""
+    y = np.concatenate([problem.start, np.zeros(6)])
+    states = np.zeros((len(times_s), len(y)))
+    states[times_s == 0.0] = y
+    starts = problem.inputs.starts_s
+    for piece, (start, next_start) in enumerate(zip(starts, [*starts[1:], np.inf], strict=True)):
+        if start >= times_s[-1]:
+            break
+        inside = np.flatnonzero((times_s > start) & (times_s <= next_start))
+        stops = np.unique(np.append(times_s[inside], min(next_start, times_s[-1])))
+        found = advance(piece, float(start), stops, y)
+        states[inside], y = found[: inside.size], found[-1]
+    return states
+
+
 _SAME_STEP = 1e-12
 """Steps that differ by less, against the time reached, are one step: times on a grid are rounded."""
 
 
 def _by_exponentials(problem: LinearStartUp, times_s: FloatArray, _: Settings) -> FloatArray:
-    n = problem.n_state
-    derivative = problem.motion.derivative
-    states = np.zeros((len(times_s), n + 6))
-    y, works = problem.start, np.zeros(6)
-    states[times_s == 0.0, :n] = y
-    for piece, start, end, inside in problem.pieces(times_s):
+    n, derivative = problem.n_state, problem.motion.derivative
+
+    def advance(piece: int, start: float, stops: FloatArray, y: FloatArray) -> FloatArray:
         propagator = Propagator(
             state=derivative[:, :n], drive=derivative[:, n:], taylor=problem.inputs.taylor[piece]
         )
         known: list[tuple[float, FloatArray, FloatArray]] = []
-        z, now = propagator.lift(y, 0.0), start
-        stops = [*times_s[inside], end] if not inside.size or times_s[inside[-1]] < end else times_s[inside]
-        for i, stop in enumerate(stops):
-            flow, integrals = _flow_over(propagator, problem.forms, float(stop) - now, float(stop), known)
-            works = works + (integrals @ z) @ z
-            z, now = flow @ z, float(stop)
-            if i < inside.size:
-                states[inside[i], :n], states[inside[i], n:] = z[:n], works
-        y = z[:n]
-    return states
+        z, works, found = propagator.lift(y[:n], 0.0), y[n:], []
+        for length, stop in zip(np.diff(stops, prepend=start).tolist(), stops.tolist(), strict=True):
+            same = (made for made in known if abs(made[0] - length) <= _SAME_STEP * stop)
+            made = next(same, None)
+            if made is None:
+                made = length, propagator.step(length), propagator.integrals(problem.forms, length)
+                known.append(made)
+            works = works + (made[2] @ z) @ z
+            z = made[1] @ z
+            found.append(np.concatenate([z[:n], works]))
+        return np.array(found)
+
+    return _piece_by_piece(problem, times_s, advance)
 
 
-def _flow_over(
-    propagator: Propagator,
-    forms: FloatArray,
-    length_s: float,
-    now_s: float,
-    known: list[tuple[float, FloatArray, FloatArray]],
-) -> tuple[FloatArray, FloatArray]:
-    for length, flow, integrals in known:
-        if abs(length - length_s) <= _SAME_STEP * now_s:
-            return flow, integrals
-    made = (length_s, propagator.step(length_s), propagator.integrals(forms, length_s))
-    known.append(made)
-    return made[1], made[2]
+def rk4_limit_s(eigenvalues: np.ndarray) -> float:
+    """Return the greatest step at which the classical Runge-Kutta method does not amplify any motion [s].
+
+    |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1 has to hold for z = hλ of every eigenvalue. Seen from 0 the region's border is
+    more than 2 away in every direction of the left half-plane, 2√2 along the imaginary axis.
+    """
+    limits = [_border(value / abs(value)) / abs(value) for value in eigenvalues if abs(value) > 0.0]
+    return float(min(limits, default=np.inf))
 
 
-_EXACT = Integrator(
-    name="exact",
-    meaning="matrix exponential; no error of discretisation at any stiffness, at the times asked for only",
-    control="exact",
-    solve=_by_exponentials,
-)
+def _border(direction: complex) -> float:
+    # |R|² − 1 is a polynomial in the distance; its root at 0 is divided out.
+    series = direction ** np.arange(5) / np.array([1.0, 1.0, 2.0, 6.0, 24.0])
+    squared = np.convolve(series, series.conj()).real[1:]
+    roots = np.roots(squared[::-1])
+    real = roots[np.abs(roots.imag) <= 1e-6 * np.abs(roots)].real
+    beyond = real[real > 1.5]
+    return float(beyond.min()) if beyond.size else 2.0 * np.sqrt(2.0)
 
 
 def _by_rk4(problem: LinearStartUp, times_s: FloatArray, settings: Settings) -> FloatArray:
@@ -111,40 +171,25 @@ def _by_rk4(problem: LinearStartUp, times_s: FloatArray, settings: Settings) -> 
             fix=f"take {limit_s:.4g} s or less, or the integrator 'exact' or 'radau'",
         )
     check_steps(float(times_s[-1]) / step_s)
-    n = problem.n_state
-    states = np.zeros((len(times_s), n + 6))
-    y = np.concatenate([problem.start, np.zeros(6)])
-    states[times_s == 0.0] = y
-    for piece, start, end, inside in problem.pieces(times_s):
-        now = start
-        stops = [*times_s[inside], end] if not inside.size or times_s[inside[-1]] < end else times_s[inside]
-        for i, stop in enumerate(stops):
+
+    def advance(piece: int, start: float, stops: FloatArray, y: FloatArray) -> FloatArray:
+        now, found = start, []
+        for stop in stops.tolist():
             # The step is shortened a little so that every time asked for is met.
-            count = max(1, math.ceil((float(stop) - now) / step_s * (1.0 - 1e-9)))
-            h = (float(stop) - now) / count
+            count = max(1, math.ceil((stop - now) / step_s * (1.0 - 1e-9)))
+            h = (stop - now) / count
             for k in range(count):
-                y = _rk4_step(problem, y, piece, now + k * h, h)
-            now = float(stop)
-            if i < inside.size:
-                states[inside[i]] = y
-    return states
+                first, middle, last = problem.inputs.at(now + (k + np.array([0.0, 0.5, 1.0])) * h, piece)
+                k1 = problem.rate(y, first)
+                k2 = problem.rate(y + 0.5 * h * k1, middle)
+                k3 = problem.rate(y + 0.5 * h * k2, middle)
+                k4 = problem.rate(y + h * k3, last)
+                y = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+            now = stop
+            found.append(y)
+        return np.array(found)
 
-
-def _rk4_step(problem: LinearStartUp, y: FloatArray, piece: int, t: float, h: float) -> FloatArray:
-    first, middle, last = (problem.input_at(piece, t + part * h) for part in (0.0, 0.5, 1.0))
-    k1 = problem.rate(y, first)
-    k2 = problem.rate(y + 0.5 * h * k1, middle)
-    k3 = problem.rate(y + 0.5 * h * k2, middle)
-    k4 = problem.rate(y + h * k3, last)
-    return np.asarray(y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
-
-
-_RK4 = Integrator(
-    name="rk4",
-    meaning="classical Runge-Kutta with a fixed step, the paper's method; refuses an unstable step",
-    control="step",
-    solve=_by_rk4,
-)
+    return _piece_by_piece(problem, times_s, advance)
 
 
 _RATES_A_STEP = 12
@@ -162,7 +207,7 @@ def _adaptively(
     method: Literal["DOP853", "Radau", "LSODA"],
     implicit: bool,
 ) -> FloatArray:
-    """Return states beside works at sorted times, see `Integrator.solve`.
+    """Return states beside works at sorted times.
 
     Steps are such that the tensions, too, are off by no more than some times the tolerance, however stiff the belt;
     where nothing damps it, errors add up over the periods.
@@ -173,25 +218,21 @@ def _adaptively(
         )
     share = _IMPLICIT_SHARE if implicit else _EXPLICIT_SHARE
     absolute = settings.tolerance * np.minimum(problem.scale, share * _tension_scale(problem))
-    states = np.zeros((len(times_s), problem.n_state + 6))
-    y = np.concatenate([problem.start, np.zeros(6)])
-    states[times_s == 0.0] = y
     asked = 0
-    for piece, start, end, inside in problem.pieces(times_s):
-        stops = np.unique(np.append(times_s[inside], end))
-        options: dict[str, Any] = {}
 
-        def rate(t: float, y: FloatArray, piece: int = piece) -> FloatArray:
+    def advance(piece: int, start: float, stops: FloatArray, y: FloatArray) -> FloatArray:
+        def rate(t: float, y: FloatArray) -> FloatArray:
             nonlocal asked
             asked += 1
             check_steps(asked / _RATES_A_STEP)
-            return problem.rate(y, problem.input_at(piece, t))
+            return problem.rate(y, problem.inputs.at(t, piece))
 
+        options: dict[str, Any] = {}
         if implicit:
-            options["jac"] = lambda t, y, piece=piece: problem.jacobian(y, problem.input_at(piece, t))
+            options["jac"] = lambda t, y: problem.jacobian(y, problem.inputs.at(t, piece))
         found = solve_ivp(
             rate,
-            (start, end),
+            (start, float(stops[-1])),
             y,
             method=method,
             t_eval=stops,
@@ -205,9 +246,9 @@ def _adaptively(
                 code="RF524",
                 fix="take the integrator 'exact'",
             )
-        states[inside] = found.y.T[: inside.size]
-        y = found.y[:, -1]
-    return states
+        return np.asarray(found.y.T)
+
+    return _piece_by_piece(problem, times_s, advance)
 
 
 def _tension_scale(problem: LinearStartUp) -> FloatArray:
@@ -222,29 +263,39 @@ def _tension_scale(problem: LinearStartUp) -> FloatArray:
     return np.concatenate([ways, np.full(6, np.inf)])
 
 
-_DOP853 = Integrator(
-    name="dop853",
-    meaning="explicit Runge-Kutta of eighth order; for small errors where nothing is stiff",
-    control="tolerance",
-    solve=partial(_adaptively, method="DOP853", implicit=False),
+INTEGRATORS: Registry[Integrator] = Registry(
+    "integrator",
+    [
+        Integrator(
+            name="exact",
+            meaning="matrix exponential; no error of discretisation at any stiffness, at the times asked for only",
+            control="exact",
+            solve=_by_exponentials,
+        ),
+        Integrator(
+            name="rk4",
+            meaning="classical Runge-Kutta with a fixed step, the paper's method; refuses an unstable step",
+            control="step",
+            solve=_by_rk4,
+        ),
+        Integrator(
+            name="dop853",
+            meaning="explicit Runge-Kutta of eighth order; for small errors where nothing is stiff",
+            control="tolerance",
+            solve=partial(_adaptively, method="DOP853", implicit=False),
+        ),
+        Integrator(
+            name="radau",
+            meaning="implicit Runge-Kutta of fifth order with the analytic Jacobian; for stiff, damped belts",
+            control="tolerance",
+            solve=partial(_adaptively, method="Radau", implicit=True),
+        ),
+        Integrator(
+            name="lsoda",
+            meaning="multistep, which changes between stiff and non-stiff by itself, with the analytic Jacobian",
+            control="tolerance",
+            solve=partial(_adaptively, method="LSODA", implicit=True),
+        ),
+    ],
 )
-
-
-_RADAU = Integrator(
-    name="radau",
-    meaning="implicit Runge-Kutta of fifth order with the analytic Jacobian; for stiff, damped belts",
-    control="tolerance",
-    solve=partial(_adaptively, method="Radau", implicit=True),
-)
-
-
-_LSODA = Integrator(
-    name="lsoda",
-    meaning="multistep, which changes between stiff and non-stiff by itself, with the analytic Jacobian",
-    control="tolerance",
-    solve=partial(_adaptively, method="LSODA", implicit=True),
-)
-
-
-INTEGRATORS: Registry[Integrator] = Registry("integrator", [_EXACT, _RK4, _DOP853, _RADAU, _LSODA])
 """The integrators; the first is the default."""

@@ -20,24 +20,40 @@ from functools import cached_property
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.systems.press.transient.inputs import (
+from ropefric.errors import InputError
+from ropefric.systems.press.transient.drives import (
     ACCELERATION,
     FIRST_DRIVER,
     LOAD,
     ONE,
     SPEED,
     SPEED_SQUARED,
+    Inputs,
 )
-from ropefric.systems.press.transient.mode import STICK, Mode
-from ropefric.systems.press.transient.model import ElasticPress
+from ropefric.systems.press.transient.model import ElasticPress, FrictionLimit
+
+STICK, FORWARD, BACKWARD = 0, 1, -1
+"""The belt goes with the roller, runs ahead of it (a driven roller slips), or lags behind it (a driver slips)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FrictionLimit:
-    """What gross slip on each roller is governed by."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mode:
+    """State of every roller and span: between two changes of it the press is a linear system."""
 
-    growth: FloatArray
-    share: FloatArray
+    contact: tuple[int, ...]
+    turning: tuple[int, ...]
+    pressed: tuple[bool, ...]
+    taut: tuple[bool, ...]
+    strained: tuple[bool, ...]
+
+
+def sticking(model: ElasticPress) -> Mode:
+    """Return the mode of the linear model: no belt slips, all are taut."""
+    n_rollers, n_spans = model.incidence.shape
+    every = (True,) * n_spans
+    return Mode(
+        contact=(STICK,) * n_rollers, turning=(1,) * n_rollers, pressed=every, taut=every, strained=every
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,72 +80,63 @@ class Motion:
         """Return the number of inputs u."""
         return FIRST_DRIVER + 3 * len(self.model.drivers)
 
+    @property
+    def _n_w(self) -> int:
+        return 2 * self.n_coordinates + self.n_inputs
+
     def input(self, place: int) -> FloatArray:
         """Return the row of one input, shape (n_w,)."""
-        row = np.zeros(2 * self.n_coordinates + self.n_inputs)
-        row[2 * self.n_coordinates + place] = 1.0
-        return row
+        return np.eye(1, self._n_w, k=2 * self.n_coordinates + place).reshape(-1)
 
-    @cached_property
-    def _roller_place(self) -> FloatArray:
-        """Return which coordinate is whose way, shape (n_rollers, n_q); a driver has none."""
-        place = np.zeros((self.n_rollers, self.n_coordinates))
-        place[self.model.driven, np.arange(len(self.model.driven))] = 1.0
-        return place
+    def _of_rollers(self, order: int) -> FloatArray:
+        """Return ways (order 0), speeds (1) or accelerations (2) of the rims relative to the first driver's.
 
-    @cached_property
-    def _slip_place(self) -> FloatArray:
-        place = np.zeros((self.n_rollers, self.n_coordinates))
-        if self.limit is not None:
-            place[:, -self.n_rollers :] = np.eye(self.n_rollers)
-        return place
-
-    def _rows(self, place: FloatArray, order: int, driver_part: int | None = None) -> FloatArray:
-        """Return coordinates (order 0) or their speeds (1) as rows, with what is prescribed for the drivers."""
-        n_q = self.n_coordinates
-        rows = np.zeros((len(place), 2 * n_q + self.n_inputs))
-        rows[:, order * n_q : (order + 1) * n_q] = place
-        if driver_part is not None:
-            for i, driver in enumerate(self.model.drivers):
-                rows[driver, 2 * n_q + FIRST_DRIVER + 3 * i + driver_part] = 1.0
+        Coordinates have no accelerations of their own: those of all but the drivers stay zero.
+        """
+        rows, n_q, model = np.zeros((self.n_rollers, self._n_w)), self.n_coordinates, self.model
+        if order < 2:
+            rows[model.driven, order * n_q + np.arange(len(model.driven))] = 1.0
+        rows[model.drivers, 2 * n_q + FIRST_DRIVER + 3 * np.arange(len(model.drivers)) + order] = 1.0
         return rows
+
+    def _of_tensioners(self, order: int) -> FloatArray:
+        first = order * self.n_coordinates + len(self.model.driven)
+        return np.eye(len(self.model.spring_N_m), self._n_w, k=first)
+
+    def _of_slips(self, order: int) -> FloatArray:
+        if self.limit is None:
+            return np.zeros((self.n_rollers, self._n_w))
+        return np.eye(self.n_rollers, self._n_w, k=(order + 1) * self.n_coordinates - self.n_rollers)
 
     @cached_property
     def travel_m(self) -> FloatArray:
         """Return ξ, shape (n_tensioners, n_w)."""
-        return self._rows(self._tensioner_place, 0)
+        return self._of_tensioners(0)
 
     @cached_property
     def travel_speed_m_s(self) -> FloatArray:
         """Return dξ/dt, shape (n_tensioners, n_w)."""
-        return self._rows(self._tensioner_place, 1)
-
-    @cached_property
-    def _tensioner_place(self) -> FloatArray:
-        n_driven, n_tensioners = len(self.model.driven), len(self.model.spring_N_m)
-        place = np.zeros((n_tensioners, self.n_coordinates))
-        place[:, n_driven : n_driven + n_tensioners] = np.eye(n_tensioners)
-        return place
+        return self._of_tensioners(1)
 
     @cached_property
     def relative_way_m(self) -> FloatArray:
         """Return Rθ of every roller less that of the first driver, shape (n_rollers, n_w)."""
-        return self._rows(self._roller_place, 0, 0)
+        return self._of_rollers(0)
 
     @cached_property
     def rim_speed_m_s(self) -> FloatArray:
         """Return Rθ' of every roller, shape (n_rollers, n_w)."""
-        return self._rows(self._roller_place, 1, 1) + self.input(SPEED)
+        return self._of_rollers(1) + self.input(SPEED)
 
     @cached_property
     def slip_m(self) -> FloatArray:
         """Return δ of every roller, shape (n_rollers, n_w)."""
-        return self._rows(self._slip_place, 0)
+        return self._of_slips(0)
 
     @cached_property
     def slip_speed_m_s(self) -> FloatArray:
         """Return dδ/dt of every roller, shape (n_rollers, n_w)."""
-        return self._rows(self._slip_place, 1)
+        return self._of_slips(1)
 
     @cached_property
     def stretch_speed_m_s(self) -> FloatArray:
@@ -171,8 +178,7 @@ class Motion:
             nothing = np.zeros_like(self.net_pull_N)
             return nothing, nothing
         pressing = np.array(self.mode.pressed, dtype=np.float64)[:, None] * self.pressing_N
-        upstream = np.maximum(-self.model.incidence, 0.0) @ pressing
-        downstream = np.maximum(self.model.incidence, 0.0) @ pressing
+        upstream, downstream = self.model.into @ pressing, self.model.out_of @ pressing
         tight, slack = (
             (1.0 - self.limit.share)[:, None],
             (self.limit.share * self.limit.growth - 1.0)[:, None],
@@ -186,7 +192,7 @@ class Motion:
 
     @cached_property
     def _driver_acceleration(self) -> FloatArray:
-        return self._rows(np.zeros_like(self._roller_place), 0, 2) + self.input(ACCELERATION)
+        return self._of_rollers(2) + self.input(ACCELERATION)
 
     @cached_property
     def rim_acceleration_m_s2(self) -> FloatArray:
@@ -243,12 +249,107 @@ class Motion:
     @cached_property
     def derivative(self) -> FloatArray:
         """Return d(q, dq/dt)/dt, shape (2 n_q, n_w)."""
-        driven = self.model.driven
+        n_q = self.n_coordinates
         rows = [
-            self._rows(np.eye(self.n_coordinates), 1),
-            self.rim_acceleration_m_s2[driven] - self.input(ACCELERATION),
+            np.eye(n_q, self._n_w, k=n_q),
+            self.rim_acceleration_m_s2[self.model.driven] - self.input(ACCELERATION),
             self.travel_acceleration_m_s2,
         ]
         if self.limit is not None:
             rows.append(self.belt_acceleration_m_s2 - self.rim_acceleration_m_s2)
         return np.vstack(rows)
+
+
+def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
+    """Return the coordinates at which nothing accelerates under constant inputs u, shape (n_q,).
+
+    Belts that slip do not take part: their δ stay zero.
+    """
+    n_q = motion.n_coordinates
+    free = len(motion.model.driven) + len(motion.model.spring_N_m)
+    rows = motion.derivative[n_q : n_q + free]
+    stiffness, load = rows[:, :free], rows[:, 2 * n_q :] @ inputs
+    if np.linalg.matrix_rank(stiffness) < free:
+        raise InputError(
+            "the press has no place of rest: a belt or tensioner is held by nothing", code="RF521"
+        )
+    return np.concatenate([-np.linalg.solve(stiffness, load), np.zeros(n_q - free)])
+
+
+def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
+    """Return (q, dq/dt) of a machine at rest in balance with the loads of the first moment, shape (2 n_q,).
+
+    Where the drive begins with a speed, all but the drivers still stand: relative to the drive they move backward.
+    """
+    first = inputs.at(0.0)
+    still = first.copy()
+    still[[SPEED, ACCELERATION]] = 0.0
+    still[SPEED + 2 :] = 0.0
+    speeds = np.zeros(motion.n_coordinates)
+    speeds[: len(motion.model.driven)] = -first[SPEED]
+    return np.concatenate([resting_coordinates(motion, still), speeds])
+
+
+def settled_tension_N(model: ElasticPress, *, speed_m_s: float, load_factor: float = 1.0) -> FloatArray:
+    """Return the tensions of steady running in closed form, shape (n_spans,) [N].
+
+    It is what a start-up tends to; with the tensioners' damping alone that takes hours, and with no damping at all it
+    is only the mean.
+    """
+    if np.ptp(model.overspeed) > 0.0 and speed_m_s != 0.0:
+        raise InputError(
+            "drivers of different speed stretch the belts between them until one slips: nothing settles",
+            key="overspeed",
+            fix="give all drivers one speed, or solve the start-up with friction",
+        )
+    motion = Motion(model=model, mode=sticking(model))
+    inputs = np.zeros(motion.n_inputs)
+    inputs[[ONE, LOAD, SPEED, SPEED_SQUARED]] = 1.0, load_factor, speed_m_s, speed_m_s**2
+    at_rest = resting_coordinates(motion, inputs)
+    return np.asarray(motion.tension_N @ np.concatenate([at_rest, np.zeros_like(at_rest), inputs]))
+
+
+POWERS = ("drive", "load", "belt", "tensioner", "slip", "centrifugal")
+"""Works that are counted: done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and
+done by the running belts' momentum ρAv² on the tensioners."""
+
+
+def power_forms(motion: Motion) -> FloatArray:
+    """Return the powers in the order of `POWERS` as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w)."""
+    model = motion.model
+    drivers = model.drivers
+    push = (model.roller_mass_kg[:, None] * motion.rim_acceleration_m_s2 + motion.load_N - motion.friction_N)[
+        drivers
+    ]
+    kept = np.array(motion.mode.strained, dtype=np.float64)[:, None] * motion.spring_N
+    momentum = -np.outer(model.pull @ model.density_kg_m, motion.input(SPEED_SQUARED))
+    pairs = (
+        (push, motion.rim_speed_m_s[drivers]),
+        (motion.load_N, motion.rim_speed_m_s),
+        (motion.tension_N - kept, motion.stretch_speed_m_s),
+        (model.tensioner_damping_N_s_m[:, None] * motion.travel_speed_m_s, motion.travel_speed_m_s),
+        (motion.friction_N, motion.slip_speed_m_s),
+        (momentum, motion.travel_speed_m_s),
+    )
+    products = np.array([force.T @ speed for force, speed in pairs])
+    return np.asarray(0.5 * (products + products.transpose(0, 2, 1)))
+
+
+def kinetic_energy_J(motion: Motion, w: FloatArray) -> FloatArray:
+    """Return the kinetic energy of rollers, belts on them and tensioners at states w of shape (..., n_w)."""
+    model = motion.model
+    rim, slip, travel = (
+        w @ rows.T for rows in (motion.rim_speed_m_s, motion.slip_speed_m_s, motion.travel_speed_m_s)
+    )
+    energy = rim**2 @ model.roller_mass_kg + (rim + slip) ** 2 @ model.arc_mass_kg
+    return np.asarray(0.5 * (energy + travel**2 @ model.tensioner_mass_kg))
+
+
+def elastic_energy_J(motion: Motion, w: FloatArray) -> FloatArray:
+    """Return the energy of the strained spans, and of the tensioners from their place at rest, at states w."""
+    model = motion.model
+    spring, travel = w @ motion.spring_N.T, w @ motion.travel_m.T
+    if motion.limit is not None:
+        spring = np.maximum(spring, 0.0)  # the linear model's belts push, and store energy by it
+    held = travel**2 @ (0.5 * model.spring_N_m) + travel @ (model.pull @ model.preload_N)
+    return np.asarray(spring**2 @ (0.5 / model.stiffness_N_m) + held)

@@ -1,35 +1,167 @@
 """The start-up of a press: from the machine and its drive to tensions, speeds, slips and energies."""
 
+from collections import defaultdict
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.transient.energy import POWERS
-from ropefric.systems.press.transient.histories import histories_of, slip_intervals
-from ropefric.systems.press.transient.hybrid import solve_hybrid
-from ropefric.systems.press.transient.ingredients import Ingredients
-from ropefric.systems.press.transient.inputs import Loads, press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
-from ropefric.systems.press.transient.limit import friction_limit
-from ropefric.systems.press.transient.model import ElasticPress, elastic_press
-from ropefric.systems.press.transient.polynomial import PiecewisePolynomial
-from ropefric.systems.press.transient.problem import LinearStartUp
-from ropefric.systems.press.transient.rest import settled_tension_N
-from ropefric.systems.press.transient.result import SlipInterval, StartUp
+from ropefric.systems.press.statics import radii_m
+from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, final_value, press_inputs, settles
+from ropefric.systems.press.transient.exact import Guard, HybridSolver
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings
+from ropefric.systems.press.transient.model import (
+    MOVING,
+    ElasticPress,
+    FrictionLimit,
+    elastic_press,
+    friction_limit,
+    friction_utilisation,
+)
+from ropefric.systems.press.transient.motion import (
+    POWERS,
+    STICK,
+    Motion,
+    elastic_energy_J,
+    kinetic_energy_J,
+    settled_tension_N,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlipInterval:
+    """One time during which a belt slipped on a roller."""
+
+    roller: str
+    start_s: float
+    end_s: float
+    direction: int
+    ends_stuck: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Energies:
+    """Works since the start and energies, each of shape (n_times,) [J]."""
+
+    drive: FloatArray
+    load: FloatArray
+    belt: FloatArray
+    tensioner: FloatArray
+    slip: FloatArray
+    centrifugal: FloatArray
+    kinetic: FloatArray
+    elastic: FloatArray
+
+    @property
+    def residual(self) -> FloatArray:
+        """Return what does not add up since the first time [J]; zero but for rounding and the integrator's error."""
+        stored = self.kinetic + self.elastic
+        supplied = self.drive + self.centrifugal - self.load - self.belt - self.tensioner - self.slip
+        return np.asarray((supplied - supplied[0]) - (stored - stored[0]))
+
+    @property
+    def relative_residual(self) -> float:
+        """Return the greatest residual over the greatest of all works and changes of energy [-]."""
+        parts = [getattr(self, name) for name in POWERS]
+        parts += [part - part[0] for part in (self.kinetic, self.elastic)]
+        scale = max(float(np.abs(part).max()) for part in parts)
+        return float(np.abs(self.residual).max()) / scale if scale > 0.0 else 0.0
+
+
+def energies_of(motion: Motion, w: FloatArray, works: FloatArray) -> Energies:
+    """Return the balance of states w, shape (n, n_w), and works in the order of `POWERS`, shape (n, 6)."""
+    return Energies(
+        **dict(zip(POWERS, works.T, strict=True)),
+        kinetic=kinetic_energy_J(motion, w),
+        elastic=elastic_energy_J(motion, w),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StartUp:
+    """A start-up of a press: histories at the times asked for, and what they amount to."""
+
+    press: Press
+    integrator: str
+    time_s: FloatArray
+    drive_speed_m_s: FloatArray
+    tension_N: FloatArray
+    roller_speed_rad_s: FloatArray
+    relative_angle_rad: FloatArray
+    travel_m: FloatArray
+    contact: npt.NDArray[np.int8]
+    slip_m: FloatArray
+    slip_speed_m_s: FloatArray
+    friction_N: FloatArray
+    utilisation: FloatArray | None
+    energy: Energies
+    slips: tuple[SlipInterval, ...]
+    settled_tension_N: FloatArray | None
+
+    @property
+    def peak_tension_N(self) -> dict[str, float]:
+        """Return the highest tension of each span at the times asked for [N]."""
+        return self._by_span(self.tension_N.max(axis=0))
+
+    @property
+    def peak_utilisation(self) -> dict[str, float]:
+        """Return the highest utilisation of each roller at the times asked for [-]; empty without friction."""
+        if self.utilisation is None:
+            return {}
+        names = (roller.name for roller in self.press.rollers)
+        return dict(zip(names, self.utilisation.max(axis=0).tolist(), strict=True))
+
+    @property
+    def first_slip_s(self) -> dict[str, float]:
+        """Return when each roller that slips does so first [s], in the order of time."""
+        first: dict[str, float] = {}
+        for slip in self.slips:
+            first.setdefault(slip.roller, slip.start_s)
+        return first
+
+    @property
+    def slipping_s(self) -> dict[str, float]:
+        """Return how long each roller that slips does so in all [s]."""
+        total: dict[str, float] = defaultdict(float)
+        for slip in self.slips:
+            total[slip.roller] += slip.end_s - slip.start_s
+        return dict(total)
+
+    def summary(self) -> dict[str, Any]:
+        """Return what the histories amount to, as plain data."""
+        settled = self.settled_tension_N
+        return {
+            "peak_tension_N": self.peak_tension_N,
+            "lowest_tension_N": self._by_span(self.tension_N.min(axis=0)),
+            "peak_utilisation": self.peak_utilisation,
+            "first_slip_s": self.first_slip_s,
+            "slipping_s": self.slipping_s,
+            "drive_work_J": float(self.energy.drive[-1]),
+            "slip_loss_J": float(self.energy.slip[-1]),
+            "energy_residual": self.energy.relative_residual,
+            "settled_tension_N": None if settled is None else self._by_span(settled),
+        }
+
+    def _by_span(self, values: FloatArray) -> dict[str, float]:
+        return dict(zip((span.name for span in self.press.spans), values.tolist(), strict=True))
 
 
 def start_up(
     press: Press,
     *,
-    speed: PiecewisePolynomial,
+    speed: PPoly,
     time_s: npt.ArrayLike,
     friction: float | WrapFriction | None = None,
     slip: bool = True,
     loads: Loads = "with-speed",
-    ingredients: Ingredients | None = None,
+    effects: Collection[str] = MOVING,
     preload_N: npt.ArrayLike | None = None,
     integrator: str = "exact",
     settings: Settings | None = None,
@@ -41,8 +173,12 @@ def start_up(
     not push, and a roller takes no more than T'_tight = T'_slack e^M with what accelerating the belt adds; between
     two changes of a contact the solution is exact.
     """
-    times = _times(time_s)
-    model = elastic_press(press, ingredients=ingredients, preload_N=preload_N)
+    times = np.array(time_s, dtype=np.float64)
+    if times.ndim != 1 or not times.size or not np.isfinite(times).all():
+        raise InputError("a start-up needs a list of finite times", key="time_s")
+    if times[0] < 0.0 or times[-1] <= 0.0 or (np.diff(times) <= 0.0).any():
+        raise InputError("the times of a start-up must rise from 0 on", key="time_s")
+    model = elastic_press(press, effects=effects, preload_N=preload_N)
     inputs = press_inputs(model, speed, loads)
     limit = None if friction is None else friction_limit(model, friction)
     method = INTEGRATORS[integrator]
@@ -60,41 +196,116 @@ def start_up(
                 key="arc_inertia",
                 fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
             )
-        solved = solve_hybrid(model, inputs, limit, times)
-        histories = histories_of(
-            solved.motions, solved.states, solved.works, inputs=inputs, times_s=times, limit=limit
-        )
-        names = [roller.name for roller in press.rollers]
-        slips = slip_intervals(names, solved.changes, float(times[-1]))
+        solver = HybridSolver(model, inputs, limit)
+        motions, states, works = solver.run(times)
+        slips = _slip_intervals([roller.name for roller in press.rollers], solver.changes, float(times[-1]))
     else:
         problem = LinearStartUp(model=model, inputs=inputs)
-        states = method.solve(problem, times, settings or Settings())
-        n = states.shape[1] - len(POWERS)
-        histories = histories_of(
-            [problem.motion], states[:, :n], states[:, n:], inputs=inputs, times_s=times, limit=limit
+        motions = [problem.motion]
+        states, works = np.split(
+            method.solve(problem, times, settings or Settings()), [problem.n_state], axis=1
         )
     return StartUp(
         press=press,
         integrator=integrator,
         slips=slips,
         settled_tension_N=_settled(model, speed, loads),
-        **histories,
+        **_histories(motions, states, works, inputs=inputs, times_s=times, limit=limit),
     )
 
 
-def _times(time_s: npt.ArrayLike) -> FloatArray:
-    times = np.array(time_s, dtype=np.float64)
-    if times.ndim != 1 or not times.size or not np.isfinite(times).all():
-        raise InputError("a start-up needs a list of finite times", key="time_s")
-    if times[0] < 0.0 or times[-1] <= 0.0 or (np.diff(times) <= 0.0).any():
-        raise InputError("the times of a start-up must rise from 0 on", key="time_s")
-    return times
+def _settled(model: ElasticPress, speed: PPoly, loads: Loads) -> FloatArray | None:
+    """Return what the tensions tend to, where drive and loads end with constants and the drivers do not part."""
+    factor = loads if isinstance(loads, PPoly) else None
+    if not settles(speed) or np.ptp(model.overspeed) > 0.0 or not (factor is None or settles(factor)):
+        return None
+    load_factor = 1.0 if factor is None else final_value(factor)
+    return settled_tension_N(model, speed_m_s=final_value(speed), load_factor=load_factor)
 
 
-def _settled(model: ElasticPress, speed: PiecewisePolynomial, loads: Loads) -> FloatArray | None:
-    settles = not speed.coefficients[-1, 1:].any() and np.ptp(model.overspeed) == 0.0
-    if isinstance(loads, PiecewisePolynomial):
-        if not settles or loads.coefficients[-1, 1:].any():
-            return None
-        return settled_tension_N(model, speed_m_s=speed.final, load_factor=loads.final)
-    return settled_tension_N(model, speed_m_s=speed.final) if settles else None
+def _histories(
+    motions: Sequence[Motion],
+    states: FloatArray,
+    works: FloatArray,
+    *,
+    inputs: Inputs,
+    times_s: FloatArray,
+    limit: FrictionLimit | None,
+) -> dict[str, Any]:
+    """Return the arrays of a `StartUp` by name; one motion for all times, or one for each."""
+    first, model, press = motions[0], motions[0].model, motions[0].model.press
+    w = np.hstack([states, inputs.at(times_s)])
+    chosen: dict[Motion, list[int]] = defaultdict(list)
+    for i in range(len(times_s)):
+        chosen[motions[i % len(motions)]].append(i)
+
+    def read(rows: Callable[[Motion], FloatArray]) -> FloatArray:
+        whole = np.zeros((len(w), len(rows(first))))
+        for motion, indices in chosen.items():
+            whole[indices] = w[indices] @ rows(motion).T
+        return whole
+
+    tension = read(lambda motion: motion.tension_N)
+    friction = read(lambda motion: motion.friction_N)
+    if first.limit is not None:
+        tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
+    contact = np.zeros((len(times_s), first.n_rollers), dtype=np.int8)
+    for motion, indices in chosen.items():
+        contact[indices] = motion.mode.contact
+    utilisation = None
+    if limit is not None:
+        pressing = read(lambda motion: motion.pressing_N)
+        utilisation = friction_utilisation(
+            limit,
+            friction_N=friction,
+            upstream_N=pressing @ model.into.T,
+            downstream_N=pressing @ model.out_of.T,
+            arc_force_N=model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2),
+        )
+        if first.limit is not None:
+            # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
+            lifted = (pressing <= 0.0).astype(np.float64) @ np.abs(model.incidence).T > 0.0
+            forward, backward = read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1])
+            most = np.where(friction >= 0.0, forward, backward)
+            share = np.divide(np.abs(friction), most, out=np.zeros_like(most), where=most > 0.0)
+            utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
+    return {
+        "time_s": times_s,
+        "drive_speed_m_s": w[:, states.shape[1] + SPEED],
+        "tension_N": tension,
+        "roller_speed_rad_s": w @ first.rim_speed_m_s.T / radii_m(press),
+        "relative_angle_rad": w @ first.relative_way_m.T / radii_m(press),
+        "travel_m": np.array([part.travel_m for part in press.take_ups]) + w @ first.travel_m.T,
+        "contact": contact,
+        "slip_m": w @ first.slip_m.T,
+        "slip_speed_m_s": w @ first.slip_speed_m_s.T,
+        "friction_N": friction,
+        "utilisation": utilisation,
+        "energy": energies_of(first, w, works),
+    }
+
+
+def _slip_intervals(
+    names: Sequence[str], changes: Sequence[tuple[float, Guard]], end_s: float
+) -> tuple[SlipInterval, ...]:
+    """Return all slips from the changes of mode; instants without duration are left out."""
+    begun: dict[int, tuple[float, int]] = {}
+    found: list[SlipInterval] = []
+
+    def close(place: int, time_s: float, *, stuck: bool) -> None:
+        start_s, direction = begun.pop(place)
+        if time_s > start_s:
+            found.append(
+                SlipInterval(
+                    roller=names[place], start_s=start_s, end_s=time_s, direction=direction, ends_stuck=stuck
+                )
+            )
+
+    for time_s, guard in changes:
+        if guard.what == "slip":
+            begun[guard.place] = time_s, guard.direction
+        elif guard.what == "stick" and guard.place in begun:
+            close(guard.place, time_s, stuck=True)
+    for place in list(begun):
+        close(place, end_s, stuck=False)
+    return tuple(sorted(found, key=lambda slip: (slip.start_s, slip.roller)))

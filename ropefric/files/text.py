@@ -1,0 +1,375 @@
+"""The bytes of a text file as clean lines: unpacked, encoding found, line ends alike; a large file block by block."""
+
+import codecs
+import csv
+import gzip
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain
+from pathlib import Path
+from typing import NamedTuple
+
+from ropefric.errors import DataError
+from ropefric.files.read import BLOCK_BYTES, InputFile
+
+GZIP_MAGIC = b"\x1f\x8b"
+
+MOST_UNPACKED_BYTES = 4 * 2**30
+"""Text that gzip may unpack to; a few megabytes can be made to unpack to terabytes."""
+HEAD_BYTES = 65536
+"""Marks are looked for in this much of a file; the whole file is then held to what was found."""
+HEAD_LINES = 32
+"""Lines that the head has at least, however long they are."""
+WHOLE_BYTES = 8 * 2**20
+"""Text up to this size is decoded once and kept; of a longer one only the head is."""
+LONGEST_LINE_BYTES = 32 * 2**20
+
+_MARKS = (  # UTF-32 first: its little-endian mark starts with UTF-16's
+    (b"\xff\xfe\x00\x00", "utf-32"),
+    (b"\x00\x00\xfe\xff", "utf-32"),
+    (b"\xff\xfe", "utf-16"),
+    (b"\xfe\xff", "utf-16"),
+    (b"\xef\xbb\xbf", "utf-8-sig"),
+)
+
+
+class _Stream:
+    """Blocks as the file that gzip wants to read."""
+
+    def __init__(self, blocks: Iterator[bytes]) -> None:
+        self._blocks = blocks
+        self._rest = memoryview(b"")
+
+    def read(self, size: int) -> bytes:
+        """Return `size` bytes, fewer at the end only: gzip takes a short read for the file's end."""
+        pieces = []
+        while size > 0:
+            if not self._rest:
+                self._rest = memoryview(next(self._blocks, b""))
+                if not self._rest:
+                    break
+            pieces.append(self._rest[:size])
+            size, self._rest = size - len(pieces[-1]), self._rest[size:]
+        return b"".join(pieces)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """A file as it is opened, and as its owner wrote it."""
+
+    path: Path
+    shown: str
+    file: InputFile
+    most_bytes: int = 0
+
+    def error(
+        self, message: str, *, code: str = "RF101", line: int | None = None, key: str = "", fix: str = ""
+    ) -> DataError:
+        """Return (not raise) an error that names this file."""
+        return DataError(message, code=code, path=self.shown, line=line, key=key, fix=fix)
+
+    @property
+    def is_packed(self) -> bool:
+        """Return whether the content is gzip."""
+        return self.file.part(0, len(GZIP_MAGIC)) == GZIP_MAGIC
+
+    def unpacked(self) -> Iterator[bytes]:
+        """Return an iterator over the file's content in blocks, unpacked where it is gzip; the whole is never held."""
+        start = self.file.part(0, len(GZIP_MAGIC))
+        if not start:
+            raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
+        if start == GZIP_MAGIC:
+            return self._up_to_here(self._gunzipped())
+        if self.path.suffix.lower() == ".gz":
+            raise self.error(
+                "the name ends in .gz, but the content is not gzip",
+                fix="rename the file without .gz, or copy it again",
+            )
+        if self.most_bytes:
+            size = min(abs(self.most_bytes), self.file.size)
+            return iter((self.file.part(0 if self.most_bytes > 0 else self.file.size - size, size),))
+        return self.file.blocks()
+
+    def _up_to_here(self, blocks: Iterator[bytes]) -> Iterator[bytes]:
+        left = self.most_bytes or MOST_UNPACKED_BYTES + BLOCK_BYTES
+        for block in blocks:
+            yield block[:left]
+            left -= len(block)
+            if left <= 0:
+                return
+
+    def _gunzipped(self) -> Iterator[bytes]:
+        n_bytes = 0
+        try:
+            with gzip.GzipFile(fileobj=_Stream(self.file.blocks()), mode="rb") as stream:  # type: ignore[call-overload]
+                while block := stream.read(BLOCK_BYTES):
+                    n_bytes += len(block)
+                    if n_bytes > MOST_UNPACKED_BYTES:
+                        raise self.error(
+                            f"the file unpacks to more than {MOST_UNPACKED_BYTES / 2**30:g} GB",
+                            fix="check what it holds; unpack it, and split it, if it is a recording",
+                        )
+                    yield block
+        except (OSError, EOFError, zlib.error) as error:
+            if isinstance(error, DataError):
+                raise
+            raise self.error(
+                f"the gzip data are damaged or cut off ({error})", fix="copy the file again from the logger"
+            ) from None
+        if not n_bytes:
+            raise self.error("the file is empty (gzip of 0 bytes)")
+
+    def raw_bytes(self) -> bytes:
+        """Return the file's content as it is on disk."""
+        data = self.file.read()
+        if not data:
+            raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
+        return data
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Text:
+    r"""A text file's content: UTF-8 without byte-order mark, every line, the last one too, ending in `\n`."""
+
+    source: Source
+    data: bytes
+    encoding: str
+    is_whole: bool = True
+    is_ended: bool = True
+    separator: str = ""
+
+    def blocks(self, line: int = 1) -> Iterator["Block"]:
+        """Return an iterator over pieces of whole lines, from a 1-based line on."""
+        first = 1
+        for data in (self.data,) if self.is_whole else self._read():
+            start = _start_of(data, line - first + 1)
+            if start < len(data):
+                yield Block(max(line, first), data, start)
+            first += 0 if self.is_whole else data.count(b"\n")
+
+    def _read(self) -> Iterator[bytes]:
+        above = b""
+        for data in _clean_blocks(self.source.unpacked(), self.encoding, self.source):
+            is_ended = data.endswith(b"\n")
+            if not is_ended and self.separator and _is_cut(above, data, self.separator):
+                return
+            yield data if is_ended else data + b"\n"
+            above = data
+
+    def without_cut_number(self, separator: str, data_row: int) -> "Text":
+        """Return the text without its last row where the file ends within a number."""
+        if not self.is_whole:
+            return replace(self, separator=separator)
+        begin = self.data.rfind(b"\n", 0, -1) + 1
+        above = self.data.rfind(b"\n", 0, max(begin - 1, 0)) + 1
+        if self.is_ended or above < _start_of(self.data, data_row):
+            return self
+        is_cut = _is_cut(self.data[above:begin], self.data[begin:-1], separator)
+        return replace(self, data=self.data[:begin]) if is_cut else self
+
+    @property
+    def end_of_head(self) -> int:
+        """Return where the lines to look at end: after `HEAD_BYTES`, but at least after some lines; never within one."""
+        end = 0
+        for _ in range(HEAD_LINES):
+            end = self.data.find(b"\n", end) + 1
+            if end == 0:
+                return len(self.data)
+        n = len(self.data)
+        return n if n <= HEAD_BYTES else max(end, self.data.rfind(b"\n", 0, HEAD_BYTES) + 1)
+
+    def line(self, number: int) -> str:
+        """Return the text of a 1-based line, "" where there is none."""
+        return next((line for _, line in self.lines_from(number)), "")
+
+    def lines_from(self, number: int) -> Iterator[tuple[int, str]]:
+        """Return an iterator over the file's lines with their numbers, from a 1-based line on."""
+        for block in self.blocks(number):
+            yield from block.lines()
+
+
+class Block(NamedTuple):
+    """Whole lines of a text from a byte on, and the number of the first of them; what stands before is not meant."""
+
+    line: int
+    data: bytes
+    start: int
+
+    def __contains__(self, part: object) -> bool:
+        return isinstance(part, bytes) and self.data.find(part, self.start) >= 0
+
+    def lines(self) -> Iterator[tuple[int, str]]:
+        """Return an iterator over the lines with their numbers."""
+        return enumerate(self.data[self.start : -1].decode(errors="replace").split("\n"), start=self.line)
+
+
+def split_line(line: str, separator: str) -> list[str]:
+    """Return a line's cells without blanks and quotes around them."""
+    if separator == " ":
+        return [cell.strip('"') for cell in line.split()]
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(separator)]
+    try:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=separator != "\t"), [])
+    except csv.Error:
+        cells = line.split(separator)
+    return [cell.strip() for cell in cells]
+
+
+def is_blank_line(line: str, separator: str) -> bool:
+    r"""Return whether a line holds nothing, not even an empty cell."""
+    return not line.strip(" " if separator == "\t" else " \t")
+
+
+def _is_cut(above: bytes, last: bytes, separator: str) -> bool:
+    """Return whether a row that nothing ends breaks off within its last number, by the row before it.
+
+    13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
+    one before, which costs nothing. A row cut to fewer cells is refused later.
+    """
+    before = above[above.rfind(b"\n", 0, -1) + 1 : -1]
+    rows = [split_line(line.decode(errors="replace"), separator) for line in (before, last)]
+    return len(rows[0]) == len(rows[1]) and 0 < len(rows[1][-1].strip()) < len(rows[0][-1].strip())
+
+
+def _start_of(block: bytes, line: int) -> int:
+    """Return the byte at which a 1-based line of a block starts; its end where there is no such line."""
+    start = 0
+    for _ in range(line - 1):
+        start = block.find(b"\n", start) + 1
+        if start == 0:
+            return len(block)
+    return start
+
+
+def load_text(source: Source, encoding: str = "") -> Text:
+    r"""Return a file's text, unpacked and decoded.
+
+    Without an encoding a byte-order mark decides, else UTF-8, else cp1252, which is what Windows loggers
+    write. Old Macintosh and Windows line ends become `\n`.
+    """
+    raw, size = [], 0
+    for block in source.unpacked():
+        raw.append(block)
+        size += len(block)
+        if size > WHOLE_BYTES:
+            break
+    is_whole = size <= WHOLE_BYTES
+    start = b"".join(raw)
+    del raw
+    found = encoding or next((name for mark, name in _MARKS if start.startswith(mark)), "")
+    if not found:
+        found = "utf-8" if _is_utf8([start] if is_whole else source.unpacked(), source) else "cp1252"
+    data = b""
+    for block in _clean_blocks([start] if is_whole else source.unpacked(), found, source):
+        data += block
+        if not is_whole and len(data) >= HEAD_BYTES and data.count(b"\n") >= HEAD_LINES:
+            break
+    if data.isspace() or not data:
+        raise source.error("the file holds nothing but blanks", fix="record or copy it again")
+    is_ended = data.endswith(b"\n")
+    data = data if is_ended else data + b"\n"
+    return Text(source=source, data=data, encoding=found, is_whole=is_whole, is_ended=is_ended)
+
+
+def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
+    decoder, is_open = codecs.getincrementaldecoder("utf-8")(), False
+    try:
+        for block in blocks:
+            if is_open or not block.isascii():
+                decoder.decode(block)
+                is_open = bool(decoder.getstate()[0])
+        decoder.decode(b"", final=not source.most_bytes)
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
+    r"""Give pieces of whole lines in UTF-8 that end in `\n`; a last line that nothing ends comes as it is."""
+    line, rest, before = 1, b"", b""
+    for decoded in _to_utf8(blocks, encoding, source):
+        if not decoded:
+            continue
+        line, before = line + before.count(b"\n"), b""
+        data = rest + decoded
+        ends_in_return = data.endswith(b"\r")  # half of a line's end, perhaps
+        if b"\r" in data:
+            whole = data[:-1] if ends_in_return else data
+            data = whole.replace(b"\r\n", b"\n").replace(b"\r", b"\n") + data[len(whole) :]
+        cut = data.rfind(b"\n") + 1
+        whole, rest = data[:cut], data[cut:]
+        if len(rest) > LONGEST_LINE_BYTES:
+            raise source.error(
+                f"the line has more than {LONGEST_LINE_BYTES // 2**20} million characters: this is no table",
+                line=line + whole.count(b"\n"),
+                fix="check that this is the recording",
+            )
+        if whole:
+            yield _without_zeros(whole, line, source)
+            before = whole
+    line += before.count(b"\n") if rest else 0
+    if rest and source.most_bytes <= 0:  # where a part ends, a line is cut
+        yield _without_zeros(
+            rest.removesuffix(b"\r") + (b"\n" if rest.endswith(b"\r") else b""), line, source
+        )
+
+
+def _without_zeros(data: bytes, line: int, source: Source) -> bytes:
+    if b"\0" in data:
+        at = data.index(b"\0")
+        raise source.error(
+            "this is not a text file: a byte is zero",
+            line=line + data.count(b"\n", 0, at),
+            fix='name the format ([import] format = "matlab", "tdms" or "excel"), or the encoding '
+            '([import] encoding = "utf-16-le") where it is text',
+        )
+    return data
+
+
+def _to_utf8(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
+    decoder, line, is_first, before = _decoder(encoding, source), 1, True, b""
+    keeps_ascii = encoding in ("utf-8", "utf-8-sig", "cp1252")
+    for block in chain(blocks, (None,)):
+        if block is not None:
+            line, before = line + before.count(b"\n"), block
+            if keeps_ascii and block.isascii() and not decoder.getstate()[0]:
+                is_first = False
+                yield block
+                continue
+        try:
+            text = decoder.decode(block or b"", final=block is None and not source.most_bytes)
+            yield (text.removeprefix("\ufeff") if is_first else text).encode()
+        except UnicodeDecodeError as error:
+            at = line + error.object.count(b"\n", 0, error.start)
+            reason = f"byte 0x{error.object[error.start]:02x} has no meaning there"
+            raise _undecodable(encoding, reason, source, at) from None
+        except (ValueError, Warning) as error:  # an encoding may be refused for its own reasons
+            raise _undecodable(encoding, str(error), source) from None
+        is_first = False
+
+
+def _decoder(encoding: str, source: Source) -> codecs.IncrementalDecoder:
+    try:
+        with suppress(ValueError, Warning):
+            b"0,1\n".decode(encoding)  # which refuses codecs that are no encodings of text
+        return codecs.getincrementaldecoder(encoding)()
+    except LookupError:
+        raise source.error(
+            f"there is no text encoding {encoding!r}",
+            code="RF108",
+            key="[import] encoding",
+            fix='use "utf-8", "cp1252" or "utf-16", or leave it out',
+        ) from None
+
+
+def _undecodable(encoding: str, reason: str, source: Source, line: int | None = None) -> DataError:
+    return source.error(
+        f"the file cannot be read as {encoding}: {reason}",
+        code="RF108",
+        line=line,
+        key="[import] encoding",
+        fix="name its encoding, or save it as UTF-8; a binary file needs [import] format",
+    )

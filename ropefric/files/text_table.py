@@ -1,0 +1,361 @@
+"""How a table in a text file is laid out: separator, decimal mark, header, units and first data row.
+
+What the user says holds; what is left open is found in the first 64 kB, or refused where two readings are possible.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import NamedTuple
+
+from ropefric.errors import DataError, InputError
+from ropefric.files.text import Source, Text, split_line
+from ropefric.quantities import SUFFIX_UNITS
+
+NAN_TEXTS = ("nan", "NaN", "NAN", "Nan", "-nan", "-NaN")
+"""Cell texts that mean "no value" in every file, beside the empty cell."""
+
+SEPARATORS = ("\t", ";", "|", ",", " ")
+"""By preference: TAB before blanks, and "," only where nothing stronger divides the numbers."""
+
+_NUMBER = {
+    mark: re.compile(
+        rf"[+-]?(?:\d++(?:{re.escape(mark)}\d*+)?|{re.escape(mark)}\d++)(?:[eE][+-]?\d++)?", re.ASCII
+    )
+    for mark in ".,"
+}
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII)
+_HAS_COMMA = re.compile(r"[+-]?(?=[\d.]*+,)[\d.,]++(?:[eE][+-]?\d++)?", re.ASCII)
+_COMMA_INSIDE = re.compile(r"[+-]?\d++,\d++", re.ASCII)
+_NUMBER_SHAPED = re.compile(
+    r"[+-]?(?:(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d++)?"
+    r"|[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?|[1-9]\d{0,2}(?:\.\d{3})+(?:,\d*)?)",
+    re.ASCII,
+)
+_UNITS = {
+    *SUFFIX_UNITS, *SUFFIX_UNITS.values(),
+    *("-", "1", "sec", "msec", "count", "counts", "%", "°", "°C", "C", "K", "l/min", "rpm", "mm/s", "mm/min"),
+    *("µm", "µs", "Nm", "mbar", "N/mm", "N/mm^2", "daN"),
+}  # fmt: skip
+_NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
+_MOST_LINES = 400
+_N_SAMPLE = 20
+"""Lines, or rows, by which the table is judged."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableLayout:
+    """What a user says of a table's layout; row numbers count from 1, `header_row` -1 is open and 0 none."""
+
+    separator: str = ""
+    decimal: str = ""
+    encoding: str = ""
+    header_row: int = -1
+    units_row: int = 0
+    data_row: int = 0
+    missing: tuple[str, ...] = ()
+    block_columns: int = 0
+    block_names_row: int = 0
+
+    @property
+    def no_value(self) -> frozenset[str]:
+        """Return every cell text that stands for "no value"."""
+        return frozenset(("", *NAN_TEXTS, *(text.strip() for text in self.missing)))
+
+    def no_value_numbers(self, decimal: str) -> tuple[float, ...]:
+        """Return the numbers that stand for "no value", however many digits they are written with: -999 is -999.0."""
+        texts = (text.strip() for text in self.missing)
+        return tuple(float(text.replace(",", ".")) for text in texts if is_number(text, decimal))
+
+    @property
+    def last_head_row(self) -> int:
+        """Return the last row that is said to stand above the data, 0 where none is."""
+        return max(self.header_row, self.units_row, self.block_names_row, 0)
+
+
+class HeadRows(NamedTuple):
+    """1-based line numbers of header, units (0: none) and first data row."""
+
+    header_row: int
+    units_row: int
+    data_row: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dialect:
+    """The layout of a text table as found."""
+
+    separator: str
+    decimal: str
+    rows: HeadRows
+    header: tuple[str, ...]
+    units: tuple[str, ...]
+    n_cells: int
+    no_value: frozenset[str]
+    no_value_numbers: tuple[float, ...]
+
+
+def is_number(cell: str, decimal: str) -> bool:
+    """Return whether a cell is a finite number with this decimal mark, written in plain digits."""
+    return _NUMBER[decimal].fullmatch(cell) is not None
+
+
+def looks_numeric(cell: str) -> bool:
+    """Return whether a cell is written like a number in any country; it need not be readable."""
+    return _NUMBER_SHAPED.fullmatch(cell) is not None and not cell.endswith(",")
+
+
+def bare_unit(text: str) -> str:
+    """Return a unit without the brackets people put around it."""
+    text = text.strip()
+    return text[1:-1].strip() if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>") else text
+
+
+def is_unit(cell: str) -> bool:
+    """Return whether a cell looks like a unit."""
+    return bare_unit(cell) in _UNITS
+
+
+def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Dialect:
+    """Return the layout of a text table that is said to have at least `last_column` columns."""
+    _check(layout)
+    head = text.data[: text.end_of_head]
+    lines = b"\n".join(head.split(b"\n", _MOST_LINES)[:_MOST_LINES]).decode(errors="replace").split("\n")
+    skip = max(layout.data_row - 1, layout.last_head_row)
+    if len(lines) - skip < 2:  # an explicit data row far down the file
+        lines = [line for _, line in islice(text.lines_from(1), skip + _MOST_LINES)]
+    separator = layout.separator or _find_separator(lines, skip, layout, text.source, last_column)
+    rows = _find_rows(lines, separator, layout, text.source)
+    # numpy.savetxt and gnuplot put the header into a comment.
+    header, units = (
+        tuple(split_line(lines[row - 1].lstrip("#").lstrip(" "), separator)) if row else ()
+        for row in rows[:2]
+    )
+    decimal = layout.decimal or _find_decimal(head, rows.data_row, separator, text.source)
+    return Dialect(
+        separator=separator,
+        decimal=decimal,
+        rows=rows,
+        header=header,
+        units=units,
+        n_cells=len(split_line(lines[rows.data_row - 1], separator)),
+        no_value=layout.no_value,
+        no_value_numbers=layout.no_value_numbers(decimal),
+    )
+
+
+def _check(layout: TableLayout) -> None:
+    def refuse(key: str, fix: str) -> None:
+        value = getattr(layout, key)
+        raise InputError(f"[import] {key} = {value!r} cannot be used", key=f"[import] {key}", fix=fix)
+
+    mark = layout.separator
+    if mark and (len(mark) != 1 or mark in _NO_SEPARATOR):
+        refuse("separator", 'use one character such as ";", "," or "\\t"; " " is any blanks')
+    if mark and not mark.isascii():
+        refuse("separator", 'use an ASCII character such as ";"')
+    if layout.decimal not in ("", ".", ","):
+        refuse("decimal", 'use "." or ","')
+    if layout.header_row < -1:
+        refuse("header_row", "give a line number from 1, 0 for none, or leave it out")
+    for key in ("units_row", "data_row", "block_names_row", "block_columns"):
+        if getattr(layout, key) < 0:
+            refuse(key, "give a number from 1, or leave it out")
+    if 0 < layout.data_row <= layout.last_head_row:
+        refuse("data_row", f"the data start after line {layout.last_head_row}, the last head line")
+
+
+def _typical_row(rows: Sequence[Sequence[str]]) -> Sequence[str]:
+    """Return the last row that is as wide as most of them, the wider where two widths are as common."""
+    widths = Counter(len(row) for row in rows)
+    common = max(widths, key=lambda width: (widths[width], width), default=0)
+    return next((row for row in reversed(rows) if len(row) == common), ())
+
+
+def _with_numbers(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
+    """Return the rows that hold any number: words are a header or a preamble, and say nothing about the data."""
+    return [row for row in rows if any(looks_numeric(cell) for cell in row)]
+
+
+def _find_separator(
+    lines: Sequence[str], skip: int, layout: TableLayout, source: Source, last_column: int
+) -> str:
+    """Return the character that divides the data lines into the most alike rows of numbers."""
+    sample = [line for line in lines[skip:] if line.strip()][-_N_SAMPLE:]
+    if not sample:
+        return ","
+    no_value, joined = layout.no_value, "\n".join(sample)
+    best, best_score, best_width = (";" if layout.decimal == "," else ","), (0.0, 0.0), 1
+    for candidate in SEPARATORS:
+        if candidate not in joined and not (candidate == " " and "\t" in joined):
+            continue
+        if best_score == (1.0, 1.0):
+            break  # nothing later can be better, only as good
+        if candidate == "," == layout.decimal and '"' not in joined:
+            continue
+        rows = _with_numbers([split_line(line, candidate) for line in sample])
+        width = len(_typical_row(rows))
+        if width < 2:
+            continue
+        alike = [row for row in rows if len(row) == width]
+        cells = [cell for row in alike for cell in row if cell not in no_value]
+        numeric = sum(looks_numeric(cell) for cell in cells) / max(len(cells), 1)
+        score = (round(numeric, 2), len(alike) / len(rows))
+        if score > best_score:
+            best, best_score, best_width = candidate, score, width
+    if best == "," and best_width == 2 and not layout.decimal and last_column < 2:
+        _refuse_one_or_two(sample, lines, source)
+    return best
+
+
+def _refuse_one_or_two(sample: Sequence[str], lines: Sequence[str], source: Source) -> None:
+    """Refuse `12,47` on every line, where nothing tells one decimal number from two whole ones."""
+    numbers = [line.strip() for line in sample if not any(c.isalpha() for c in line)]
+    names = (split_line(line, ",") for line in lines if any(c.isalpha() for c in line))
+    if not numbers or not all(_COMMA_INSIDE.fullmatch(line) for line in numbers):
+        return
+    if not any(len(cells) > 1 and all(cells) for cells in names):
+        raise source.error(
+            f"{numbers[0]!r} is one number with a decimal comma or two whole numbers; nothing tells which",
+            code="RF104",
+            fix='set [import] separator = "," or decimal = ","',
+        )
+
+
+def _find_decimal(head: bytes, data_row: int, separator: str, source: Source) -> str:
+    """Return the decimal mark that the head shows; "." where there is none. A comma never groups thousands."""
+    if b"," not in head or (separator == "," and b'"' not in head):
+        return "."
+    grouped = (0, "")
+    for number, cell in _comma_cells(head, data_row, separator):
+        is_grouped = _GROUPED.fullmatch(cell) is not None
+        if cell.count(",") > 1 if is_grouped else "." in cell or not is_number(cell, ","):
+            raise source.error(
+                f"{cell!r} mixes marks: it looks like a number with thousands separators, which are never guessed",
+                code="RF104",
+                line=number,
+                fix='save the file without thousands separators, or set [import] decimal = "." or ","',
+            )
+        if not is_grouped:
+            return ","
+        grouped = grouped if grouped[0] else (number, cell)
+    if grouped[0]:
+        cell = grouped[1]
+        raise source.error(
+            f"{cell!r} may mean {cell.replace(',', '.')} or {cell.replace(',', '')}; no cell in the first "
+            "64 kB tells which",
+            code="RF104",
+            line=grouped[0],
+            fix='set [import] decimal = "," if it is a decimal comma; if the comma groups thousands, save the '
+            'file without them (with decimal = "." such a cell is refused)',
+        )
+    return "."
+
+
+def _comma_cells(head: bytes, data_row: int, separator: str) -> Iterator[tuple[int, str]]:
+    for number, line in enumerate(head.split(b"\n"), start=1):
+        if number < data_row or b"," not in line:
+            continue
+        for cell in split_line(line.decode(errors="replace"), separator):
+            if "," in cell and _HAS_COMMA.fullmatch(cell) and any(c.isdigit() for c in cell):
+                yield number, cell
+
+
+def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source: Source) -> HeadRows:
+    """Return where header, units and data of a text file start, see `find_head_rows`."""
+    last = [split_line(line, separator) for line in lines[-_N_SAMPLE:] if line.strip()]
+    few = max(layout.last_head_row, layout.data_row) + _N_SAMPLE  # a clean file has its data in line 2
+    for n_lines in (few, len(lines)):
+        rows = [split_line(line, separator) for line in lines[:n_lines]]
+        if found := _search(rows, last, layout):
+            return found
+    raise _no_data(rows, layout, source)
+
+
+def find_head_rows(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source) -> HeadRows:
+    """Return where header, units and data start in a table of cell texts.
+
+    What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
+    row of words above it, with a row of units allowed between. Rows further up are a preamble.
+    """
+    if found := _search(rows, rows[-_N_SAMPLE:], layout):
+        return found
+    raise _no_data(rows, layout, source)
+
+
+def _search(
+    rows: Sequence[Sequence[str]], last: Sequence[Sequence[str]], layout: TableLayout
+) -> HeadRows | None:
+    inked = [number for number, row in enumerate(rows, start=1) if any(row)]
+    after = layout.last_head_row
+    if layout.data_row or layout.header_row >= 0:
+        first = layout.data_row or after + 1
+        data_row = next((number for number in inked if number >= first), 0)
+    else:
+        typical = _typical_row(_with_numbers(last))
+        data_row = _first_data_row(rows, [number for number in inked if number > after], typical, layout)
+    if data_row == 0:
+        return None
+    if layout.header_row >= 0:
+        return HeadRows(layout.header_row, layout.units_row, data_row)
+    return HeadRows(*_words_above(rows, inked, data_row, layout), data_row)
+
+
+def _first_data_row(
+    rows: Sequence[Sequence[str]], below: Sequence[int], typical: Sequence[str], layout: TableLayout
+) -> int:
+    """Return the first row that holds numbers wherever a typical row does, or nothing but numbers."""
+    no_value, is_numeric = layout.no_value, [looks_numeric(cell) for cell in typical]
+    for place, number in enumerate(below):
+        row = rows[number - 1]
+        hits = [looks_numeric(cell) for cell in row]
+        fits = [hit or cell in no_value for hit, cell in zip(hits, row, strict=True)]
+        is_typical = len(row) == len(typical) and all(
+            fit or not numeric for fit, numeric in zip(fits, is_numeric, strict=True)
+        )
+        if any(hits) and (all(fits) or is_typical):
+            # Half-numeric rows right above are damaged data that must be told.
+            for above in reversed(below[:place]):
+                if len(rows[above - 1]) != len(row) or not any(map(looks_numeric, rows[above - 1])):
+                    break
+                number = above  # noqa: PLW2901
+            return number
+    return 0
+
+
+def _words_above(
+    rows: Sequence[Sequence[str]], inked: Sequence[int], data_row: int, layout: TableLayout
+) -> tuple[int, int]:
+    """Return header and units row: the nearest rows of words above the data that are as wide as a header."""
+
+    def is_header(number: int) -> bool:
+        """Tell names from a preamble: words, and more than one wherever the data have more than one column."""
+        row = rows[number - 1]
+        words = [cell for cell in row if cell]
+        wide = len(row) > 1 or len(rows[data_row - 1]) == 1
+        return wide and bool(words) and not any(looks_numeric(cell) for cell in words)
+
+    units_row = layout.units_row
+    above = [n for n in inked if n < (units_row or data_row) and n != layout.block_names_row]
+    if not above or not is_header(above[-1]):
+        return 0, units_row
+    are_units = all(is_unit(cell) for cell in rows[above[-1] - 1] if cell)
+    if are_units and not units_row and len(above) > 1 and is_header(above[-2]):
+        return above[-2], above[-1]
+    return above[-1], units_row
+
+
+def _no_data(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source) -> DataError:
+    if layout.data_row:
+        last = max((number for number, row in enumerate(rows, start=1) if any(row)), default=0)
+        return source.error(
+            f"data_row = {layout.data_row}, but the last line with content is {last}",
+            key="[import] data_row",
+            fix="give the line of the first data row",
+        )
+    return source.error(
+        "there are no data rows: no line below the header holds a number",
+        fix="record it again, or set [import] data_row, separator and decimal",
+    )

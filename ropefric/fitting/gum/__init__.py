@@ -1,1 +1,0 @@
-"""Uncertainty budgets after the GUM (JCGM 100), checked by the propagation of distributions (JCGM 101)."""

@@ -1,0 +1,414 @@
+"""A start-up with slip and slack: exact steps inside each mode, and a search for the moment at which one ends.
+
+Exact steps of dy/dt = A y + B u(t) with polynomial u, and exact integrals of squares of the solution: a polynomial of
+degree r is itself the solution of dp/dt = N p with p_j = τ^j/j!, so one exponential of the joint matrix carries both
+over a step of any length: there is no error of discretisation, however stiff A is. Ways and speeds differ by the
+frequencies in size; balanced by powers of two, slow motions keep their digits beside fast ones.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.linalg import eigvals, expm, matrix_balance
+from scipy.optimize import brentq
+
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import SolverError
+from ropefric.systems.press.transient.drives import LOAD, Inputs
+from ropefric.systems.press.transient.model import ElasticPress, FrictionLimit
+from ropefric.systems.press.transient.motion import (
+    BACKWARD,
+    FORWARD,
+    STICK,
+    Mode,
+    Motion,
+    power_forms,
+    starting_state,
+    sticking,
+)
+
+_TAYLOR_TERMS = 24
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Propagator:
+    """Steps of z = (y, p_r … p_0), the state beside the powers of the time since the start of a piece."""
+
+    state: FloatArray
+    drive: FloatArray
+    taylor: FloatArray
+
+    @cached_property
+    def read(self) -> FloatArray:
+        """Return the matrix that gives (y, u) from z, shape (n + m, n + r + 1)."""
+        n, (m, powers) = len(self.state), self.taylor.shape
+        return np.block([[np.eye(n), np.zeros((n, powers))], [np.zeros((m, n)), self.taylor[:, ::-1]]])
+
+    def lift(self, y: FloatArray, tau_s: float) -> FloatArray:
+        """Return z at the time `tau_s` after the start of the piece."""
+        powers = np.ones(self.taylor.shape[1])
+        for j in range(1, len(powers)):
+            powers[j] = powers[j - 1] * tau_s / j
+        return np.concatenate([y, powers[::-1]])
+
+    @cached_property
+    def _balanced(self) -> tuple[FloatArray, FloatArray]:
+        """Return the generator G of dz/dt = G z over z divided by powers of two, and these."""
+        state, (scale, _) = matrix_balance(self.state, permute=False, separate=True)
+        acting = (self.drive @ self.taylor[:, ::-1]) / scale[:, None]
+        # Large inputs would make the norm large, and with it the number of doublings and their rounding.
+        excess = float(np.linalg.norm(acting, 1)) / max(float(np.linalg.norm(state, 1)), 1e-300)
+        share = 2.0 ** -math.ceil(math.log2(excess)) if 1.0 < excess < math.inf else 1.0
+        powers = self.taylor.shape[1]
+        lower = np.zeros((powers, len(state)))
+        generator = np.block([[state, share * acting], [lower, np.eye(powers, k=1)]])
+        return generator, np.concatenate([scale, np.full(powers, share)])
+
+    def step(self, length_s: float) -> FloatArray:
+        """Return the matrix that carries z over a step, shape (n + r + 1, n + r + 1)."""
+        generator, weights = self._balanced
+        return np.asarray(weights[:, None] * expm(length_s * generator) / weights)
+
+    def integrals(self, forms: FloatArray, length_s: float) -> FloatArray:
+        """Return the matrices X with zᵀ X z = ∫ wᵀ S w dt over a step that starts at z."""
+        generator, weights = self._balanced
+        reading = self.read * weights
+        doublings = max(
+            0, math.ceil(math.log2(max(float(np.linalg.norm(generator, 1)) * length_s, 1e-300))) + 1
+        )
+        h = length_s / 2.0**doublings
+        term = h * (reading.T @ forms @ reading)
+        total = term.copy()
+        for order in range(2, _TAYLOR_TERMS):
+            product = term @ generator
+            term = (h / order) * (product + product.transpose(0, 2, 1))
+            total += term
+        flow = np.asarray(expm(h * generator))
+        for _ in range(doublings):
+            total = total + flow.T @ total @ flow
+            flow = flow @ flow
+        return np.asarray(total / np.outer(weights, weights))
+
+
+MOST_STEPS = 500_000
+"""Of a start-up; each takes some 50 µs."""
+
+
+def check_steps(needed: float) -> None:
+    """Refuse a start-up of more steps than anybody waits for; return quietly otherwise."""
+    if not needed <= MOST_STEPS:
+        raise SolverError(
+            f"the start-up takes more than {MOST_STEPS} steps, the limit: its fastest oscillation, or the step or"
+            " tolerance asked for, is too short for the time simulated",
+            code="RF524",
+            key="start_up.simulate",
+            fix="simulate a shorter time, or correct the inertias, masses and stiffnesses",
+        )
+
+
+What = Literal["slip", "stick", "hold", "release", "pressed", "taut", "strained"]
+
+_FORCE_SHARE = 1e-10
+"""A guard on a force has fired when it is below zero by this share of the preload."""
+_SPEED_M_S = 1e-11
+
+
+class Guard(NamedTuple):
+    """What ends a mode: a row that stays above zero as long as a contact or span keeps its state."""
+
+    row: FloatArray
+    tolerance: float
+    what: What
+    place: int
+    direction: int = 0
+
+
+def guards_of(motion: Motion) -> list[Guard]:
+    """Return the guards of a mode."""
+    force_N = _FORCE_SHARE * float(motion.model.preload_N.max())
+    mode = motion.mode
+    found: list[Guard] = []
+    for i in range(motion.n_rollers):
+        found += _contact_guards(motion, i, force_N) + _turning_guards(motion, i, force_N)
+    bits: tuple[tuple[What, FloatArray, tuple[bool, ...]], ...] = (
+        ("pressed", motion.pressing_N, mode.pressed),
+        ("taut", motion.unclipped_N, mode.taut),
+        ("strained", motion.spring_N, mode.strained),
+    )
+    for what, rows, states in bits:
+        found += [Guard(rows[i] if is_so else -rows[i], force_N, what, i) for i, is_so in enumerate(states)]
+    return found
+
+
+def _contact_guards(motion: Motion, i: int, force_N: float) -> list[Guard]:
+    contact = motion.mode.contact[i]
+    if contact != STICK:
+        return [Guard(contact * motion.slip_speed_m_s[i], _SPEED_M_S, "stick", i)]
+    forward, backward = motion.limit_N[0][i], motion.limit_N[1][i]
+    return [
+        Guard(forward - motion.friction_N[i], force_N, "slip", i, FORWARD),
+        Guard(backward + motion.friction_N[i], force_N, "slip", i, BACKWARD),
+    ]
+
+
+def _turning_guards(motion: Motion, i: int, force_N: float) -> list[Guard]:
+    turning, load_N = motion.mode.turning[i], float(motion.model.load_N[i])
+    if i in motion.model.drivers or load_N <= 0.0:
+        return []
+    if turning == 0:
+        most_N = load_N * motion.input(LOAD)
+        return [Guard(most_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)]
+    if turning > 0 and motion.mode.contact[i] == STICK:
+        # The load of a roller that the belt takes along is as given, as in the linear model.
+        return []
+    return [Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i)]
+
+
+def switched(motion: Motion, guard: Guard, y: FloatArray, u: FloatArray) -> tuple[Mode, FloatArray]:
+    """Return the mode after a guard has fired, and the state with the speeds that the new mode ties set equal."""
+    mode, place, state = motion.mode, guard.place, y.copy()
+
+    def put(name: str, value: int) -> Mode:
+        states = getattr(mode, name)
+        return replace(mode, **{name: (*states[:place], value, *states[place + 1 :])})
+
+    if guard.what in {"pressed", "taut", "strained"}:
+        return put(guard.what, not getattr(mode, guard.what)[place]), state
+    speed_m_s = float(motion.rim_speed_m_s[place] @ np.concatenate([y, u]))
+    if guard.what == "slip":
+        if mode.turning[place] and speed_m_s < -_SPEED_M_S:
+            mode = put("turning", -1)
+        return put("contact", guard.direction), state
+    if guard.what == "stick":
+        state[len(state) - motion.n_rollers + place] = 0.0
+        return put("contact", STICK), state
+    if guard.what == "hold":
+        row = int(np.flatnonzero(motion.model.driven == place)[0])
+        state[motion.n_coordinates + row] -= speed_m_s
+    return put("turning", guard.direction), state
+
+
+_STEPS_PER_PERIOD = 24
+"""Guards are looked at this often in a period of the fastest oscillation; extremes between are interpolated."""
+
+_FIRST_STEPS = (64.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0)
+"""What the longest step is divided by after a change of mode."""
+
+
+class _Phase:
+    """One mode during one piece of the drive, ready to be stepped through and watched."""
+
+    def __init__(self, motion: Motion, taylor: FloatArray) -> None:
+        self.motion = motion
+        rows, n = motion.derivative, 2 * motion.n_coordinates
+        self.propagator = Propagator(state=rows[:, :n], drive=rows[:, n:], taylor=taylor)
+        self.guards = guards_of(motion)
+        self.tolerances = np.array([guard.tolerance for guard in self.guards])
+        # The guards, and below them their rates, as rows over z.
+        read = self.propagator.read
+        n_z = read.shape[1]
+        rate = np.vstack([rows @ read, np.eye(n_z - n, n_z, k=n + 1)])
+        watched = np.array([guard.row for guard in self.guards]) @ read
+        self.watch = np.vstack([watched, watched @ rate])
+        self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
+
+    @cached_property
+    def step_s(self) -> float:
+        """Return the longest step at which no oscillation is overlooked [s]."""
+        eigenvalues = eigvals(self.propagator.state)
+        swinging = np.abs(eigenvalues[eigenvalues.imag != 0.0])
+        return 2.0 * np.pi / (float(swinging.max()) * _STEPS_PER_PERIOD) if swinging.size else np.inf
+
+    def lengths(self, whole_s: float, *, fresh: bool) -> list[float]:
+        """Return steps that cover a time; where the mode is fresh, short ones first, since fast motions die early."""
+        longest = min(self.step_s, whole_s)
+        first = [longest / part for part in _FIRST_STEPS] if fresh else []
+        left = whole_s - sum(first)
+        check_steps(left / longest)
+        count = max(1, int(np.ceil(left / longest)))
+        # Rounding makes equal steps differ in their last digits; one matrix serves them all.
+        return [*first, *[float(f"{left / count:.11e}")] * count]
+
+    def step(self, length_s: float, *, comes_again: bool = False) -> tuple[FloatArray, FloatArray]:
+        """Return the matrices of z after a step and of the works during it; kept for a length that comes again."""
+        if length_s in self._known:
+            return self._known[length_s]
+        made = self.propagator.step(length_s), self.propagator.integrals(self._forms, length_s)
+        if comes_again:
+            self._known[length_s] = made
+        return made
+
+    @cached_property
+    def _forms(self) -> FloatArray:
+        return power_forms(self.motion)
+
+    def after(self, z: FloatArray, length_s: float) -> FloatArray:
+        """Return z after a time."""
+        return np.asarray(self.propagator.step(length_s) @ z) if length_s > 0.0 else z
+
+
+def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
+    """Return which guards dip below zero inside a step that they begin and end above it, and where the first does."""
+    n = len(phase.guards)
+    before_values, after_values = phase.watch @ z, phase.watch @ after
+    g0, s0, g1, s1 = before_values[:n], before_values[n:], after_values[:n], after_values[n:]
+    fired = np.zeros(n, dtype=np.bool_)
+    first = length
+    for i in np.flatnonzero((s0 < 0.0) & (s1 > 0.0)):
+        # The cubic through both values and rates, lowest where its slope vanishes.
+        a, b, rise = length * s0[i], length * s1[i], g1[i] - g0[i]
+        slope = np.array([3.0 * (a + b - 2.0 * rise), 2.0 * (3.0 * rise - 2.0 * a - b), a])
+        for root in np.roots(slope):
+            place = float(root.real)
+            if abs(root.imag) > 1e-9 or not 0.0 < place < 1.0:
+                continue
+            cubic = g0[i] + place * (a + place * (0.5 * slope[1] + place * slope[0] / 3.0))
+            if cubic >= -phase.tolerances[i]:
+                continue
+            value = float(phase.watch[i] @ phase.after(z, place * length))
+            if value < -phase.tolerances[i] and place * length <= first:
+                fired[:] = False
+                fired[i], first = True, place * length
+    return (fired, first) if fired.any() else (g1 < -phase.tolerances, length)
+
+
+def _first_to_fall(phase: _Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:
+    """Return the guard that is the first to fall below zero, given some that have by `bound`, and when."""
+    rows = phase.watch[: len(phase.guards)] / phase.tolerances[:, None]
+    passed = bound
+    while True:
+        chosen = rows[fired]
+
+        def margin(tau: float, chosen: FloatArray = chosen) -> float:
+            return float((chosen @ phase.after(z, tau)).min()) + 1.0
+
+        if margin(0.0) <= 0.0:
+            passed = 0.0
+        else:
+            passed = float(brentq(margin, 0.0, passed, xtol=1e-15 + 1e-12 * passed, rtol=1e-13))
+        margins = rows @ phase.after(z, passed)
+        # One that falls and rises again before the others fall is met here.
+        earlier = (margins < -2.0) & ~fired
+        if passed == 0.0 or not earlier.any():
+            return phase.guards[int(np.argmin(np.where(fired, margins, np.inf)))], passed
+        fired = earlier
+
+
+_SWITCHES_AT_ONCE = 60
+_MAX_SWITCHES = 3_000
+
+
+class HybridSolver:
+    """A start-up in which belts may slip and go slack.
+
+    Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
+    guards of the mode are looked at 24 times in a period of its fastest oscillation.
+    """
+
+    def __init__(self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit) -> None:
+        self.model, self.inputs, self.limit = model, inputs, limit
+        self.changes: list[tuple[float, Guard]] = []
+        self._phases: dict[tuple[Mode, int], _Phase] = {}
+        self._motions: dict[Mode, Motion] = {}
+        self._works = np.zeros(6)
+        self._steps = 0
+
+    def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
+        """Return motions, states and works at sorted times; the changes of mode are kept beside the guards."""
+        mode = sticking(self.model)
+        y = starting_state(self._motion(mode), self.inputs)
+        starts, wanted = self.inputs.starts_s, set(times_s.tolist())
+        motions, states, works = [], [], []
+        now = 0.0
+        for stop in np.union1d(times_s, starts[starts < times_s[-1]]).tolist():
+            if stop > now:
+                mode, y = self._advance(mode, y, now, stop)
+                now = stop
+            if stop in wanted:
+                mode, y = self._settle(mode, y, self._piece(now), now)
+                motions.append(self._motion(mode))
+                states.append(y)
+                works.append(self._works)
+        return motions, np.array(states), np.array(works)
+
+    def _motion(self, mode: Mode) -> Motion:
+        if mode not in self._motions:
+            self._motions[mode] = Motion(model=self.model, mode=mode, limit=self.limit)
+        return self._motions[mode]
+
+    def _phase(self, mode: Mode, piece: int) -> _Phase:
+        if (mode, piece) not in self._phases:
+            self._phases[mode, piece] = _Phase(self._motion(mode), self.inputs.taylor[piece])
+        return self._phases[mode, piece]
+
+    def _piece(self, now: float) -> int:
+        return int(np.searchsorted(self.inputs.starts_s, now, side="right")) - 1
+
+    def _advance(self, mode: Mode, y: FloatArray, now: float, stop: float) -> tuple[Mode, FloatArray]:
+        piece, n = self._piece(now), len(y)
+        start = float(self.inputs.starts_s[piece])
+        remaining, fresh = stop - now, now == start
+        while remaining > 0.0:
+            mode, y = self._settle(mode, y, piece, stop - remaining)
+            phase = self._phase(mode, piece)
+            z = phase.propagator.lift(y, stop - remaining - start)
+            for length in phase.lengths(remaining, fresh=fresh):
+                ended, passed, z = self._try(phase, z, length)
+                remaining -= passed
+                if ended is not None:
+                    u = (phase.propagator.read @ z)[n:]
+                    mode, y = self._change(phase, ended, z[:n], u, stop - max(remaining, 0.0))
+                    fresh = True
+                    break
+            else:
+                y, remaining = z[:n], 0.0
+        return mode, y
+
+    def _try(self, phase: _Phase, z: FloatArray, length: float) -> tuple[Guard | None, float, FloatArray]:
+        """Return the guard that ends the mode within a step, or None; the time that passed, and z after it."""
+        self._steps += 1
+        check_steps(self._steps)
+        flow, integrals = phase.step(length, comes_again=True)
+        after = flow @ z
+        fired, bound = _first_dip(phase, z, after, length)
+        if not fired.any():
+            self._works = self._works + (integrals @ z) @ z
+            return None, length, after
+        guard, passed = _first_to_fall(phase, z, fired, bound)
+        if passed > 0.0:
+            flow, integrals = phase.step(passed)
+            self._works = self._works + (integrals @ z) @ z
+            z = flow @ z
+        return guard, passed, z
+
+    def _settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
+        """Switch until no guard is below zero."""
+        for _ in range(_SWITCHES_AT_ONCE):
+            phase = self._phase(mode, piece)
+            z = phase.propagator.lift(y, now - float(self.inputs.starts_s[piece]))
+            margins = (phase.watch[: len(phase.guards)] @ z) / phase.tolerances
+            # What has just been switched stands at minus its tolerance.
+            if margins.min() >= -2.0:
+                return mode, y
+            u = (phase.propagator.read @ z)[len(y) :]
+            mode, y = self._change(phase, phase.guards[int(np.argmin(margins))], y, u, now)
+        raise SolverError(
+            f"the state of the contacts cannot be settled at t = {now:.6g} s",
+            code="RF524",
+            fix="give the belts some damping, or a smoother drive",
+        )
+
+    def _change(
+        self, phase: _Phase, guard: Guard, y: FloatArray, u: FloatArray, now: float
+    ) -> tuple[Mode, FloatArray]:
+        self.changes.append((now, guard))
+        if len(self.changes) > _MAX_SWITCHES:
+            raise SolverError(
+                f"contacts and spans changed their state {_MAX_SWITCHES} times before t = {now:.6g} s",
+                code="RF524",
+                fix="give the belts some damping, or ask for a shorter time",
+            )
+        return switched(phase.motion, guard, y, u)

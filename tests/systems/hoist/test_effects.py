@@ -1,0 +1,283 @@
+"""Each effect of a hoist changes the answer by what its own formula says, and by no more than its bound."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from ropefric.errors import InputError
+from ropefric.friction.condition import one_condition
+from ropefric.friction.law import LiftModel
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.hoist.contact import lifted_arc_rad
+from ropefric.systems.hoist.effects import SYSTEM
+from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
+
+
+def own(problem):
+    return one_condition(
+        problem.wheel_radius_m[0],
+        problem.rope_radius_m[0],
+        problem.wrap_angle_rad[0],
+        problem.end_tension_N[0],
+    )
+
+
+def test_without_effects_it_is_the_capstan_with_the_coefficient_of_the_reference(full_problem, solved):
+    friction = full_problem.friction
+    mu = friction.law.average_mu(friction.theta, friction.reference)[0]
+    lift = solved(full_problem, [])
+    assert lift.lift_force_N[0] == pytest.approx(80.0 * math.exp(mu * 9.42), rel=1e-14)
+
+
+def test_with_what_a_law_may_be_told_it_is_the_law_itself(full_problem, solved):
+    lift = solved(full_problem, ["wrap-dependence", "size", "end-tension"])
+    law, theta = full_problem.friction.law, full_problem.friction.theta
+    assert lift.log_lift[0] == pytest.approx(law.log_lift(theta, own(full_problem))[0], rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("effect", "at_the_reference"),
+    [
+        ("wrap-dependence", {"wheel_radius_m", "rope_radius_m", "end_tension_N"}),
+        ("size", {"wrap_angle_rad", "end_tension_N"}),
+        ("end-tension", {"wheel_radius_m", "rope_radius_m", "wrap_angle_rad"}),
+    ],
+)
+def test_each_effect_alone_tells_the_law_one_thing(full_problem, solved, effect, at_the_reference):
+    friction = full_problem.friction
+    seen = {
+        name: getattr(friction.reference if name in at_the_reference else full_problem, name)[0]
+        for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+    }
+    mu = friction.law.average_mu(friction.theta, one_condition(**seen))[0]
+    assert solved(full_problem, [effect]).log_lift[0] == pytest.approx(math.log(80.0) + mu * 9.42, rel=1e-14)
+
+
+def test_centrifugal_agrees_with_the_friction_room(full_problem, solved):
+    lift = solved(full_problem, ["wrap-dependence", "size", "end-tension", "centrifugal"])
+    law, theta = full_problem.friction.law, full_problem.friction.theta
+    wanted = LiftModel(law=law, linear_density_kg_m=0.062, speed_m_s=3.0).log_lift(theta, own(full_problem))
+    assert lift.log_lift[0] == pytest.approx(wanted[0], rel=1e-14)
+
+
+def test_rope_weight_is_an_end_tension(full_problem, solved):
+    heavier = replace(full_problem, end_tension_N=full_problem.end_tension_N + 0.062 * GRAVITY_M_S2 * 5.0)
+    assert solved(full_problem, ["rope-weight"]).log_lift == solved(heavier, []).log_lift
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.2, 0.8])
+@pytest.mark.parametrize("rigidity", [1e-6, 1e-3, 0.05])
+def test_bending_agrees_with_the_bending_law(solved, mu, rigidity):
+    rope = HoistProblem(
+        friction=WrapFriction.constant(mu),
+        wheel_radius_m=0.04,
+        rope_radius_m=0.005,
+        wrap_angle_rad=6.0,
+        end_tension_N=60.0,
+        bending_stiffness_N_m2=rigidity,
+    )
+    wanted = ALL_LAWS["bending"].log_lift([mu, rigidity], own(rope))[0]
+    assert solved(rope, ["bending-stiffness"]).log_lift[0] == pytest.approx(wanted, rel=1e-12)
+
+
+def test_all_effects_together_are_what_the_rope_element_integrates_to(full_problem, solved):
+    """An independent solution: dF/dφ = μ(φ) (F − c − E) along the arc in contact, its ends found by bisection."""
+    problem, friction = full_problem, full_problem.friction
+    mu_inf, a, b, c_power, d = friction.theta
+    ratio = problem.wheel_radius_m[0] / problem.rope_radius_m[0]
+    mu_R = mu_inf * (1.0 - math.exp(a * ratio + b))
+    circling = 0.062 * 3.0**2
+    stiff = 1e-3 / (2.0 * (0.04 + 0.0049) ** 2)
+    slack_N = 80.0 + 0.062 * GRAVITY_M_S2 * 5.0
+    pressing = slack_N - circling - stiff
+    exponent = c_power + 1.0
+    phi_0 = brentq(
+        lambda phi: mu_R * phi**exponent / exponent + d * phi - math.log(pressing),
+        1e-9,
+        1e3,
+        xtol=1e-14,
+        rtol=1e-15,
+    )
+
+    def tight_N(contact):
+        run = solve_ivp(
+            lambda phi, F: (mu_R * phi**c_power + d) * (F - circling - stiff),
+            (phi_0, phi_0 + contact),
+            [slack_N],
+            method="DOP853",
+            rtol=1e-13,
+            atol=1e-10,
+        )
+        return run.y[0, -1]
+
+    def gap(contact):
+        ends = [float(lifted_arc_rad(stiff, F - circling)) for F in (slack_N, tight_N(contact))]
+        return 9.42 - sum(ends) - contact
+
+    contact = brentq(gap, 8.0, 9.42, xtol=1e-13)
+    lift = solved(problem)
+    assert lift.contact_rad[0] == pytest.approx(contact, rel=1e-11)
+    assert lift.lift_force_N[0] == pytest.approx(tight_N(contact), rel=1e-10)
+
+
+def test_the_lifted_arc_keeps_its_digits_where_the_arc_cosine_loses_them():
+    e = 1e-14
+    assert lifted_arc_rad(e, 1.0) == pytest.approx(math.sqrt(2.0 * e), rel=1e-12)
+    assert lifted_arc_rad(0.5, 1.0) == pytest.approx(math.acos(0.5), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"speed_m_s": 40.0}, "lifts off the wheel"),
+        ({"bending_stiffness_N_m2": 1.0}, "too stiff to follow"),
+        ({"bending_stiffness_N_m2": 0.1, "wrap_angle_rad": 0.4}, "never touches"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_name(full_problem, solved, change, words):
+    with pytest.raises(InputError, match=words):
+        solved(replace(full_problem, **change))
+
+
+@pytest.mark.parametrize("name", ["wheel_radius_m", "end_tension_N", "bending_stiffness_N_m2", "speed_m_s"])
+def test_numbers_out_of_range_are_refused(full_problem, name):
+    with pytest.raises(InputError, match=name):
+        replace(full_problem, **{name: math.nan if name == "speed_m_s" else -1.0})
+
+
+def test_many_cases_at_once_are_the_same_cases_one_by_one(full_problem, solved):
+    tensions = np.array([20.0, 80.0, 300.0])
+    together = solved(replace(full_problem, end_tension_N=tensions)).log_lift
+    alone = [solved(replace(full_problem, end_tension_N=tension)).log_lift[0] for tension in tensions]
+    assert together.tolist() == pytest.approx(alone, rel=1e-14)
+
+
+def test_a_law_that_has_the_stiffness_in_it_does_not_get_it_twice():
+    friction = WrapFriction(
+        law=ALL_LAWS["bending"], theta=np.array([0.2, 1e-3]), reference=one_condition(0.04, 0.005, 3.0, 60.0)
+    )
+    rope = HoistProblem(
+        friction=friction,
+        wheel_radius_m=0.04,
+        rope_radius_m=0.005,
+        wrap_angle_rad=6.0,
+        end_tension_N=60.0,
+        bending_stiffness_N_m2=1e-3,
+    )
+    assert SYSTEM.effects["bending-stiffness"].needs(rope)
+
+
+def test_a_law_that_helps_the_rope_to_slip_is_refused(solved):
+    friction = WrapFriction(
+        law=ALL_LAWS["constant-offset"],
+        theta=np.array([0.1, -0.3]),
+        reference=one_condition(0.04, 0.005, 6.0, 60.0),
+    )
+    rope = HoistProblem(
+        friction=friction, wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=2.0, end_tension_N=60.0
+    )
+    assert solved(rope, []).log_lift > np.log(60.0)
+    with pytest.raises(InputError, match="negative coefficient"):
+        solved(rope, ["wrap-dependence"])
+
+
+def laws():
+    coupled = st.tuples(
+        st.floats(0.1, 0.6),
+        st.floats(-0.5, -0.05),
+        st.floats(-1.0, 0.0),
+        st.floats(-0.9, -0.05),
+        st.floats(0.01, 0.2),
+    ).map(lambda theta: ("coupled", theta))
+    wrap = st.tuples(st.floats(0.01, 0.5), st.floats(-0.9, -0.05), st.floats(0.01, 0.3)).map(
+        lambda theta: ("wrap-power", theta)
+    )
+    exponential = st.tuples(st.floats(0.01, 0.5), st.floats(-1.0, -0.02), st.floats(0.01, 0.3)).map(
+        lambda theta: ("wrap-exponential", theta)
+    )
+    constant = st.tuples(st.floats(0.02, 0.5)).map(lambda theta: ("constant", theta))
+    offset = st.tuples(st.floats(0.02, 0.5), st.floats(0.0, 0.2)).map(
+        lambda theta: ("constant-offset", theta)
+    )
+    howell = st.tuples(st.floats(0.1, 0.5), st.floats(0.7, 0.99)).map(lambda theta: ("howell", theta))
+    return st.one_of(coupled, wrap, exponential, constant, offset, howell)
+
+
+@st.composite
+def hoists(draw):
+    name, theta = draw(laws())
+    friction = WrapFriction(
+        law=ALL_LAWS[name],
+        theta=np.array(theta),
+        reference=one_condition(
+            draw(st.floats(0.01, 0.2)),
+            draw(st.floats(0.002, 0.01)),
+            draw(st.floats(0.5, 20.0)),
+            draw(st.floats(2, 500)),
+        ),
+    )
+    optional = {
+        "speed_m_s": st.floats(0.0, 10.0),
+        "linear_density_kg_m": st.floats(0.01, 0.5),
+        "hanging_length_m": st.floats(0.1, 40.0),
+        "bending_stiffness_N_m2": st.floats(1e-7, 5e-3),
+    }
+    given_ones = {key: draw(values) for key, values in optional.items() if draw(st.booleans())}
+    return HoistProblem(
+        friction=friction,
+        wheel_radius_m=draw(st.floats(0.015, 0.2)),
+        rope_radius_m=draw(st.floats(0.002, 0.01)),
+        wrap_angle_rad=draw(st.floats(0.5, 25.0)),
+        end_tension_N=draw(st.floats(2.0, 500.0)),
+        **given_ones,
+    )
+
+
+def check_bounds(problem, solved, keep):
+    """Every effect's worth, with whatever others are in, stays below its bound."""
+    applicable = [name for name, effect in SYSTEM.effects.items() if not effect.needs(problem)]
+    others = [name for name, kept in zip(applicable, keep, strict=False) if kept]
+    for name in applicable:
+        bound = SYSTEM.effects[name].influence(problem)
+        if math.isinf(bound):
+            continue
+        worth = solved(problem, {*others, name}).log_lift - solved(problem, {*others} - {name}).log_lift
+        assert abs(worth[0]) <= bound + 1e-13, name
+
+
+@settings(deadline=None, max_examples=60)
+@given(problem=hoists(), keep=st.lists(st.booleans(), min_size=6, max_size=6))
+def test_no_effect_is_worth_more_than_its_bound(problem, keep, solved):
+    check_bounds(problem, solved, keep)
+
+
+def test_what_an_effect_is_worth_may_be_largest_at_a_contact_in_between(solved):
+    """A stiff rope touches a small part of a short wrap; at both ends of what it may touch μ(φ) is told alike."""
+    friction = WrapFriction(
+        law=ALL_LAWS["wrap-exponential"],
+        theta=np.array([0.5, -1.0, 0.25]),
+        reference=one_condition(0.125, 0.0078125, 0.5, 2.0),
+    )
+    problem = HoistProblem(
+        friction=friction,
+        wheel_radius_m=0.03125,
+        rope_radius_m=0.009765625,
+        wrap_angle_rad=0.5,
+        end_tension_N=19.0,
+        bending_stiffness_N_m2=0.001953125,
+    )
+    check_bounds(problem, solved, [False, False, False, True])
+
+
+@pytest.mark.slow
+@settings(deadline=None, max_examples=2000)
+@given(problem=hoists(), keep=st.lists(st.booleans(), min_size=6, max_size=6))
+def test_no_effect_is_worth_more_than_its_bound_in_thousands_of_scenes(problem, keep, solved):
+    check_bounds(problem, solved, keep)

@@ -1,0 +1,74 @@
+"""The press of Ni & Wen, from the numbers they print."""
+
+import csv
+import math
+from pathlib import Path
+
+import pytest
+
+from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+
+PUBLISHED = Path(__file__).parents[3] / "data" / "published"
+UPPER = ("1", "2", "3", "4", "5", "6", "7", "8", "9")
+LOWER = ("9", "10", "11", "12", "13", "5", "6", "7", "8")
+
+
+def rows(name):
+    with (PUBLISHED / name).open(encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+@pytest.fixture(scope="session")
+def paper_data():
+    """The printed machine data in SI units, by name."""
+    factor = {"mm": 1e-3, "N/mm": 1e3, "deg": math.pi / 180, "1/min": 2 * math.pi / 60}
+    return {
+        row["quantity"]: float(row["value"]) * factor.get(row["unit"], 1.0)
+        for row in rows("belt_press_machine.csv")
+    }
+
+
+@pytest.fixture(scope="session")
+def paper_press(paper_data):
+    """The printed machine at 50 rpm, without what the paper does not give."""
+    data = paper_data
+    carriers = {
+        "3": Tensioner(
+            spring_N_m=data["tensioner_stiffness"],
+            travel_m=data["tensioner_travel_up"],
+            force_N=data["tensioner_force_up"],
+            downstream_angle_rad=data["beta"],
+        ),
+        "13": Tensioner(
+            spring_N_m=data["tensioner_stiffness"],
+            travel_m=data["tensioner_travel_down"],
+            force_N=data["tensioner_force_down"],
+            upstream_angle_rad=data["gamma"],
+        ),
+    }
+    rollers = []
+    for row in rows("belt_press_rollers.csv"):
+        name = row["roller"]
+        rollers.append(
+            Roller(
+                name=name,
+                radius_m=float(row["roller_radius_mm"]) / 1000.0,
+                wrap_angle_rad=math.radians(float(row["wrap_angle_deg"])),
+                role="driver" if name in {"1", "10"} else "tensioner" if name in carriers else "driven",
+                gravity_torque_N_m=float(row["gravity_torque_N_m"] or 0),
+                squeeze_torque_N_m=float(row["squeeze_torque_N_m"] or 0),
+                tensioner=carriers.get(name),
+            )
+        )
+    area_m2 = data["belt_width"] * data["belt_thickness"]
+    belts = tuple(
+        Belt(
+            name=name,
+            loop=loop,
+            linear_density_kg_m=data["belt_density"] * area_m2,
+            thickness_m=data["belt_thickness"],
+            width_m=data["belt_width"],
+        )
+        for name, loop in (("upper", UPPER), ("lower", LOWER))
+    )
+    return Press(rollers=tuple(rollers), belts=belts, speed_m_s=0.175 * data["driver_speed"])

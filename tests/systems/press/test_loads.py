@@ -1,0 +1,108 @@
+"""Loads from sludge data and back: what the printed torques stand for."""
+
+import numpy as np
+import pytest
+
+from ropefric.errors import InputError
+from ropefric.systems.press.loads import (
+    distortion_energy_J_m3,
+    gravity_pull_N,
+    gravity_torque_N_m,
+    implied_drag_kg_m2,
+    implied_squeeze_N_m,
+    squeeze_torque_N_m,
+)
+from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.steady import drive_power_W, driver_torque_N_m, steady_state
+
+
+def test_the_printed_squeeze_torques_stand_for_one_product(paper_press, paper_data):
+    rollers = [roller for roller in paper_press.rollers if roller.squeeze_torque_N_m]
+    assert [roller.name for roller in rollers] == ["5", "6", "7", "8", "9"]
+    units = [2, 1, 1, 1, 1]
+    product = implied_squeeze_N_m(
+        [roller.squeeze_torque_N_m for roller in rollers],
+        belt_width_m=paper_data["belt_width"],
+        radius_m=[roller.radius_m for roller in rollers],
+        units=units,
+    )
+    np.testing.assert_allclose(product, 84.000, rtol=1e-12)
+    loss_m = paper_data["sludge_height"] - paper_data["cake_height"]
+    back = squeeze_torque_N_m(
+        belt_width_m=paper_data["belt_width"],
+        radius_m=[roller.radius_m for roller in rollers],
+        compression_m=loss_m,
+        distortion_energy_J_m3=84.0 / loss_m,
+        units=units,
+    )
+    np.testing.assert_allclose(back, [84.0, 33.6, 29.4, 25.2, 16.8], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("roller", "pull_N", "drag_kg_m2"),
+    [("2", 349.333, 296.75), ("3", 349.333, 296.75), ("5", 60.000, 50.97), ("13", 60.000, 50.97)],
+)
+def test_the_printed_gravity_torques_stand_for_two_zones(paper_press, paper_data, roller, pull_N, drag_kg_m2):
+    part = next(each for each in paper_press.rollers if each.name == roller)
+    assert part.gravity_torque_N_m / part.radius_m == pytest.approx(pull_N, abs=5e-4)
+    height_m = paper_data["sludge_height"]
+    product = implied_drag_kg_m2(
+        part.gravity_torque_N_m,
+        belt_width_m=paper_data["belt_width"],
+        radius_m=part.radius_m,
+        sludge_height_m=height_m,
+    )
+    assert float(product) == pytest.approx(drag_kg_m2, abs=5e-3)
+    pull = gravity_pull_N(
+        sludge_friction=0.25,
+        belt_width_m=paper_data["belt_width"],
+        sludge_height_m=height_m,
+        sludge_density_kg_m3=1000.0,
+        zone_length_m=product / 250.0,
+    )
+    assert float(gravity_torque_N_m(pull, radius_m=part.radius_m)) == pytest.approx(part.gravity_torque_N_m)
+
+
+def test_distortion_energy():
+    energy = distortion_energy_J_m3(strength_Pa=[3e4, 6e4], poisson_ratio=0.3, youngs_modulus_Pa=2e5)
+    np.testing.assert_allclose(energy, [1.3 * 9e8 / 6e5, 1.3 * 36e8 / 6e5])
+
+
+def test_all_loads_together_and_their_power(paper_press):
+    pulls_N = [roller.torque_N_m / roller.radius_m for roller in paper_press.rollers]
+    assert sum(pulls_N) == pytest.approx(1826.667, abs=5e-4)
+    state = steady_state(solve_statics(paper_press))
+    assert float(drive_power_W(state)) == pytest.approx(1673.8, abs=0.05)
+    # The same from the other end: what the motors turn.
+    torque = driver_torque_N_m(state)
+    radius = {roller.name: roller.radius_m for roller in paper_press.rollers}
+    assert sum(float(torque[name]) / radius[name] for name in ("1", "10")) == pytest.approx(sum(pulls_N))
+
+
+def test_power_grows_with_load_and_speed(paper_press):
+    statics = solve_statics(paper_press)
+    state = steady_state(statics, load_factor=[[0.5], [1.0]], speed_m_s=[0.0, 1.0])
+    np.testing.assert_allclose(drive_power_W(state), [[0.0, 913.3333], [0.0, 1826.6667]], rtol=1e-6)
+
+
+@pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf")])
+def test_a_load_is_no_negative_number(value):
+    with pytest.raises(InputError, match="sludge_height_m"):
+        gravity_pull_N(
+            sludge_friction=0.3,
+            belt_width_m=2,
+            sludge_height_m=value,
+            sludge_density_kg_m3=1,
+            zone_length_m=1,
+        )
+    with pytest.raises(InputError, match="compression_m"):
+        squeeze_torque_N_m(belt_width_m=2, radius_m=1, compression_m=value, distortion_energy_J_m3=1)
+
+
+def test_what_is_divided_by_is_not_zero():
+    with pytest.raises(InputError, match="radius_m is 0; it must be finite and positive"):
+        implied_squeeze_N_m(1.0, belt_width_m=2, radius_m=0.0)
+    with pytest.raises(InputError, match="sludge_height_m is 0"):
+        implied_drag_kg_m2(1.0, belt_width_m=2, radius_m=1.0, sludge_height_m=0.0)
+    with pytest.raises(InputError, match="youngs_modulus_Pa is 0"):
+        distortion_energy_J_m3(strength_Pa=1.0, poisson_ratio=0.3, youngs_modulus_Pa=0.0)

@@ -1,0 +1,257 @@
+"""Slip and slack: never beyond e^M, never a pushing belt, the same as a regularised machine coded by itself."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import LAWS
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.slip import contacts_of, utilisation
+from ropefric.systems.press.statics import incidence, spans_into, spans_out_of
+from ropefric.systems.press.transient.model import elastic_press, friction_limit, friction_utilisation
+from ropefric.systems.press.transient.motion import settled_tension_N
+from ropefric.systems.press.transient.start_up import start_up
+
+MU = 0.3
+
+
+@pytest.fixture(scope="module")
+def hard_start(kit):
+    """Half a second to full speed with little friction: both drivers and roller 2 slip."""
+    return start_up(
+        kit.paper(), speed=kit.run_up("ramp", duration_s=0.5), time_s=np.linspace(0, 2, 801), friction=MU
+    )
+
+
+@pytest.fixture(scope="module")
+def slack_start(kit):
+    """Full speed at once: spans behind the drivers go slack."""
+    speed = kit.run_up("constant", 1.0)
+    return start_up(kit.small(), speed=speed, time_s=np.linspace(0.0, 1.0, 2001), friction=0.6)
+
+
+def sides(found):
+    """T' before and behind each roller, the belt's acceleration there, and the mass of the belt on it."""
+    press = found.press
+    density = np.array(
+        [sum(b.linear_density_kg_m for b in press.belts if r.name in b.loop) for r in press.rollers]
+    )
+    c = density * found.drive_speed_m_s[:, None] ** 2
+    T = found.tension_N
+    arc = density * np.array([r.radius_m * r.wrap_angle_rad for r in press.rollers])
+    acceleration = (T @ incidence(press).T - found.friction_N) / arc
+    return T @ spans_into(press).T - c, T @ spans_out_of(press).T - c, acceleration, arc
+
+
+@pytest.mark.parametrize("name", ["hard_start", "slack_start"])
+def test_no_tension_ratio_is_beyond_euler_at_any_time(request, name):
+    """Ahead (T'_out + q)/(T'_in + q) ≤ e^M, behind (T'_in − q)/(T'_out − q), q = ρAR²θ''/μ; equal where it slips."""
+    found, mu = request.getfixturevalue(name), {"hard_start": MU, "slack_start": 0.6}[name]
+    into, out, acceleration, arc = sides(found)
+    wraps = np.array([roller.wrap_angle_rad for roller in found.press.rollers])
+    q = arc * acceleration / (mu * wraps)
+    pressed = (into > 1e-3) & (out > 1e-3)
+    assert pressed.mean() > 0.8
+    growth = np.exp(mu * wraps)
+    for tight, slack in ((out + q, into + q), (into - q, out - q)):
+        whole = pressed & (slack > 0.0)
+        assert (tight - slack * growth <= 1e-6 * np.abs(tight))[whole].all()
+    forward, backward = pressed & (found.contact == 1), pressed & (found.contact == -1)
+    np.testing.assert_allclose(((out + q) - (into + q) * growth)[forward], 0.0, atol=1e-5)
+    np.testing.assert_allclose(((into - q) - (out - q) * growth)[backward], 0.0, atol=1e-5)
+    assert forward.any()
+    assert backward.any()
+    assert found.utilisation[pressed].max() <= 1.0 + 1e-7
+
+
+def test_what_slips_when(hard_start):
+    assert set(hard_start.first_slip_s) == {"1", "2", "10"}
+    times = list(hard_start.first_slip_s.values())
+    assert times == sorted(times)
+    assert 0.0 < times[0] < times[-1] < 0.5
+    assert {slip.direction for slip in hard_start.slips if slip.roller in {"1", "10"}} == {-1}
+    assert {slip.direction for slip in hard_start.slips if slip.roller == "2"} == {1}
+    summary = hard_start.summary()
+    assert summary["peak_utilisation"]["2"] == pytest.approx(1.0, abs=1e-7)
+    assert summary["peak_utilisation"]["6"] < 0.5
+    assert summary["slipping_s"]["2"] > 1.5
+    rows = {roller.name: i for i, roller in enumerate(hard_start.press.rollers)}
+    for slip in hard_start.slips:
+        inside = (hard_start.time_s > slip.start_s) & (hard_start.time_s < slip.end_s)
+        assert (hard_start.contact[inside, rows[slip.roller]] == slip.direction).all()
+        assert (slip.direction * hard_start.slip_speed_m_s[inside, rows[slip.roller]] >= 0.0).all()
+    stuck = hard_start.contact == 0
+    assert np.abs(hard_start.slip_speed_m_s[stuck]).max() < 1e-9
+
+
+def test_a_roller_left_behind_stops_and_is_not_driven_backward(hard_start):
+    rim = hard_start.roller_speed_rad_s[:, 1]
+    assert rim.max() > 1.0
+    assert np.abs(rim[-1]) < 1e-9
+    assert rim.min() > -1e-9
+    first = int(np.flatnonzero((hard_start.time_s > 0.3) & (np.abs(rim) < 1e-9))[0])
+    assert np.abs(rim[first:]).max() < 1e-9
+
+
+def test_belts_do_not_push(slack_start, hard_start):
+    assert slack_start.tension_N.min() == 0.0
+    assert (slack_start.tension_N == 0.0).sum() > 10
+    assert (hard_start.tension_N > 0.0).all()
+
+
+@pytest.mark.parametrize("name", ["hard_start", "slack_start"])
+def test_energies_add_up_with_slip(request, name):
+    found = request.getfixturevalue(name)
+    assert found.energy.relative_residual < 1e-8
+    assert found.energy.slip[-1] > 0.01 * found.energy.drive[-1]
+    for part in (found.energy.slip, found.energy.belt, found.energy.tensioner, found.energy.load):
+        assert (np.diff(part) >= -1e-9 * found.energy.drive[-1]).all() or part is found.energy.load
+
+
+def test_friction_that_suffices_changes_nothing(kit):
+    question = {"speed": kit.run_up(), "time_s": np.linspace(0.0, 4.0, 81), "friction": 1.2}
+    free, bound = (start_up(kit.paper(), slip=slip, **question) for slip in (True, False))
+    assert free.slips == bound.slips == ()
+    np.testing.assert_allclose(free.tension_N, bound.tension_N, rtol=1e-8)
+    np.testing.assert_allclose(free.utilisation, bound.utilisation, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(free.energy.drive, bound.energy.drive, rtol=1e-8)
+    # The page: with μ = 1.2 no roller slips, and roller 2 is the first to come near it.
+    assert max(bound.peak_utilisation, key=bound.peak_utilisation.get) == "2"
+    assert 0.5 < bound.peak_utilisation["2"] < 0.7
+
+
+@pytest.mark.parametrize(("factor", "slips"), [(1.02, False), (0.98, True)])
+def test_the_threshold_of_slip_in_a_slow_start(kit, factor, slips):
+    """Slow enough, roller 2 slips just where the steady run needs more than its friction: ln(T2'/T1')/α."""
+    press = kit.paper(eta_s=1e-2)
+    settled = settled_tension_N(elastic_press(press), speed_m_s=kit.speed_m_s) - 15.0 * kit.speed_m_s**2
+    needed = math.log(settled[1] / settled[0]) / press.rollers[1].wrap_angle_rad
+    found = start_up(
+        press, speed=kit.run_up(duration_s=12.0), time_s=np.linspace(0.0, 13.0, 14), friction=factor * needed
+    )
+    assert list(found.first_slip_s) == (["2"] if slips else [])
+    if slips:
+        assert found.first_slip_s["2"] > 6.0
+
+
+def regularised(kit, press, times_s, mu, creep_m_s=4e-6):
+    """The small machine by hand: friction grows with the slip speed up to its limit, as a tanh."""
+    EA, eta = press.belts[0].axial_stiffness_N, press.belts[0].damping_s
+    lengths, rho, v_end = np.array(press.belts[0].span_lengths_m), 8.0, 1.0
+    R = np.array([r.radius_m for r in press.rollers])
+    wrap = np.array([r.wrap_angle_rad for r in press.rollers])
+    J = np.array([r.inertia_kg_m2 for r in press.rollers])
+    tension = press.rollers[2].tensioner
+    T0 = 0.5 * (tension.spring_N_m * tension.travel_m + tension.force_N)
+    arc, E = rho * R * wrap, np.exp(mu * wrap)
+    load = press.rollers[1].torque_N_m / R[1]
+
+    def drive(t):
+        s = min(t / 0.3, 1.0)
+        return v_end * s
+
+    def rate(t, y):
+        b, db, v, x, dx = y[0:3], y[3:6], y[6:8], y[8], y[9]
+        shorten, dshorten = np.array([0.0, x, x]), np.array([0.0, dx, dx])
+        e, de = np.roll(b, -1) - b - shorten, np.roll(db, -1) - db - dshorten
+        T = np.maximum(T0 + EA / lengths * (e + eta * de), 0.0)
+        c = rho * drive(t) ** 2
+        out, into = np.maximum(T - c, 0.0), np.maximum(np.roll(T, 1) - c, 0.0)
+        fast = db - np.array([drive(t), v[0], v[1]])
+        # (37): T_out + q = (T_in + q) e^M, q = ρAR b''/μ, solved for b''; backward with the sides exchanged.
+        ahead = mu * (out - E * into) / (rho * R * (E - 1.0))
+        behind = mu * (E * out - into) / (rho * R * (E - 1.0))
+        most = np.where(fast > 0.0, out - into - arc * ahead, into - out + arc * behind)
+        F = most * np.tanh(fast / creep_m_s)
+        belt = (T - np.roll(T, 1) - F) / arc
+        g = drive(t) / v_end
+        roll = (F[1:] - np.array([g * load * np.tanh(v[0] / 1e-4), 0.0])) * R[1:] ** 2 / J[1:]
+        pull = T[1] + T[2] - 2.0 * T0 - 2.0 * c
+        push = (pull - tension.damping_N_s_m * dx - tension.spring_N_m * x) / tension.mass_kg
+        return np.concatenate([db, belt, roll, [dx, push]])
+
+    found, y = [], np.zeros(10)
+    for start, end in ((0.0, 0.3), (0.3, times_s[-1])):
+        inside = times_s[(times_s > start) & (times_s <= end)]
+        made = solve_ivp(rate, (start, end), y, method="LSODA", t_eval=inside, rtol=1e-7, atol=1e-9)
+        found.append(made.y)
+        y = made.y[:, -1]
+    return np.hstack(found).T
+
+
+@pytest.mark.parametrize(("mu", "load_N_m"), [(0.25, 20.0), (0.12, 40.0)])
+def test_a_machine_coded_by_itself_slips_alike(kit, mu, load_N_m):
+    press = kit.small(load_N_m=load_N_m)
+    times_s = np.linspace(0.01, 1.0, 100)
+    wanted = regularised(kit, press, times_s, mu)
+    found = start_up(press, speed=kit.run_up("ramp", 1.0, 0.3), time_s=times_s, friction=mu)
+    assert found.slips
+    rims = found.roller_speed_rad_s * [roller.radius_m for roller in press.rollers]
+    np.testing.assert_allclose(rims[:, 1:], wanted[:, 6:8], atol=0.01)
+    np.testing.assert_allclose(found.travel_m[:, 0] - 0.01, wanted[:, 8], atol=2e-4)
+    np.testing.assert_allclose((rims + found.slip_speed_m_s)[:, 1:], wanted[:, 4:6], atol=0.01)
+    assert np.abs(found.slip_m).max() > 0.01
+
+
+def test_the_limit_of_a_constant_coefficient(kit):
+    model = elastic_press(kit.paper())
+    limit = friction_limit(model, 0.4)
+    M = 0.4 * np.array([roller.wrap_angle_rad for roller in model.press.rollers])
+    np.testing.assert_allclose(limit.growth, np.exp(M), rtol=1e-14)
+    np.testing.assert_allclose(limit.share, M / np.expm1(M), rtol=1e-9)
+
+
+def test_utilisation_is_that_of_the_press_with_any_acceleration(kit, random_state):
+    """The same number by the wrap integral of `press.grip`, for a law that varies along the wrap too."""
+    press = kit.paper()
+    model = elastic_press(press)
+    arc = model.arc_mass_kg
+    radius = np.array([roller.radius_m for roller in press.rollers])
+    law = WrapFriction(
+        law=LAWS["wrap-exponential"],
+        theta=np.array([0.2, -0.5, 0.1]),
+        reference=one_condition(0.1, 0.0025, 3.0, 1e3),
+    )
+    tension = model.preload_N * random_state.uniform(0.97, 1.03, 14)
+    spin = random_state.uniform(-2.0, 2.0, 13)
+    contacts = contacts_of(press, tension, rim_speed_m_s=0.9, angular_acceleration_rad_s2=spin)
+    c = (
+        np.array([sum(b.linear_density_kg_m for b in press.belts if r.name in b.loop) for r in press.rollers])
+        * 0.81
+    )
+    for friction, tolerance in ((0.4, 1e-9), (law, 0.02)):
+        mine = friction_utilisation(
+            friction_limit(model, friction),
+            friction_N=tension @ incidence(press).T - arc * radius * spin,
+            upstream_N=tension @ spans_into(press).T - c,
+            downstream_N=tension @ spans_out_of(press).T - c,
+            arc_force_N=arc * radius * spin,
+        )
+        # The law is kept at the standstill's tension, so that it only nearly agrees.
+        np.testing.assert_allclose(mine, utilisation(contacts, friction), rtol=tolerance)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_any_start_keeps_to_physics(kit, seed):
+    """Random machines, drives and friction: energy adds up, belts do not push, friction stays within its limit."""
+    rng = np.random.default_rng(seed)
+    press = kit.small(
+        EA_N=10.0 ** rng.uniform(5.0, 8.0),
+        eta_s=rng.choice([1e-4, 1e-3, 1e-2, 0.1]),
+        load_N_m=rng.uniform(0.0, 60.0),
+        k1=10.0 ** rng.uniform(2.0, 6.0),
+    )
+    found = start_up(
+        press,
+        speed=kit.run_up(rng.choice(["s-curve", "ramp", "constant"]), 0.9, 10.0 ** rng.uniform(-1.5, 0.0)),
+        time_s=np.linspace(0.0, 0.3, 61),
+        friction=rng.uniform(0.05, 1.0),
+        loads=str(rng.choice(["with-speed", "constant"])),
+    )
+    assert found.energy.relative_residual < 1e-8
+    assert found.tension_N.min() >= 0.0
+    assert found.utilisation.max() <= 1.0 + 1e-6
+    assert (np.diff(found.energy.slip) >= -1e-9 * np.abs(found.energy.drive).max()).all()

@@ -1,0 +1,209 @@
+"""Any dialect comes back exactly or is refused; any bytes end in a recording or a clear error."""
+
+import gzip
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import DataError, RopefricError
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import inspect_file
+from ropefric.traces.readers.profile import Channel, ImportProfile
+
+CHANNELS = {"time": Channel(column=1, unit="s"), "force": Channel(column=2, unit="N")}
+HEADS = {
+    "none": [],
+    "names": [["time", "force"]],
+    "units in names": [["time (s)", "force [N]"]],
+    "units row": [["time", "force"], ["s", "N"]],
+    "preamble": [["Prüfstand 7"], [], ["time_s", "force_N"]],
+}
+
+
+def to_bytes(rows, head, separator, decimal, *, eol, encoding, is_packed, ends_in_eol):
+    lines = [separator.join(cells) for cells in HEADS[head]]
+    lines += [separator.join(cell.replace(".", decimal) for cell in row) for row in rows]
+    text = eol.join(lines) + (eol if ends_in_eol else "")
+    data = text.encode(encoding)
+    return gzip.compress(data, mtime=0) if is_packed else data
+
+
+finite = st.floats(-1e6, 1e6, allow_nan=False).map(lambda x: x + 0.0)
+cells = st.one_of(
+    st.integers(-99999, 99999).map(str),
+    finite.map(repr),
+    finite.map(lambda x: f"{x:.3f}"),
+    finite.map(lambda x: f"{x:.2e}"),
+)
+
+
+@settings(deadline=None)
+@given(
+    rows=st.lists(st.tuples(cells, cells), min_size=1, max_size=30),
+    head=st.sampled_from(sorted(HEADS)),
+    marks=st.sampled_from([",.", ";.", ";,", "\t.", "\t,", " .", " ,", "|,"]).map(tuple),
+    form=st.fixed_dictionaries(
+        {
+            "eol": st.sampled_from(["\n", "\r\n", "\r"]),
+            "encoding": st.sampled_from(["utf-8", "utf-8-sig", "cp1252", "utf-16"]),
+            "is_packed": st.booleans(),
+            "ends_in_eol": st.booleans(),
+        }
+    ),
+    told=st.booleans(),
+)  # fmt: skip
+def test_any_dialect_comes_back_exactly_or_is_refused(tmp_path_factory, *, rows, head, marks, form, told):
+    separator, decimal = marks
+    assume(separator != " " or head != "units in names")  # blanks in names would make more names
+    path = tmp_path_factory.getbasetemp() / f"dialect.csv{'.gz' if form['is_packed'] else ''}"
+    path.write_bytes(to_bytes(rows, head, separator, decimal, **form))
+    profile = ImportProfile(channels=CHANNELS)
+    if told:
+        profile = ImportProfile(channels=CHANNELS, separator=separator, decimal=decimal)
+    try:
+        (found,) = read_recordings(path, profile)
+    except DataError as error:
+        # What is told needs no guess. Untold, only "1,234" is ambiguous.
+        code = error.code
+    else:
+        code = ""
+    if code:
+        assert (code, decimal, told) == ("RF104", ",", False)
+        return
+    if not form["ends_in_eol"] and len(rows) > 1 and len(rows[-1][1]) < len(rows[-2][1]):
+        rows = rows[:-1]  # its last number may have been cut
+    for i, channel in enumerate(("time", "force")):
+        np.testing.assert_array_equal(found.columns[channel], [float(row[i]) for row in rows])
+    inspection = inspect_file(path)
+    assert inspection.n_rows == len(rows)
+
+
+ODD_CELLS = [
+    "",
+    "nan",
+    "inf",
+    "1e999",
+    " 5 ",
+    "1_0",
+    "0x1",
+    "1.5.2",
+    "1,5",
+    "+.5",
+    "5.",
+    "-",
+    "e5",
+    "NA",
+    "x",
+]
+
+
+@settings(deadline=None)
+@given(
+    st.lists(
+        st.one_of(st.sampled_from(ODD_CELLS),
+                  st.text(alphabet="0123456789.,eE+- nax", max_size=6), cells),
+        min_size=1, max_size=8,
+    ),
+    st.sampled_from([".", ","]),
+)  # fmt: skip
+def test_the_fast_way_agrees_with_the_slow_one(tmp_path_factory, texts, decimal):
+    path = tmp_path_factory.getbasetemp() / "cells.csv"
+    path.write_text("".join(f"{i};{text}\n" for i, text in enumerate(texts)))
+    profile = ImportProfile(separator=";", decimal=decimal, header_row=0, channels=CHANNELS)
+    expected = slow_answer(texts, decimal)
+    if expected is None:
+        with pytest.raises(DataError) as caught:
+            read_recordings(path, profile)
+        assert caught.value.code == "RF102"
+        assert caught.value.problem.line == 1 + next(
+            i for i, text in enumerate(texts) if slow_answer([text], decimal) is None
+        )
+    else:
+        np.testing.assert_array_equal(read_recordings(path, profile)[0].columns["force"], expected)
+
+
+def slow_answer(texts, decimal) -> FloatArray | None:
+    """What Python makes of the cells, written here once more without a look at the reader."""
+    values = []
+    for text in texts:
+        cell = text.strip()
+        if cell.lower() in ("", "nan", "-nan") and cell not in (
+            "-NAN",
+            "-Nan",
+            "nAn",
+            "NAn",
+            "naN",
+            "nAN",
+            "-naN",
+            "-nAn",
+            "-nAN",
+            "-NAn",
+        ):
+            values.append(np.nan)
+            continue
+        other = "," if decimal == "." else "."
+        try:
+            value = float(cell.replace(decimal, "."))
+        except ValueError:
+            return None
+        if other in cell or "_" in cell or not np.isfinite(value):
+            return None
+        values.append(value)
+    return np.array(values)
+
+
+def test_slow_rows_are_read_as_they_stand(write):
+    path = write('force_N;note\n"1.5"; a\n\n+2e0;b\n')
+    (found,) = read_recordings(path, ImportProfile(sampling_rate_Hz=1.0))
+    assert found.columns["force"].tolist() == [1.5, 2.0]
+
+
+PIECES = b'1 2.5 3,5 , ; " t F nan \xff\xfe \xef\xbb\xbf 1,234 time_s,force_N'.split()
+PIECES += [b"\t", b" ", b"\n", b"\r\n", b"\0", b"time_s,force_N\n"]
+
+ugly = st.one_of(
+    st.binary(max_size=200),
+    st.text(max_size=100).map(str.encode),
+    st.text(alphabet='0123456789.,;\t \n\r"eE+-#', max_size=200).map(str.encode),
+    st.lists(st.sampled_from(PIECES), max_size=60).map(b"".join),
+)
+profiles = st.builds(
+    ImportProfile,
+    separator=st.sampled_from(["", ",", ";", "\t", " "]),
+    decimal=st.sampled_from(["", ".", ","]),
+    header_row=st.integers(-1, 3),
+    units_row=st.integers(0, 3),
+    data_row=st.integers(0, 5),
+    block_columns=st.integers(0, 3),
+    block_names_row=st.integers(0, 2),
+    channels=st.sampled_from([{}, CHANNELS, {"force": Channel(column="F")}]),
+    sampling_rate_Hz=st.sampled_from([None, 100.0]),
+    missing=st.sampled_from([(), ("-", "1")]),
+)
+
+
+@settings(deadline=None)
+@given(ugly, profiles)
+@example(b'"', ImportProfile())
+@example(b"\xff\xfe", ImportProfile())
+@example(b"1,2\n" * 3, ImportProfile(header_row=3, units_row=2, block_names_row=2))
+def test_any_bytes_end_in_a_recording_or_a_clear_error(tmp_path_factory, content, profile):
+    path = tmp_path_factory.getbasetemp() / "ugly.csv"
+    path.write_bytes(content)
+    try:
+        recordings = read_recordings(path, profile)
+    except RopefricError as error:
+        recordings = ()
+        assert error.code.startswith("RF1")  # noqa: PT017
+    for recording in recordings:
+        assert recording.source == str(path)
+        for values in recording.columns.values():
+            assert values.dtype == np.float64
+            assert not np.isinf(values).any()
+    try:
+        inspect_file(path, profile).to_dict()
+    except RopefricError as error:
+        assert str(path) in str(error) or "[import]" in str(error)  # noqa: PT017

@@ -1,0 +1,247 @@
+"""MATLAB, TDMS and sheets: the same recording comes out of each, and damage is told."""
+
+import builtins
+import contextlib
+import datetime as dt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ropefric.errors import DataError, RopefricError
+from ropefric.traces.assemble import assemble_trace
+from ropefric.traces.readers import READERS, find_reader, read_recordings
+from ropefric.traces.readers.inspection import inspect_file
+from ropefric.traces.readers.profile import Channel, ImportProfile
+
+START = dt.datetime(2024, 1, 1)  # noqa: DTZ001  (loggers write local time)
+T = np.arange(50) * 2.0
+F = np.sin(T) + 2
+BY_NAME = ImportProfile(
+    channels={"time": Channel(column="t", unit="ms"), "force": Channel(column="F", unit="kN")}
+)
+BY_NUMBER = ImportProfile(
+    channels={"time": Channel(column=1, unit="ms"), "force": Channel(column=2, unit="kN")}
+)
+
+
+def check(path, profile):
+    (recording,) = read_recordings(path, profile)
+    trace = assemble_trace(recording, profile)
+    np.testing.assert_allclose(trace.time_s, T * 1e-3, rtol=1e-15)
+    np.testing.assert_allclose(trace.force_N, F * 1e3, rtol=1e-15)
+    found = inspect_file(path, profile)
+    assert found.format == find_reader(path, profile).name
+    assert found.n_rows == 50
+
+
+def refused(path, profile=BY_NAME):
+    with pytest.raises(DataError) as caught:
+        read_recordings(path, profile, shown_as="shown")
+    assert caught.value.problem.path == "shown"
+    return caught.value
+
+
+def save_mat(path, content, **options):
+    from scipy.io import savemat
+
+    savemat(path, content, **options)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("content", "profile"),
+    [
+        ({"t": T, "F": F, "note": "x"}, BY_NAME),
+        ({"t": T[:, None], "F": F[None, :], "rate": 500.0}, BY_NAME),
+        ({"run": {"t": T, "F": F, "who": "Jo"}}, BY_NAME),
+        ({"data": np.column_stack([T, F])}, BY_NUMBER),
+        ({"t": T.astype(np.int16), "F": F}, BY_NAME),
+    ],
+)
+@pytest.mark.parametrize("options", [{}, {"do_compression": True}])
+def test_matlab(tmp_path, content, profile, options):
+    check(save_mat(tmp_path / "run.mat", content, **options), profile)
+
+
+def test_matlab_version_4(tmp_path):
+    check(save_mat(tmp_path / "run.mat", {"t": T, "F": F}, format="4"), BY_NAME)
+
+
+def test_matlab_variables_are_named_and_missed(tmp_path):
+    path = save_mat(tmp_path / "run.mat", {"warmup": np.zeros((9, 2)), "pull": np.column_stack([T, F])})
+    named = ImportProfile(table="pull", channels=BY_NUMBER.channels)
+    check(path, named)
+    error = refused(path, ImportProfile(table="pul", channels=BY_NUMBER.channels))
+    assert (error.code, error.fix) == ("RF105", "did you mean 'pull'?")
+    assert "without names" in str(refused(path, BY_NAME))
+
+
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [({"t": T, "F": F[:9]}, "RF103"), ({"t": T, "F": F * 1j}, "RF105"), ({"F": F * np.inf, "t": T}, "RF102"),
+     ({"note": "nothing"}, "RF101"), ({}, "RF101")],
+)  # fmt: skip
+def test_matlab_content_that_cannot_be_used(tmp_path, content, code):
+    assert refused(save_mat(tmp_path / "run.mat", content)).code == code
+
+
+def test_matlab_7_3_is_refused_with_the_fix(tmp_path):
+    path = tmp_path / "run.mat"
+    path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n" + bytes(100))
+    error = refused(path)
+    assert error.code == "RF101"
+    assert "-v7" in error.fix
+
+
+def save_tdms(path, channels, group="g"):
+    tdms = pytest.importorskip("nptdms")
+    with tdms.TdmsWriter(path) as writer:
+        writer.write_segment([tdms.ChannelObject(group, *channel) for channel in channels])
+    return path
+
+
+def test_tdms(tmp_path):
+    path = save_tdms(
+        tmp_path / "run.tdms", [("t", T, {"unit_string": "ms"}), ("F", F, {"unit_string": "kN"})]
+    )
+    check(path, ImportProfile(channels={"time": Channel(column="t"), "force": Channel(column="F")}))
+    check(path, ImportProfile())
+    assert refused(path, ImportProfile(table="pull")).fix == "known: g"
+
+
+def test_tdms_waveforms_bring_their_own_clock(tmp_path):
+    waveform = {"wf_increment": 0.002, "wf_start_offset": 0.0, "wf_start_time": START}
+    path = save_tdms(tmp_path / "run.tdms", [("Force", F, {**waveform, "unit_string": "kN"})])
+    check(path, ImportProfile())
+    assert inspect_file(path).sampling_rate_Hz == 500
+    (recording,) = read_recordings(path, ImportProfile(sampling_rate_Hz=100.0))
+    assert "time" not in recording.columns  # the profile's word goes first
+
+
+def test_tdms_without_data_is_told(tmp_path):
+    assert refused(save_tdms(tmp_path / "run.tdms", [("t", T), ("s", ["a"] * 50)]), ImportProfile(
+        channels={"force": Channel(column="s")})).code == "RF102"  # fmt: skip
+
+
+def save_xlsx(path, rows, sheet="Sheet"):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.title = sheet
+    for row in rows:
+        book.active.append(row)
+    book.save(path)
+    return path
+
+
+ROWS = [list(row) for row in zip(T.tolist(), F.tolist(), strict=True)]
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        [["t", "F"]],
+        [["Test of March"], [], ["t", "F"]],
+        [["t", "F"], ["s", "N"]],  # the profile's units go first
+    ],
+)
+@pytest.mark.parametrize("package", ["python_calamine", "openpyxl"])
+def test_sheets(tmp_path, head, package, monkeypatch):
+    hide(monkeypatch, {"python_calamine"} - {package})
+    check(save_xlsx(tmp_path / "run.xlsx", [*head, *ROWS]), BY_NAME)
+    check(save_xlsx(tmp_path / "bare.xlsx", ROWS), BY_NUMBER)
+
+
+def hide(monkeypatch, packages):
+    real = builtins.__import__
+
+    def importing(name, *args, **kwargs):
+        if name.split(".")[0] in packages:
+            raise ImportError(name)
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", importing)
+
+
+def test_missing_packages_are_told(tmp_path, monkeypatch):
+    sheet = save_xlsx(tmp_path / "run.xlsx", ROWS)
+    tdms = save_tdms(tmp_path / "run.tdms", [("t", T)])
+    hide(monkeypatch, {"python_calamine", "openpyxl", "nptdms"})
+    for path in (sheet, tdms):
+        error = refused(path)
+        assert (error.code, error.fix) == ("RF107", 'pip install "ropefric[lab]"')
+
+
+@pytest.mark.parametrize("cell", ["12,47", "oops", True, START])
+def test_a_sheet_cell_that_is_no_number(tmp_path, cell):
+    error = refused(save_xlsx(tmp_path / "run.xlsx", [["t", "F"], [0, 1.5], [1, cell], [2, 3.5]]))
+    assert (error.code, error.where) == ("RF102", "shown:3 F")
+
+
+@pytest.mark.parametrize("hidden", [set(), {"python_calamine"}])
+def test_a_failed_formula_is_a_missing_value(tmp_path, hidden, monkeypatch):
+    hide(monkeypatch, hidden)
+    path = save_xlsx(tmp_path / "run.xlsx", [["t", "F"], [0, 1.5], [1, "#DIV/0!"], [2, 3.5]])
+    np.testing.assert_array_equal(read_recordings(path, BY_NAME)[0].columns["force"], [1.5, np.nan, 3.5])
+
+
+def test_sheet_text_numbers_missing_cells_and_names(tmp_path):
+    rows = [["t", "F"], [0, "1,5"], [1, None], [2, "-"]]
+    path = save_xlsx(tmp_path / "run.xlsx", rows, "pulls")
+    profile = ImportProfile(decimal=",", missing=("-",), channels=BY_NAME.channels, table="pulls")
+    force = read_recordings(path, profile)[0].columns["force"]
+    np.testing.assert_array_equal(force, [1.5, np.nan, np.nan])
+    assert "did you mean 'pulls'" in refused(path, ImportProfile(table="pull", channels=BY_NAME.channels)).fix
+    assert refused(save_xlsx(tmp_path / "void.xlsx", [])).code == "RF101"
+
+
+@pytest.mark.parametrize("suffix", [".mat", ".tdms", ".xlsx", ".xls", ".ods"])
+def test_damaged_binary_files_are_told(tmp_path, suffix):
+    good = {
+        ".mat": lambda p: save_mat(p, {"t": T, "F": F}, do_compression=True),
+        ".tdms": lambda p: save_tdms(p, [("t", T), ("F", F)]),
+        ".xlsx": lambda p: save_xlsx(p, ROWS),
+    }
+    whole = good.get(suffix, good[".xlsx"])(
+        tmp_path / f"good{suffix if suffix in good else '.xlsx'}"
+    ).read_bytes()
+    path = tmp_path / f"run{suffix}"
+    for content in (b"", b"hello", whole[: len(whole) // 2], whole[:100], bytes(1000), whole[::-1]):
+        path.write_bytes(content)
+        try:
+            read_recordings(path, BY_NAME)
+            inspect_file(path)
+        except RopefricError as error:
+            assert error.code.startswith("RF1")  # noqa: PT017
+
+
+STARTS = [
+    (".mat", b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"),
+    (".mat", b""),
+    (".tdms", b"TDSm"),
+    (".xlsx", b"PK\x03\x04"),
+    (".xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"),
+]
+
+
+@settings(deadline=None)
+@given(st.data())
+def test_random_bytes_in_binary_formats(tmp_path_factory, data):
+    folder = tmp_path_factory.getbasetemp()
+    suffix, start = data.draw(st.sampled_from(STARTS))
+    path = folder / f"random{suffix}"
+    path.write_bytes(start + data.draw(st.binary(max_size=200)))
+    for look in (lambda: read_recordings(path, BY_NUMBER), lambda: inspect_file(path)):
+        with contextlib.suppress(RopefricError):
+            look()
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_every_reader_is_declared_fully(name):
+    reader = READERS[name]
+    assert reader.description
+    assert all(suffix.startswith(".") and suffix == suffix.lower() for suffix in reader.suffixes)
+    for suffix in reader.suffixes:
+        assert find_reader(f"run{suffix.upper()}", ImportProfile()) is reader
+        assert find_reader("run.unknown", ImportProfile(format=name)) is reader

@@ -1,0 +1,212 @@
+"""Large files: read block by block to the same result, held as columns only, looked at from both ends."""
+
+import gzip
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+from ropefric.errors import DataError
+from ropefric.files import read, text
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import inspect_file
+from ropefric.traces.readers.profile import Channel, ImportProfile
+
+BY_NUMBER = ImportProfile(
+    channels={"time": Channel(column=1, unit="s"), "force": Channel(column=2, unit="N")}
+)
+ROWS = [(i / 1000, 0.25 * i - 3) for i in range(200)]
+PLAIN = "time_s,force_N\n" + "".join(f"{t},{f}\n" for t, f in ROWS)
+
+
+def rows(line, end="\n"):
+    return "".join(line.format(t=t, f=f) + end for t, f in ROWS)
+
+
+FILES = {
+    "plain": PLAIN,
+    "no end of line": PLAIN[:-1],
+    "Windows": PLAIN.replace("\n", "\r\n"),
+    "Macintosh": PLAIN.replace("\n", "\r"),
+    "blank lines within": PLAIN.replace("0.05,", "\n\n0.05,", 1),
+    "blank lines at the end": PLAIN + "\n \n\n",
+    "decimal comma": PLAIN.replace(",", ";").replace(".", ","),
+    "tabs": PLAIN.replace(",", "\t"),
+    "blanks": PLAIN.replace(",", "   "),
+    "quotes": PLAIN + '"0.3","7"\n',
+    "missing": PLAIN + "0.3,\n0.31,nan\n",
+    "a comment of words": "Zug in µm, 20 °C\n\n" + PLAIN,
+    "utf-16": PLAIN.encode("utf-16"),
+    "utf-8 with mark": PLAIN.encode("utf-8-sig"),
+    "cp1252": ("Prüfung\n" + PLAIN).encode("cp1252"),
+    "letters of two bytes": "é" * 999 + "\n" + PLAIN,
+    "one column": "force_N\n" + "".join(f"{f}\n" for _, f in ROWS),
+    "one column with gaps": "force_N\n" + "".join(f"{f}\n\n" for _, f in ROWS),
+    "a letter": PLAIN + "0.3,x\n0.4,1\n",
+    "a letter early": PLAIN.replace("0.05,", "0.05x,", 1),
+    "too long a row": PLAIN.replace("0.05,", "0.05,7,", 1),
+    "too short a last row": PLAIN + "0.3\n",
+    "too short a row": PLAIN + "0.3\n0.4,1\n",
+    "an open quote": PLAIN + '0.3,"7\n',
+    "zero bytes": PLAIN + "0.3,\0\n",
+    "not the encoding it starts in": PLAIN.encode() + b"0.3,\x81\n",
+    "infinite": PLAIN + "0.3,inf\n",
+    "words below": PLAIN + "end of test\n",
+}
+PROFILES = {
+    "one column": ImportProfile(sampling_rate_Hz=100.0),
+    "one column with gaps": ImportProfile(sampling_rate_Hz=1.0),
+}
+
+
+def outcome(path, profile):
+    try:
+        (found,) = read_recordings(path, profile, shown_as="run.csv")
+    except DataError as error:
+        return error.problem
+    return {name: column.tobytes() for name, column in found.columns.items()}, found.units, found.first_line
+
+
+@pytest.fixture
+def in_blocks(monkeypatch):
+    """Read every file as if it were large, in blocks of a few bytes."""
+
+    def in_blocks(size):
+        real = read.InputFile.blocks
+        monkeypatch.setattr(read, "KEPT_BYTES", 0)
+        monkeypatch.setattr(text, "WHOLE_BYTES", 50)
+        monkeypatch.setattr(text, "HEAD_BYTES", 500)
+        monkeypatch.setattr(read.InputFile, "blocks", lambda file, _=0: real(file, size))
+
+    return in_blocks
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("size", [1, 7, 64, 1000])
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_in_blocks_gives_what_it_gives_whole(write, in_blocks, name, size, packed):
+    content = FILES[name] if isinstance(FILES[name], bytes) else FILES[name].encode()
+    path = write(gzip.compress(content), "run.csv.gz") if packed else write(content)
+    profile = PROFILES.get(name, ImportProfile())
+    whole = outcome(path, profile)
+    in_blocks(size)
+    assert outcome(path, profile) == whole
+
+
+def test_wide_files_in_blocks(write, in_blocks):
+    lines = [f"{t},{f},{t},{2 * f}" if i < 150 else f"{t},{f}" for i, (t, f) in enumerate(ROWS)]
+    path = write("a,,b,\ntime_s,force_N,time_s,force_N\n" + "\n".join(lines) + "\n")
+    profile = ImportProfile(block_columns=2, block_names_row=1, header_row=2)
+    whole = read_recordings(path, profile)
+    in_blocks(64)
+    parts = read_recordings(path, profile)
+    assert [one.sample for one in parts] == ["a", "b"]
+    assert [one.columns["force"].size for one in parts] == [200, 150]
+    for one, other in zip(whole, parts, strict=True):
+        np.testing.assert_array_equal(one.columns["force"], other.columns["force"])
+
+
+def test_a_header_longer_than_the_head_is_seen(write):
+    n = 9000
+    names = ",".join(["time_s", "force_N", *(f"unused_{i}_mm" for i in range(n))])
+    assert len(names) > 2 * text.HEAD_BYTES
+    lines = "".join(f"{t},{f}" + ",1" * n + "\n" for t, f in ROWS[:20])
+    path = write(f"{names}\n{lines}")
+    profile = ImportProfile(channels={"time": Channel(column="time_s"), "force": Channel(column="force_N")})
+    (found,) = read_recordings(path, profile)
+    assert found.columns["force"].tolist() == [f for _, f in ROWS[:20]]
+    seen = inspect_file(path)
+    assert (seen.n_rows, len(seen.columns), seen.header_row) == (20, n + 2, 1)
+
+
+def test_no_more_is_held_of_a_large_file_than_twice_its_columns(tmp_path):
+    if sys.platform != "linux":
+        pytest.skip("looks into /proc")
+    code = """
+    import sys
+    def peak_MB(name):
+        return next(int(line.split()[1]) / 1024 for line in open("/proc/self/status") if line.startswith(name))
+    import pandas
+    from ropefric.traces.readers import read_recordings
+    from ropefric.traces.readers.profile import ImportProfile
+    line, n = b"0.00033,0.000333\\n", 2_500_000
+    path = sys.argv[1]
+    open(path, "wb").write(b"time_s,force_N\\n" + line * 100)
+    read_recordings(path, ImportProfile())
+    with open(path, "wb") as stream:
+        stream.write(b"time_s,force_N\\n")
+        for _ in range(n // 10_000):
+            stream.write(line * 10_000)
+    before_MB = peak_MB("VmHWM")
+    (found,) = read_recordings(path, ImportProfile())
+    columns_MB = sum(column.nbytes for column in found.columns.values()) / 2**20
+    assert found.columns["force"].size == n
+    print((peak_MB("VmHWM") - before_MB) / columns_MB)
+    """
+    words = [sys.executable, "-c", textwrap.dedent(code), str(tmp_path / "large.csv")]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=300, check=True)
+    assert float(done.stdout) < 2.0
+
+
+# --- looked at from both ends --------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def large(tmp_path):
+    """Ten megabytes whose middle holds the greatest force and whose end holds the least."""
+    n = 800_000
+    force = ["12.5"] * n
+    force[n // 2], force[-1] = "99.0", "-7.0"
+    path = tmp_path / "large.csv"
+    lines = "\n".join(f"{i / 1000:.3f},{f}" for i, f in enumerate(force))
+    path.write_text(f"time_s,force_N\n{lines}\n", encoding="utf-8")
+    assert path.stat().st_size < 2 * text.WHOLE_BYTES
+    return path, n
+
+
+def test_a_large_file_is_looked_at_from_both_ends_and_says_so(large):
+    path, n = large
+    found = inspect_file(path)
+    assert found.n_rows < n
+    assert found.n_rows_about == pytest.approx(n, rel=0.1)
+    assert "only the first and last megabytes were read" in found.doubts[-1]
+    assert (found.columns[1].minimum, found.columns[1].maximum) == (-7.0, 12.5)
+    assert found.columns[0].maximum == pytest.approx((n - 1) / 1000)
+    assert found.sampling_rate_Hz == 1000
+    whole = inspect_file(path, everything=True)
+    assert (whole.n_rows, whole.n_rows_about, whole.columns[1].maximum) == (n, 0, 99.0)
+    assert whole.profile == found.profile
+    assert not whole.doubts
+
+
+def test_a_large_packed_file_is_looked_at_from_its_beginning(large):
+    path, n = large
+    packed = path.with_name("large.csv.gz")
+    packed.write_bytes(gzip.compress(path.read_bytes(), 1))
+    found = inspect_file(packed)
+    assert 0 < found.n_rows < n
+    assert "only the first megabyte was read" in found.doubts[-1]
+    assert inspect_file(packed, everything=True).n_rows == n
+
+
+def test_what_is_wrong_at_the_end_of_a_large_file_is_a_doubt(large):
+    path, _ = large
+    with path.open("a", encoding="utf-8") as stream:
+        stream.write("1,2,3\n")
+    assert any("near the end of the file" in doubt for doubt in inspect_file(path).doubts)
+
+
+def test_a_file_that_unpacks_without_end_is_refused(write, monkeypatch):
+    assert text.MOST_UNPACKED_BYTES >= 2**30
+    monkeypatch.setattr(text, "MOST_UNPACKED_BYTES", 20 * 2**20)
+    member = gzip.compress(b"0.001,2.5\n" * 10**5)
+    path = write(gzip.compress(b"time_s,force_N\n") + member * 30, "run.csv.gz")
+    with pytest.raises(DataError, match="unpacks to more than"):
+        read_recordings(path, BY_NUMBER)
+    endless = gzip.compress(b"1" * 10**6)
+    path = write(gzip.compress(b"time_s,force_N\n0,") + endless * 18, "run.csv.gz")
+    monkeypatch.setattr(text, "LONGEST_LINE_BYTES", 2**20)
+    with pytest.raises(DataError, match="this is no table"):
+        read_recordings(path, BY_NUMBER)

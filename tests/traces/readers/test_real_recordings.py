@@ -1,0 +1,135 @@
+"""Real recordings: what is known about them must come out."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ropefric.errors import DataError
+from ropefric.traces.assemble import assemble_trace
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import inspect_file
+from ropefric.traces.readers.profile import Channel, ImportProfile
+
+MECMESIN = ImportProfile(
+    header_row=1,
+    units_row=2,
+    block_names_row=3,
+    data_row=5,
+    block_columns=4,
+    channels={"time": Channel(column="Time"), "force": Channel(column=1)},
+)
+SEAL_CHANNELS = {
+    "time": Channel(column=1, unit="ms"),
+    "pressure": Channel(column=6, unit="bar"),
+    "pull": Channel(column=7, unit="N"),
+}
+PEAKS_N = [7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]
+
+
+def seal_profile(path: Path) -> ImportProfile:
+    radius_m = 0.01285 if "257" in path.name else 0.0125
+    return ImportProfile(
+        header_row=0,
+        channels=SEAL_CHANNELS,
+        constants={"area": math.pi * radius_m**2},
+        derived={"force": "pull - pressure * area"},
+    )
+
+
+def test_ten_wide_recordings_have_the_peaks_of_their_source(real_data):
+    path = real_data / "mecmesin_wide" / "example_forces_big.csv"
+    recordings = read_recordings(path, MECMESIN, shown_as="big.csv")
+    traces = [assemble_trace(recording, MECMESIN) for recording in recordings]
+    assert [trace.name for trace in traces] == [f"big.csv#Sample {i}" for i in range(1, 11)]
+    assert [float(trace.force_N.max()) for trace in traces] == pytest.approx(PEAKS_N, rel=5e-3)
+    assert [trace.time_s.size for trace in traces] == [4160] * 8 + [4120] * 2
+    # Minutes with five decimals: 0.06932 min is 4.1592 s after 4159 steps of one millisecond.
+    assert traces[0].time_s[-1] == pytest.approx(4.1592)
+    assert traces[0].sampling_rate_Hz == pytest.approx(1000, rel=1e-3)
+
+
+def test_the_inspected_profile_reads_the_wide_file_alike(real_data):
+    path = real_data / "mecmesin_wide" / "example_forces_big.csv"
+    found = inspect_file(path)
+    assert (found.format, found.profile.block_columns, len(found.samples)) == ("wide", 4, 10)
+    assert found.sampling_rate_Hz == pytest.approx(1000, rel=1e-3)
+    for ours, theirs in zip(
+        read_recordings(path, MECMESIN), read_recordings(path, found.profile), strict=True
+    ):
+        assert ours.sample == theirs.sample
+        np.testing.assert_array_equal(ours.columns["force"], theirs.columns["force"])
+        assert ours.units == theirs.units == {"time": "min", "force": "N"}
+
+
+def test_a_headerless_wide_file(real_data):
+    profile = ImportProfile(
+        header_row=0,
+        block_columns=4,
+        channels={"time": Channel(column=3, unit="s"), "force": Channel(column=1, unit="N")},
+    )
+    path = real_data / "mecmesin_wide" / "example_forces_small.csv"
+    first, second = read_recordings(path, profile)
+    assert (first.sample, second.sample) == ("1", "2")
+    np.testing.assert_array_equal(first.columns["force"], [1.2, 1.3, 1.4, 1.5])
+    np.testing.assert_array_equal(second.columns["time"], [0.1, 0.25, 0.3, 0.4])
+
+
+def test_seal_files_have_no_header_and_a_derived_force(real_data):
+    paths = sorted((real_data / "seal_breakaway").glob("*.csv"))
+    assert len(paths) == 12
+    for path in paths:
+        profile = seal_profile(path)
+        (recording,) = read_recordings(path, profile)
+        trace = assemble_trace(recording, profile)
+        table = np.loadtxt(path, delimiter="\t")
+        area_m2 = profile.constants["area"]
+        np.testing.assert_array_equal(trace.time_s, table[:, 0] * 0.001)
+        np.testing.assert_allclose(trace.force_N, table[:, 6] - table[:, 5] * 1e5 * area_m2, atol=1e-9)
+        assert 90 < trace.sampling_rate_Hz < 105
+        assert any("gap" in note for note in trace.notes)
+
+
+def test_a_known_seal_peak_stands_out_of_sliding(real_data):
+    path = real_data / "seal_breakaway" / "KDN_3bar.csv"
+    profile = seal_profile(path)
+    trace = assemble_trace(read_recordings(path, profile)[0], profile)
+    first = trace.time_s < 0.5
+    sliding = (trace.time_s > 1) & (trace.time_s < 3)
+    assert trace.force_N[first].max() - trace.force_N[sliding].mean() == pytest.approx(13.7, rel=0.1)
+
+
+def test_capstan_files_read_without_any_profile(real_data):
+    paths = sorted((real_data / "phy_mini_ia_capstan").glob("force_*.csv"))
+    assert len(paths) == 8
+    for path in paths:
+        (recording,) = read_recordings(path, ImportProfile())
+        trace = assemble_trace(recording, ImportProfile())
+        assert trace.sampling_rate_Hz == pytest.approx(50)
+        assert trace.notes == ()
+    control = read_recordings(real_data / "phy_mini_ia_capstan" / "force_control.csv", ImportProfile())[0]
+    still = control.columns["time"] < 14
+    assert control.columns["force"][still].mean() == pytest.approx(7.8816, abs=1e-3)
+
+
+@pytest.mark.parametrize("profile", [ImportProfile(), ImportProfile(header_row=3)])
+def test_the_shifted_file_is_refused(real_data, profile):
+    path = real_data / "rock_direct_shear" / "TM11_Pc130_Pp50_T180_repeat_test.txt"
+    with pytest.raises(DataError, match=r"20 values, but the header \(line 3\) names 19") as caught:
+        read_recordings(path, profile, shown_as="rock.txt")
+    assert (caught.value.code, caught.value.where) == ("RF103", "rock.txt:4")
+
+
+def test_the_shifted_file_can_be_read_by_number(real_data):
+    path = real_data / "rock_direct_shear" / "TM11_Pc130_Pp50_T180_repeat_test.txt"
+    profile = ImportProfile(
+        header_row=0,
+        data_row=4,
+        channels={"time": Channel(column=1, unit="s"), "force": Channel(column=6, unit="kN")},
+    )
+    trace = assemble_trace(read_recordings(path, profile)[0], profile)
+    assert trace.force_N[0] == pytest.approx(30984.605)
+    found = inspect_file(path)
+    assert any("names 19 columns" in doubt for doubt in found.doubts)
+    assert found.profile.header_row == 0

@@ -1,0 +1,118 @@
+"""What inspection finds out, and the profile it writes."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ropefric.traces.assemble import assemble_trace
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import inspect_file
+from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
+
+
+def test_a_german_file_is_understood(write):
+    rows = "".join(f"{i * 10};{i / 8:.3f}\n".replace(".", ",") for i in range(100))
+    path = write("Prüfung\nZeit;Kraft;\nms;kN;\n".encode("cp1252") + rows.replace("\n", ";\n").encode())
+    found = inspect_file(path, shown_as="run.csv")
+    assert (found.encoding, found.separator, found.decimal) == ("cp1252", ";", ",")
+    assert (found.header_row, found.units_row, found.data_row, found.n_rows) == (2, 3, 4, 100)
+    assert [column.unit for column in found.columns[:2]] == ["ms", "kN"]
+    assert found.columns[1].maximum == 12.375
+    assert found.first_rows[0][:2] == ("0", "0,000")
+    assert (found.sampling_rate_Hz, found.is_uniform) == (100, True)
+    assert found.profile.channels["time"] == Channel(column=1, unit="ms")
+    assert found.profile.channels["force"] == Channel(column="Kraft")
+    assert any("column 2 is taken as the force" in doubt for doubt in found.doubts)
+
+
+def test_saturation_is_hinted(write):
+    counts = np.concatenate([np.arange(0, 1000, 10), np.full(20, 1023), np.arange(1000, 0, -10)])
+    path = write("time_s,counts\n" + "".join(f"{i / 3000:.6f},{c}\n" for i, c in enumerate(counts)))
+    found = inspect_file(path)
+    assert found.saturation == ("counts sits at 1023, the ceiling of 10 bits, for 20 samples in a row",)
+    assert found.columns[1].is_integer
+    assert found.sampling_rate_Hz == pytest.approx(3000, rel=1e-3)
+    assert found.doubts == ()
+
+
+def test_an_ambiguous_decimal_stays_open_in_the_profile(write):
+    path = write("time_s;force_N\n0;1,234\n1;2,345\n")
+    found = inspect_file(path)
+    assert "1.234 or 1234" in found.doubts[0]
+    assert found.profile.decimal == ""
+
+
+def test_text_columns_and_a_bad_clock_are_shown(write):
+    found = inspect_file(write("time_s,event,force_N\n0,go,1\n2,stop,2\n1,x,\n"))
+    assert [column.is_numeric for column in found.columns] == [True, False, True]
+    assert found.columns[2].n_missing == 1
+    assert any("backwards" in doubt for doubt in found.doubts)
+
+
+def test_what_is_inspected_can_be_read(write):
+    path = write("# rig\nt_ms\tF_kN\n0\t0,5\n10\t0,75\n20\t1,5\n")
+    found = inspect_file(path)
+    trace = assemble_trace(read_recordings(path, found.profile)[0], found.profile)
+    assert trace.force_N.tolist() == [500, 750, 1500]
+
+
+def test_blocks_are_found_by_a_header_written_once(write):
+    found = inspect_file(write("t_s,F_N,,,,\n0,1,0,2,0,3\n1,1,1,2,1,3\n"))
+    assert (found.format, found.profile.block_columns, found.samples) == ("wide", 2, ("1", "2", "3"))
+
+
+def test_the_inspection_is_json(write):
+    found = inspect_file(write("t_s,F_N\n0,1\n1,2\n"), shown_as="run.csv").to_dict()
+    again = json.loads(json.dumps(found))
+    assert again == found
+    assert (again["file"], again["schema"]) == ("run.csv", "ropefric.inspection/1")
+    assert tomllib.loads(again["profile_toml"])["import"]["channels"] == {"time": "t_s", "force": "F_N"}
+
+
+names = st.text(min_size=1, max_size=8).filter(lambda text: text.strip() and max(text) < "\ud800")
+plain = st.text(max_size=8).filter(lambda text: not any("\ud800" <= c <= "\udfff" for c in text))
+
+
+@settings(deadline=None)
+@given(
+    st.builds(
+        ImportProfile,
+        format=st.sampled_from(["auto", "wide"]),
+        separator=st.sampled_from(["", "\t", ";", " "]),
+        decimal=st.sampled_from(["", ","]),
+        encoding=plain,
+        table=plain,
+        header_row=st.integers(-1, 9),
+        data_row=st.integers(0, 9),
+        missing=st.lists(plain, max_size=3).map(tuple),
+        sampling_rate_Hz=st.none() | st.floats(1e-3, 1e9),
+        constants=st.dictionaries(names, st.floats(-1e9, 1e9), max_size=2),
+        derived=st.dictionaries(names, plain, max_size=2),
+        channels=st.dictionaries(
+            names, st.builds(Channel, column=st.integers(1, 99) | names, unit=plain), max_size=3
+        ),
+    )
+)
+def test_a_profile_survives_toml(profile):
+    table = tomllib.loads(profile_to_toml(profile))["import"]
+    for key in ("format", "separator", "decimal", "encoding", "table", "header_row", "data_row"):
+        assert table.get(key, getattr(ImportProfile(), key)) == getattr(profile, key)
+    assert tuple(table.get("missing", ())) == profile.missing
+    assert table.get("constants", {}) == profile.constants
+    assert table.get("derived", {}) == profile.derived
+    if profile.sampling_rate_Hz is not None:
+        assert float(table["sampling_rate"].removesuffix(" Hz")) == profile.sampling_rate_Hz
+    for name, channel in profile.channels.items():
+        entry = table["channels"][name]
+        entry = entry if isinstance(entry, dict) else {"column": entry}
+        assert Channel(**entry) == channel
+
+
+def test_a_measured_end_tension_is_said_not_to_be_used(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time_s,force_N,End tension (N)\n" + "".join(f"{i},{i % 7},20\n" for i in range(60)))
+    assert any("column 3 looks like a measured end tension" in doubt for doubt in inspect_file(path).doubts)

@@ -1,0 +1,282 @@
+import contextlib
+import dataclasses
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ropefric.errors import DataError, InputError, RopefricError, UnknownNameError
+from ropefric.traces.calibration import Adc, Calibration, ForceCell, Saturation, as_counts
+from ropefric.traces.trace import ForceTrace, recalibrate
+
+SMALL = ForceCell(name="small", full_scale_N=1000.0)
+LARGE = ForceCell(name="large", full_scale_N=5000.0)
+
+
+def test_one_count_is_worth_what_the_conventions_print():
+    assert Calibration(cell=SMALL).lsb_N == pytest.approx(0.978, abs=5e-4)
+    assert Calibration(cell=LARGE).lsb_N == pytest.approx(4.888, abs=5e-4)
+
+
+@given(
+    count=st.integers(0, 1023),
+    full_scale_N=st.floats(1.0, 1e5),
+    zero_V=st.floats(-1.0, 2.0),
+    tare_N=st.floats(-100.0, 100.0),
+)
+def test_counts_become_newtons_as_exact_arithmetic_says(count, full_scale_N, zero_V, tare_N):
+    cell = ForceCell(name="cell", full_scale_N=full_scale_N, zero_V=zero_V, full_scale_V=4.5)
+    calibration = Calibration(cell=cell, adc=Adc(low_V=-0.5, high_V=5.5), tare_N=tare_N)
+    voltage = Fraction(-1, 2) + Fraction(count, 1023) * 6
+    zero = Fraction(zero_V)
+    truth = (voltage - zero) / (Fraction(9, 2) - zero) * Fraction(full_scale_N) - Fraction(tare_N)
+    force_N, _ = calibration.apply(np.array([count]))
+    assert force_N[0] == pytest.approx(float(truth), abs=1e-11 * (full_scale_N + abs(tare_N)))
+
+
+def test_ends_of_the_range():
+    calibration = Calibration(cell=LARGE, tare_N=12.5)
+    force_N, saturation = calibration.apply([0, 1023])
+    assert force_N.tolist() == pytest.approx([-12.5, 4987.5])
+    assert (calibration.floor_N, calibration.ceiling_N) == pytest.approx((-12.5, 4987.5))
+    assert (saturation.n_low, saturation.high_runs.tolist()) == (1, [[1, 2]])
+
+
+def test_input_is_not_changed_and_counts_stay_whole():
+    counts = np.array([1, 2, -1], dtype=np.int16)
+    force_N, _ = Calibration(cell=SMALL).apply(counts)
+    assert counts.tolist() == [1, 2, -1]
+    assert force_N.dtype == np.float64
+    assert np.isnan(force_N).tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize(("top", "bits"), [(1024, 11), (4095, 12), (65535, 16)])
+def test_a_count_above_the_converter_names_the_sample_and_the_bits(top, bits):
+    with pytest.raises(
+        DataError, match=rf"sample 2 .* count 1024.*1023.*10-bit.*largest count is {top}.*bits = {bits}"
+    ) as error:
+        Calibration(cell=SMALL).apply([0, -1, 1024, top])
+    assert error.value.code == "RF211"
+
+
+def test_floats_from_a_text_file_are_counts_or_refused():
+    assert as_counts([5.0, np.nan, 0.0]).tolist() == [5, -1, 0]
+    assert as_counts([]).size == 0
+    for bad, found in (
+        ([1.0, 2.5], "sample 1 .* 2.5"),
+        ([-3.0], "-3"),
+        ([np.inf], "inf"),
+        ([1e18], "1e\\+18"),
+    ):
+        with pytest.raises(DataError, match=found) as error:
+            as_counts(bad)
+        assert error.value.code == "RF211"
+    for bad in ([[1, 2]], ["a"], [True], 3):
+        with pytest.raises(InputError, match="row of whole numbers"):
+            as_counts(bad)
+
+
+@given(st.lists(st.sampled_from([-1, 0, 1, 512, 1022, 1023]), max_size=40))
+def test_saturation_runs_are_those_a_plain_loop_finds(counts):
+    def loop(level):
+        runs, start = [], None
+        for i, count in enumerate([*counts, None]):
+            if count == level and start is None:
+                start = i
+            elif count != level and start is not None:
+                runs.append([start, i])
+                start = None
+        return runs
+
+    _, saturation = Calibration(cell=SMALL).apply(np.array(counts, dtype=np.int64))
+    assert saturation.high_runs.tolist() == loop(1023)
+    assert saturation.low_runs.tolist() == loop(0)
+    assert saturation.n_high == counts.count(1023)
+    assert saturation.n_low == counts.count(0)
+    assert saturation.high == (1023 in counts)
+    assert saturation.low == (0 in counts)
+
+
+def test_length_of_saturation():
+    counts = np.full(3000, 500)
+    counts[100:314] = 1023
+    counts[2999] = 1023
+    _, saturation = Calibration(cell=SMALL).apply(counts)
+    assert (saturation.n_high, saturation.longest_high) == (215, 214)
+
+
+def test_a_clean_recording_has_no_saturation():
+    _, saturation = Calibration(cell=SMALL).apply([1, 500])
+    assert not saturation.high
+    assert not saturation.low
+    assert saturation.longest_high == saturation.n_high == 0
+
+
+@given(
+    slope=st.floats(1e-4, 1.0),
+    zero_V=st.floats(-1.0, 1.0),
+    forces=st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True),
+)
+def test_points_on_a_line_give_that_line(slope, zero_V, forces):
+    points = tuple((float(f), zero_V + slope * f) for f in sorted(forces))
+    line = ForceCell(name="cell", full_scale_N=1000.0, points=points).line
+    assert line.gain_N_V == pytest.approx(1 / slope, rel=1e-9)
+    assert line.zero_V == pytest.approx(zero_V, abs=1e-9 * (1 + 1000 * slope))
+    assert line.scatter_N <= 1e-9 * (1 + 1 / slope)
+
+
+def test_least_squares_agrees_with_polyfit():
+    rng = np.random.default_rng(5)
+    force_N = np.linspace(0.0, 1000.0, 11)
+    voltage_V = 0.02 + 0.00497 * force_N + rng.normal(0, 0.002, 11)
+    cell = ForceCell(name="cell", full_scale_N=1000.0, points=tuple(zip(force_N, voltage_V, strict=True)))
+    (slope, zero), squares, *_ = np.polyfit(force_N, voltage_V, 1, full=True)
+    assert cell.line.gain_N_V == pytest.approx(1 / slope)
+    assert cell.line.zero_V == pytest.approx(zero)
+    assert cell.line.scatter_N == pytest.approx(np.sqrt(squares[0] / 9) / slope)
+    assert cell.line.dof == 9
+    assert Calibration(cell=cell).lsb_N == pytest.approx(5 / 1023 / slope)
+
+
+def test_points_replace_the_nominal_line():
+    cell = ForceCell(name="cell", full_scale_N=1000.0, points=((0.0, 0.5), (1000.0, 4.5)))
+    force_N, _ = Calibration(cell=cell, adc=Adc(bits=1)).apply([0, 1])
+    assert force_N.tolist() == pytest.approx([-125.0, 1125.0])
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Adc(bits=0), "bits = 0"),
+        (lambda: Adc(bits=10.0), "bits = 10.0"),
+        (lambda: Adc(bits=True), "bits = True"),
+        (lambda: Adc(low_V=5.0), "from 5 V to 5 V is empty"),
+        (lambda: Adc(high_V="5"), "high_V = '5'"),
+        (lambda: ForceCell(name="c", full_scale_N=0), "full scale 0 N is not positive"),
+        (lambda: ForceCell(name="c", full_scale_N=float("nan")), "full_scale_N = nan"),
+        (lambda: ForceCell(name="c", full_scale_N=1.0, zero_V=5.0), "5 V at full scale is not above 5 V"),
+        (lambda: ForceCell(name="c", full_scale_N=1.0, linearity=0.2), "0.0002 for 0.02 %FS"),
+        (lambda: ForceCell(name="c", full_scale_N=1.0, hysteresis=-0.1), "hysteresis = -0.1"),
+        (lambda: ForceCell(name="c", full_scale_N=1.0, points=((0, 0),)), "one calibration point"),
+        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (0, 1))), "1 and 2.*do not increase"),
+        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, 1))), "do not increase"),
+        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (50, 2))), "50 N, is far beyond"),
+        (
+            lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, float("inf")))),
+            "2 is not finite",
+        ),
+        (lambda: ForceCell(name="c", full_scale_N=9.0, points=(1, 2)), "pairs of force and voltage"),
+        (lambda: ForceCell(name="c", full_scale_N=9.0, points="12"), "pairs of force and voltage"),
+        (lambda: ForceCell(name="c", full_scale_N=9.0, points=5), "pairs of force and voltage"),
+        (lambda: Calibration(cell=SMALL, tare_N=float("nan")), "tare_N = nan"),
+        (lambda: Calibration(cell=SMALL, tare_std_N=-1.0), "tare_std_N = -1 is negative"),
+        (lambda: ForceCell(name=3, full_scale_N=1.0), "name = 3 is not text"),
+        (lambda: ForceCell(name="c", full_scale_N=10**400), "is not a finite number"),
+        (lambda: ForceCell(name="c", full_scale_N=1e300, full_scale_V=1e-300), "too steep"),
+        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (1e-300, 1))), "too steep"),
+    ],
+)
+def test_impossible_values_are_refused_in_words(make, message):
+    with pytest.raises(InputError, match=message) as error:
+        make()
+    assert error.value.code == "RF210"
+
+
+def test_numpy_numbers_are_numbers():
+    assert Adc(bits=np.int64(12)) == Adc(bits=12)
+    assert ForceCell(name="c", full_scale_N=np.float32(2.0)) == ForceCell(name="c", full_scale_N=2)
+
+
+def test_json_round_trip_gives_the_same_object_and_bytes():
+    cell = dataclasses.replace(SMALL, points=((0, 0.01), (1000, 5)), serial="A1", calibrated="2024-05-01")
+    calibration = Calibration(cell=cell, adc=Adc(bits=12), tare_N=3, tare_std_N=0.1)
+    text = json.dumps(calibration.to_dict(), sort_keys=True, allow_nan=False)
+    again = Calibration.from_dict(json.loads(text))
+    assert again == calibration
+    assert hash(again) == hash(calibration)
+    assert json.dumps(again.to_dict(), sort_keys=True) == text
+
+
+@pytest.mark.parametrize(
+    ("data", "kind", "message"),
+    [
+        ({}, DataError, "schema None is not 'ropefric.calibration/1'"),
+        ({"schema": "ropefric.calibration/1"}, InputError, "cell: name, full_scale_N is missing"),
+        ({"schema": "ropefric.calibration/1", "cell": 3}, InputError, "cell: 3 is not a table"),
+        (
+            {"schema": "ropefric.calibration/1", "cell": {"name": "c", "full_scale_N": 1}, "adc": {"bit": 3}},
+            UnknownNameError,
+            "adc: unknown key 'bit' Fix: did you mean 'bits'",
+        ),
+        (
+            {"schema": "ropefric.calibration/1", "cell": {"name": "c", "full_scale_N": 1}, "tare": 3},
+            UnknownNameError,
+            "unknown key 'tare' Fix: did you mean 'tare_N'",
+        ),
+        (
+            {"schema": "ropefric.calibration/1", "cell": {"name": "c", "full_scale_N": 1}, "tare_N": "x"},
+            InputError,
+            "tare_N = 'x'",
+        ),
+    ],
+)
+def test_damaged_json_is_refused_in_words(data, kind, message):
+    with pytest.raises(kind, match=message):
+        Calibration.from_dict(data)
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3),
+        lambda inner: (
+            st.lists(inner, max_size=3)
+            | st.dictionaries(
+                st.sampled_from(["adc", "cell", "bits", "name", "full_scale_N", "points", "tare_N", "x"]),
+                inner,
+            )
+        ),
+        max_leaves=8,
+    )
+)
+def test_no_tree_of_json_gives_another_error(tree):
+    for data in (
+        {"schema": "ropefric.calibration/1", "cell": tree},
+        {"schema": "ropefric.calibration/1", "cell": {"name": "c", "full_scale_N": 1.0}, "adc": tree},
+        {"schema": "ropefric.calibration/1", "cell": {"name": "c", "full_scale_N": 1.0, "points": tree}},
+        {"schema": "ropefric.calibration/1", "cell": {"name": "c", "full_scale_N": 1.0}, "tare_N": tree},
+    ):
+        with contextlib.suppress(RopefricError):
+            Calibration.from_dict(data)
+
+
+def test_a_better_calibration_is_applied_to_kept_counts():
+    counts = np.array([0, 100, 1023])
+    force_N, saturation = Calibration(cell=LARGE).apply(counts)
+    trace = ForceTrace(time_s=[0, 1, 2], force_N=force_N, counts=counts, calibration=Calibration(cell=LARGE))
+    better = recalibrate(trace, Calibration(cell=SMALL))
+    assert better.force_N.tolist() == pytest.approx([0.0, 100 * 1000 / 1023, 1000.0])
+    assert better.calibration == Calibration(cell=SMALL)
+    assert isinstance(better.saturation, Saturation)
+    assert better.saturation.n_high == saturation.n_high == 1
+    assert trace.force_N[2] == 5000.0
+
+
+def test_forces_without_counts_cannot_be_recalibrated():
+    trace = ForceTrace(time_s=[0, 1], force_N=[0, 1], name="run07")
+    assert trace.saturation is None
+    with pytest.raises(InputError, match="run07 holds forces only"):
+        recalibrate(trace, Calibration(cell=SMALL))
+
+
+def test_a_huge_unsigned_count_is_not_taken_for_a_missing_one():
+    with pytest.raises(DataError, match="above the 1023"):
+        Calibration(cell=SMALL).apply(np.array([2**64 - 1], dtype=np.uint64))
+
+
+def test_cost_of_a_long_recording(benchmark):
+    counts = np.random.default_rng(1).integers(0, 1024, 60_000)
+    force_N, _ = benchmark(Calibration(cell=SMALL).apply, counts)
+    assert force_N.size == 60_000

@@ -17,6 +17,7 @@ from ropefric.api.uncertainty import plan_tests as plan_tests
 from ropefric.api.wheels import design as design
 from ropefric.api.wheels import predict as predict
 from ropefric.api.wheels import run as run
+from ropefric.fitting.lmfit_model import lmfit_model as lmfit_model
 from ropefric.fitting.store import load_fit as load_fit
 from ropefric.fitting.store import save_fit as save_fit
 from ropefric.scenes.scene import load_scene as load_scene

@@ -34,6 +34,7 @@ SIGNATURES = {
     "ending='sliding')",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
     "n_starts=4, seed=0, intervals='covariance')",
+    "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
     "load_scene": "(path)",

@@ -4,21 +4,20 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Literal
 
 from ropefric.api.inputs import trial_table
-from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.comparison import Comparison
+from ropefric.fitting.bootstrap import with_intervals
+from ropefric.fitting.compare import Comparison, compare_laws
+from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
-from ropefric.fitting.diagnosis import Diagnosis
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.intervals import with_intervals
-from ropefric.fitting.losses import Loss
+from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from ropefric.api.campaigns import PathLike
-    from ropefric.fitting.table import TrialTable
     from ropefric.trials.result import Extraction
+    from ropefric.trials.table import TrialTable
 
 
 def fit(

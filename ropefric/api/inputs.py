@@ -7,8 +7,8 @@ from ropefric.api.campaigns import PathLike
 from ropefric.errors import InputError
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
-from ropefric.fitting.table import TrialTable, read_trial_table, table_from_frame
 from ropefric.trials.result import Extraction
+from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame, table_of_extraction
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,7 +38,7 @@ def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> 
     if isinstance(trials, TrialTable):
         return trials
     if isinstance(trials, Extraction):
-        return table_from_frame(_frame_of(trials))
+        return table_of_extraction(trials)
     if isinstance(trials, str | os.PathLike):
         return read_trial_table(trials)
     if hasattr(trials, "columns"):
@@ -53,13 +53,3 @@ def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> 
 def as_fit(fit: FitResult | PathLike) -> FitResult:
     """Return a fit, loaded where its file is given."""
     return fit if isinstance(fit, FitResult) else load_fit(fit)
-
-
-def _frame_of(extraction: Extraction) -> "pd.DataFrame":
-    import pandas as pd  # noqa: PLC0415  (slow to load)
-
-    rows = [trial.to_dict() for trial in extraction.trials]
-    for row, trial in zip(rows, extraction.trials, strict=True):
-        # A pull in which friction helped the rope along belongs to no law; the extraction warns of it.
-        row["kept"] = trial.kept and trial.peak_N > trial.end_tension_N
-    return pd.DataFrame(rows)

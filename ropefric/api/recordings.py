@@ -10,21 +10,19 @@ import numpy.typing as npt
 from ropefric.api.campaigns import PathLike, as_campaign
 from ropefric.errors import DataError, InputError
 from ropefric.traces.assemble import assemble_trace
-from ropefric.traces.breakaway import Breakaway
+from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration
-from ropefric.traces.protocols.breakaway import pick_breakaway
+from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.recording import blocks_of
-from ropefric.trials.repeatability import Repeatability, summarise
+from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
-from ropefric.trials.tared import tared_trace
 
 
 def read_trace(
@@ -95,7 +93,7 @@ def read_trial(campaign: Campaign | PathLike, trial: str) -> ForceTrace:
     for spec in loaded.trials:
         if spec.trial == trial:
             raws = read_recordings(spec.path, loaded.profile, shown_as=spec.file)
-            return tared_trace(loaded, spec, blocks_of(spec, raws)[0]).trace
+            return tared_trace(loaded, spec, blocks_of(spec, raws)[0])[0]
     raise InputError(f"the campaign has no trial {trial!r}", key="trial", fix="see campaign.trials")
 
 
@@ -148,7 +146,7 @@ def find_breakaway(
     trace : ForceTrace
         The recording.
     window_s, peak, start_s, stop_s, min_step_N, ending
-        As `ropefric.traces.settings.PickSettings`.
+        As `ropefric.traces.breakaway.PickSettings`.
 
     Returns
     -------

@@ -26,7 +26,7 @@ from ropefric.uncertainty.statement import Statement
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ropefric.fitting.table import TrialTable
+    from ropefric.trials.table import TrialTable
 
 
 def budget(

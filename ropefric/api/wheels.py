@@ -10,8 +10,8 @@ from ropefric.api.inputs import as_fit
 from ropefric.arrays import FloatArray
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
+from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
-from ropefric.fitting.prediction import Method, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.pipeline.folder import campaign_folder

@@ -1,3 +1,6 @@
-"""The command line: presentation only. Every number it prints comes from the library."""
+"""The command line: presentation only. Every number it prints comes from the library.
 
-__all__: list[str] = []
+`app` assembles the commands, runs one and turns failures into words and exit codes; `output` is where words, JSON,
+tables and progress go; `options` is what commands share: their answer, and the options that name files, folders,
+quantities and processes. `commands` has one file a command: its options, one call of the library, what is shown.
+"""

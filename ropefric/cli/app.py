@@ -1,28 +1,47 @@
-"""The program `ropefric`: assembles the commands and runs one."""
+"""The program `ropefric`: finds the commands, runs one, and turns failures into words and exit codes."""
 
+import errno
+import importlib
 import inspect
+import os
+import pkgutil
 import sys
+import traceback
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Annotated, Any
 
 import typer
 
 from ropefric import __version__
-from ropefric.cli.boundary import report_failure
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.commands.catalogue import find_commands
-from ropefric.cli.jsontext import json_text
-from ropefric.cli.output import Output, rendered
+from ropefric.cli import commands
+from ropefric.cli.options import Answer, Command
+from ropefric.cli.output import Output, json_text, rendered
+from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.registry import Registry, did_you_mean
 
-_JSON = typer.Option("--json", help="Print the result as JSON, alone on stdout.", rich_help_panel="Output")
-_QUIET = typer.Option("--quiet", "-q", help="No progress, notes or warnings.", rich_help_panel="Output")
-_NO_COLOR = typer.Option("--no-color", help="Plain text; so does NO_COLOR=1.", rich_help_panel="Output")
-_GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
-
+INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
 EXIT_CODES = (
     "Exit codes: 0 done, 1 fault in ropefric, 2 wrong usage, 3 bad data or configuration, "
     "4 result that does not stand, 130 interrupted (129, 143: by SIGHUP, SIGTERM)."
 )
+_JSON = Annotated[bool, typer.Option("--json", help="Print the result as JSON, alone on stdout.")]
+_QUIET = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, notes or warnings.")]
+_NO_COLOR = Annotated[bool, typer.Option("--no-color", help="Plain text; so does NO_COLOR=1.")]
+_GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
+_OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
+
+
+@cache
+def find_commands() -> Registry[Command]:
+    """Return all commands by name, in the order of work: the files of `commands`, each of which declares one."""
+    modules = [
+        importlib.import_module(f"{commands.__name__}.{m.name}")
+        for m in pkgutil.iter_modules(commands.__path__)
+    ]
+    return Registry(
+        "command", sorted((module.COMMAND for module in modules), key=lambda command: command.order)
+    )
 
 
 def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | None = None) -> int:
@@ -33,7 +52,12 @@ def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | No
     except SystemExit as stop:  # typer's answer to a reader of --help that went away
         return 0 if isinstance(stop.__context__, BrokenPipeError) else int(stop.code or 0)
     except BaseException as error:  # noqa: BLE001  (the boundary: everything becomes words and a code)
-        return report_failure(error, _wish(argv))
+        # The user's wishes, where typer did not get as far as reading them.
+        words = list(argv)[: list(argv).index("--")] if "--" in argv else list(argv)
+        quiet = "--quiet" in words or "-q" in words
+        return report_failure(
+            error, Output(json="--json" in words, quiet=quiet, color="--no-color" not in words)
+        )
     return code if isinstance(code, int) else 0
 
 
@@ -44,22 +68,27 @@ def build_app(on_start: Callable[[], None] | None = None) -> typer.Typer:
         help="From force traces of a rope on a wheel to a friction law, and on to design.",
         epilog=EXIT_CODES,
         pretty_exceptions_enable=False,
-        context_settings={"help_option_names": ["--help", "-h"]},
+        rich_markup_mode=None,  # rich takes twice as long to load as all else that a help needs
+        context_settings={"help_option_names": ["--help", "-h"], "max_content_width": 110},
     )
     app.callback(invoke_without_command=True)(_top)
     for command in find_commands().values():
-        app.command(command.name, help=inspect.getdoc(command.run), epilog=f"Example: {command.example}")(
-            _with_global_options(command, on_start)
-        )
+        text = inspect.getdoc(command.run) or ""
+        app.command(
+            command.name,
+            help=text,
+            short_help=text.partition("\n\n")[0],
+            epilog=f"\b\nExample: {command.example}",  # in one piece, to be copied
+        )(_with_global_options(command, on_start))
     return app
 
 
 def _top(
     context: typer.Context,
     *,
-    json_: Annotated[bool, _JSON] = False,
-    quiet: Annotated[bool, _QUIET] = False,
-    no_color: Annotated[bool, _NO_COLOR] = False,
+    json_: _JSON = False,
+    quiet: _QUIET = False,
+    no_color: _NO_COLOR = False,
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
 ) -> None:
     context.obj = Output(json=json_, quiet=quiet, color=not no_color)
@@ -75,44 +104,101 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
     """Return the command as typer wants it: its own parameters and those that every command has."""
 
     def call(context: typer.Context, **arguments: Any) -> int:
-        flags = {name: bool(arguments.pop(name)) for name in _GLOBAL_OPTIONS}
+        json_, quiet, no_color = (bool(arguments.pop(name)) for name in _GLOBAL_OPTIONS)
         top: Output = context.obj
-        out = Output(
-            json=top.json or flags["json_"],
-            quiet=top.quiet or flags["quiet"],
-            color=top.color and not flags["no_color"],
-        )
+        out = Output(json=top.json or json_, quiet=top.quiet or quiet, color=top.color and not no_color)
         try:
             if on_start is not None:
                 on_start()
-            return _emit(command.answer(out, arguments), out)
+            answer = command.run(out, **arguments)
+            out.result(json_text(answer.data) + "\n" if out.json else rendered(out.stdout, _shown(answer)))
         except KeyboardInterrupt as interrupt:  # typer would end here without a word
             return report_failure(interrupt, out)
+        return answer.exit_code
 
+    keyword = inspect.Parameter.KEYWORD_ONLY
     own = list(inspect.signature(command.run).parameters.values())[1:]
-    common = [
-        inspect.Parameter(
-            name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Annotated[bool, option]
-        )
-        for name, option in _GLOBAL_OPTIONS.items()
+    parameters = [
+        inspect.Parameter("context", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context),
+        *(parameter.replace(kind=keyword) for parameter in own),
+        *(inspect.Parameter(n, keyword, default=False, annotation=a) for n, a in _GLOBAL_OPTIONS.items()),
     ]
-    context = inspect.Parameter("context", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context)
-    parameters = [context, *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in own), *common]
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     call.__name__ = command.name
     return call
 
 
-def _emit(answer: Answer, out: Output) -> int:
-    out.result(json_text(answer.data) + "\n" if out.json else rendered(out.stdout, answer.show))
-    return answer.exit_code
+def _shown(answer: Answer) -> Callable[[Any], None]:
+    """Return what prints an answer on a console: text and sections as they are, all else by itself."""
+
+    def show(console: Any) -> None:
+        made = answer.show(console)
+        if isinstance(made, str):
+            console.print(made, markup=False, soft_wrap=True)
+        elif made is not None:
+            from ropefric.report.section import as_text  # noqa: PLC0415  (quick start-up)
+
+            console.print(as_text(made), end="", markup=False, soft_wrap=True)
+
+    return show
 
 
-def _wish(argv: Sequence[str]) -> Output:
-    """Return the user's output options where typer did not get as far as reading them."""
-    words = list(argv)
-    words = words[: words.index("--")] if "--" in words else words
-    return Output(
-        json="--json" in words, quiet="--quiet" in words or "-q" in words, color="--no-color" not in words
+def report_failure(error: BaseException, out: Output) -> int:
+    r"""Say what went wrong, as text on stderr or as the JSON error object on stdout, and return the exit code."""
+    known, exit_code = _in_known_words(_interrupt_behind(error) or error)
+    if out.json:
+        out.result(json_text(known.to_dict()) + "\n")
+    else:
+        out.problems(known.problems)
+    if exit_code == INTERNAL and os.environ.get("ROPEFRIC_DEBUG", "") not in {"", "0"}:
+        traceback.print_exception(error, file=sys.stderr)
+    return exit_code
+
+
+def _interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
+    """Return the interrupt that a library has put into its own words, such as an import that was broken off."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error
+
+
+def _in_known_words(error: BaseException) -> tuple[RopefricError, int]:
+    if isinstance(error, RopefricError):
+        return error, error.exit_code
+    if isinstance(error, KeyboardInterrupt):
+        by = error.args[0] if error.args and isinstance(error.args[0], int) else INTERRUPTED - 128
+        return RopefricError("interrupted", code="RF001"), 128 + by
+    if hasattr(error, "format_message"):  # what typer raises for a command line that it cannot use
+        return _usage_error(error), USAGE
+    if isinstance(error, OSError) and (error.filename is not None or error.errno in _OUT_OF):
+        # A file that the user named and the system refuses is bad data, not a bug.
+        reason, fix = error.strerror or str(error), "check the path, its permissions and the space left"
+        refused = DataError(reason.lower(), code="RF101", path=os.fsdecode(error.filename or ""), fix=fix)
+        return refused, refused.exit_code
+    fault = RopefricError(
+        f"internal fault, {type(error).__name__}: {error}",
+        code="RF000",
+        fix="this is a bug in ropefric, not in your data: please report it with the command you gave; "
+        "ROPEFRIC_DEBUG=1 shows where it happened",
     )
+    return fault, INTERNAL
+
+
+def _usage_error(error: Any) -> InputError:
+    """Return typer's complaint with the nearest thing that would have worked."""
+    if isinstance(error.__cause__, InputError):  # an option's value, about which the library knows more
+        return error.__cause__
+    message = str(error.format_message()).strip()
+    context = getattr(error, "ctx", None)
+    option = getattr(error, "option_name", "")
+    fix = f"see {context.command_path} --help" if context is not None else "see ropefric --help"
+    if option and hasattr(error, "possibilities") and context is not None:
+        known = [name for parameter in context.command.params for name in parameter.opts]
+        message = str(error.message)
+        fix = f"{did_you_mean(option, [*known, '--help'])} {fix}"
+    elif ". Did you mean" in message:
+        message, _, meant = message.partition(". D")
+        fix = f"d{meant} {fix}"
+    code = "RF120" if message.startswith("No such") else "RF110"
+    return InputError(message[:1].lower() + message[1:], code=code, fix=fix)

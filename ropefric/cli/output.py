@@ -1,12 +1,15 @@
-"""Where words go: results on stdout, everything said to people along the way on stderr."""
+"""Where words go: results on stdout, as JSON or for people; everything said along the way, and progress, on stderr."""
 
+import json
+import math
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any, Self, TextIO
 
 from ropefric.errors import Problem
 from ropefric.files.plain_text import visible
@@ -14,10 +17,13 @@ from ropefric.files.write import cannot_write
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.progress import Progress as Bar
+    from rich.table import Table
 
 
 PIPE_WIDTH = 200
 """Columns for tables that go into a file or pipe, where nothing needs to be folded."""
+REDRAW_S = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,3 +113,107 @@ def _print_problem(problem: Problem, console: "Console") -> None:
     if problem.fix and fix >= 0:
         text.stylize("cyan", fix + 3, fix + 7)
     console.print(text, soft_wrap=True)
+
+
+def json_text(data: Any) -> str:
+    """Return `data` as one strict JSON document, keys sorted, NaN and infinities as null."""
+    return json.dumps(_plain(data), indent=2, sort_keys=True, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):  # NumPy scalars and arrays, without loading NumPy to ask
+        return _plain(value.tolist())
+    raise TypeError(f"{type(value).__name__} has no place in a JSON result")
+
+
+def number(value: float, form: str = ".4g") -> str:
+    """Return a number for a table cell; a dash where there is none."""
+    return format(value, form) if math.isfinite(value) else "–"
+
+
+def make_table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> "Table":
+    """Return a table whose first `left` columns (and the last, if its heading ends in a space) hold words."""
+    from rich import box  # noqa: PLC0415  (rich costs half the start-up time)
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="bold")
+    for place, heading in enumerate(headings):
+        words = place < left or heading.endswith(" ")
+        table.add_column(Text(heading.rstrip()), justify="left" if words else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))  # Text, because file names may look like markup
+    return table
+
+
+class Progress:
+    """Shows how far a piece of work is; use as a context manager and hand `update` to the library."""
+
+    def __init__(self, out: Output, what: str) -> None:
+        self._out = out
+        self._what = what
+        self._bar: Bar | None = None
+        self._drawn_s = -REDRAW_S
+        self._tenths = 0
+        self._without = 0
+
+    def __enter__(self) -> Self:
+        if not self._out.quiet and sys.stderr.isatty():
+            self._bar = _make_bar(self._out)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def update(self, done: int, total: int, item: str) -> None:
+        """Take note that `done` of `total` items are finished, the last being `item`.
+
+        An item that ends in the status of a recording ("run_148 no-peak") is counted if it gave no usable force.
+        """
+        from ropefric.traces.breakaway import Status  # noqa: PLC0415  (quick start-up)
+
+        self._without += item.rpartition(" ")[2] in set(Status) - {Status.OK}
+        without = f" · {self._without} without a force" if self._without else ""
+        if self._out.quiet:
+            return
+        if self._bar is None:
+            if total > 0 and done * 10 // total > self._tenths:
+                self._tenths = done * 10 // total
+                self._out.note(f"{self._what} {done}/{total}  {100 * done // total} %{without}")
+            return
+        now_s = time.monotonic()
+        if done < total and now_s - self._drawn_s < REDRAW_S:
+            return
+        self._drawn_s = now_s
+        if not self._bar.task_ids:  # only now is the total known
+            self._bar.add_task(self._what, total=total, note="")
+            self._bar.start()
+        self._bar.update(self._bar.task_ids[0], completed=done, total=total, note=without)
+        self._bar.refresh()
+
+
+def _make_bar(out: Output) -> "Bar":
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415  (only at a terminal)
+    from rich.progress import Progress as RichProgress  # noqa: PLC0415
+
+    return RichProgress(
+        TextColumn("{task.description} {task.completed}/{task.total}"),
+        BarColumn(bar_width=24),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[note]}"),
+        console=out.stderr,
+        transient=True,
+        auto_refresh=False,  # no drawing thread: worker processes are forked while the bar is up
+    )

@@ -1,118 +1,168 @@
-"""From the minimum a search found to a result: errors, intervals, statistics, verdict, provenance."""
+"""From the minimum a search found to a result: errors, intervals, statistics, findings, provenance."""
 
 import sys
-from importlib.metadata import version
-from math import inf, log, nan, sqrt
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite, nan, sqrt
 from typing import Any
 
 import numpy as np
+import scipy
 from scipy.special import stdtrit
 
 import ropefric
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
-from ropefric.fitting.covariance import (
-    bread,
-    clustered_covariance,
-    rank_lost,
-    rounded_covariance,
-    unseen_part,
-)
-from ropefric.fitting.criteria import aicc, bic
-from ropefric.fitting.findings import Evidence, find
-from ropefric.fitting.identifiability import identify
-from ropefric.fitting.losses import loss_weights
+from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
 from ropefric.fitting.result import CovarianceKind, FitResult, FitStatistics, FittedParameter
-from ropefric.fitting.search import Found
-from ropefric.fitting.settings import FitSettings
-from ropefric.fitting.structure import find_trends, lack_of_fit
-from ropefric.fitting.table import TrialTable
-from ropefric.fitting.weights import group_means
-from ropefric.friction.condition import Conditions
+from ropefric.fitting.statistics import (
+    Identifiability,
+    Scatter,
+    aicc,
+    bic,
+    clustered_covariance,
+    decomposed,
+    find_trends,
+    group_means,
+    identify,
+    lack_of_fit,
+    least_squares_deviance,
+    plain_covariance,
+    rounded_covariance,
+)
+from ropefric.fitting.verdict import FitStatus
+from ropefric.friction.condition import distinct
+from ropefric.glossary import counted
+from ropefric.trials.table import TrialTable
 
 # Repeats of one value have a standard deviation of this or less, by rounding.
 _RESIDUE = 1e-14
+_NORMAL = 1.959963984540054
 _REGRESSORS = ("wheel_radius_m", "rope_radius_m", "size_ratio", "wrap_angle_rad", "end_tension_N")
+# Above this ratio a part in a hundred of noise in the data is more than the parameters' own size; below it the
+# standard errors cannot be bad unless the scatter is, and that is no matter of the design.
+_POOR_RATIO = 100.0
+# A parameter whose standard error is more than this part of it is not known even to its sign at two sigma.
+_UNKNOWN = 0.5
+# Less will do where a regressor has one value: the error is then judged by the estimate, which may lie anywhere.
+_UNKNOWN_BY_DESIGN = 0.1
+# Errors of F_B reach ln F_A weakened by this; further down, agreement in ln F_A is no evidence.
+_LEAST_SLACK_SLOPE = 0.9
+_TREND_P = 1e-3
+_LACK_OF_FIT_P = 1e-3
+_EXTREME_SCATTER = 0.3
+_FEW_CONDITIONS = 3
+_REMEDY = {
+    "wrap angle": "a wrap effect (wrap-power, coupled) or an offset (constant-offset)",
+    "size ratio": "a size effect (size-exponential, coupled, thickness)",
+    "end tension": "a load effect (coupled, howell, bending)",
+}
+
+Finding = tuple[FitStatus, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found:
+    """What a search found."""
+
+    problem: FitProblem
+    theta: FloatArray
+    at_bound: BoolArray
+    converged: bool
+    scatter: Scatter
+    shared: FloatArray
+    notes: tuple[str, ...]
+
+    @property
+    def n_conditions(self) -> int:
+        """Return the number of conditions."""
+        return int(self.problem.group.max()) + 1
 
 
 def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
-    """Return the result of a search."""
-    problem, minimum = found.problem, found.minimum
-    law, theta = problem.law, minimum.theta
-    shown = problem.vary & ~minimum.at_bound
+    """Return the result of a search.
+
+    A large ratio of singular values alone condemns nothing: with enough data the parameters are known all the
+    same. A parameter counts as not seen if it can be traded for others without any trace, or if the ratio is
+    above 100 and its standard error is more than half of it (a tenth, where a regressor the law needs has one value
+    only). Scatter between conditions is advice, not a fault:
+    the clustered errors include it; a trend with p < 0.001 in wrap, size or load is a fault of the law.
+    """
+    problem, theta = found.problem, found.theta
+    law, names = problem.law, problem.law.parameter_names
+    shown = problem.vary & ~found.at_bound
     residuals, slopes = problem.residuals_and_jacobian(theta)
     jacobian = slopes[:, shown]
-    n_conditions = int(problem.group.max()) + 1
-    covariance, kind, dof, notes = _errors(found, settings, jacobian, n_conditions)
-    seen = identify(jacobian, [name for name, free in zip(law.parameter_names, shown, strict=True) if free])
-    covariance = rounded_covariance(covariance, lost=rank_lost(jacobian))
-    std = np.where(minimum.at_bound, nan, 0.0)
+    covariance, kind, dof, notes = _errors(found, settings, jacobian, residuals)
+    svd = decomposed(jacobian)
+    covariance = rounded_covariance(covariance, lost=int(svd.lost.sum()))
+    std = np.where(found.at_bound, nan, 0.0)
     known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
-    std[shown] = np.where(unseen_part(jacobian), inf, known)
-    log_residuals = -residuals * problem.std
-    lack = lack_of_fit(jacobian, log_residuals, problem.std, problem.group, found.scatter)
-    findings = find(
-        Evidence(
-            law=law,
-            conditions=problem.conditions,
-            theta=theta,
-            std=std,
-            vary=problem.vary,
-            at_bound=minimum.at_bound,
-            converged=minimum.converged,
-            message=minimum.message,
-            n_conditions=n_conditions,
-            identifiability=seen,
-            scatter=found.scatter,
-            lack_of_fit=lack,
-            trends=find_trends(jacobian, log_residuals, problem.std, problem.group, problem.conditions),
-            slack_slope=_slack_slope(found) if table.measures_slack else 1.0,
-        )
-    )
+    std[shown] = np.where(svd.unseen, inf, known)
     full = np.zeros((theta.size, theta.size))
     full[np.ix_(shown, shown)] = covariance
+    seen = identify(jacobian, [name for name, free in zip(names, shown, strict=True) if free])
+    left = (jacobian, -residuals * problem.std, problem.std, problem.group)
+    between, p_value = lack_of_fit(*left, found.scatter)
+    findings = [
+        *_of_search(found),
+        *_of_design(found, seen, std),
+        *(_of_slack(found) if table.measures_slack else ()),
+        *_of_bounds(found),
+        *_of_scatter(found),
+    ]
+    for trend in find_trends(*left, problem.conditions):
+        if trend.p_value < _TREND_P:
+            text = (
+                f"What {law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the "
+                f"force, p = {trend.p_value:.1g}): the law misses an effect. "
+                f"Compare laws with {_REMEDY[trend.regressor]}."
+            )
+            findings.append((FitStatus.RESIDUAL_STRUCTURE, text))
+    if p_value < _LACK_OF_FIT_P:
+        text = (
+            f"The conditions scatter by {between:.2%} beyond their repeats (p = {p_value:.1g}): a new rope "
+            "each time, a setting, or an effect no regressor shows. Clustered errors include it, others do not."
+        )
+        findings.append((FitStatus.OK, text))
+    rank = list(FitStatus)
+    findings.sort(key=lambda finding: -rank.index(finding[0]))
     return FitResult(
         law=law.name,
         parameters=_parameters(found, std, dof),
         covariance=full,
         covariance_kind=kind,
-        statistics=_statistics(found, n_conditions, lack.between, dof),
-        status=findings.status,
-        advice=findings.advice,
+        statistics=_statistics(found, residuals, between, dof),
+        status=findings[0][0] if findings else FitStatus.OK,
+        advice=tuple(text for _, text in findings),
         notes=(*notes, *found.notes),
         identifiability=seen,
-        validity=_validity(problem.conditions),
+        validity={
+            name: (float(values.min()), float(values.max()))
+            for name in _REGRESSORS
+            for values in [getattr(problem.conditions, name)]
+        },
         provenance=_provenance(table, settings),
         trials=_summary(found, table),
         problem=problem,
     )
 
 
-def _slack_slope(found: Found) -> float:
-    problem = found.problem
-    try:
-        slopes = problem.law.log_lift_gradient_conditions(found.minimum.theta, problem.conditions)
-    except InputError:
-        return 0.0  # the coefficient at the slack end is infinite: F_A does not depend on F_B at all
-    return float(np.abs(slopes[:, 2]).min())
-
-
 def _errors(
-    found: Found, settings: FitSettings, jacobian: FloatArray, n_conditions: int
+    found: Found, settings: FitSettings, jacobian: FloatArray, residuals: FloatArray
 ) -> tuple[FloatArray, CovarianceKind, float, list[str]]:
     """Return the covariance of the parameters shown, its kind, the degrees of freedom of t, and why."""
     problem = found.problem
-    n, q = jacobian.shape
-    residuals = problem.residuals(found.minimum.theta)
-    weights = loss_weights(residuals, settings.loss)
+    (n, q), n_conditions = jacobian.shape, found.n_conditions
+    weights = LOSSES[settings.loss](residuals**2)[1]
     repeated = n_conditions < n
     if settings.clustered and repeated and n_conditions > q and settings.scale_covar == "auto":
         note = "errors clustered by condition: they include what the repeats of a condition share"
         covariance = clustered_covariance(jacobian, residuals, problem.group, weights)
         return covariance, "clustered", float(n_conditions - q), [note]
-    inverse = bread(jacobian, weights)
+    inverse = plain_covariance(jacobian, weights)
     if settings.loss != "linear":
         # A weighted residual has less variance than one; the sandwich over trials knows by how much.
         inverse = clustered_covariance(jacobian, residuals, np.arange(n), weights)
@@ -139,11 +189,11 @@ def _errors(
 
 
 def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParameter, ...]:
-    problem, minimum = found.problem, found.minimum
-    quantile = float(stdtrit(dof, 0.975)) if 0 < dof < inf else (1.959963984540054 if dof == inf else inf)
+    problem = found.problem
+    quantile = float(stdtrit(dof, 0.975)) if 0 < dof < inf else (_NORMAL if dof == inf else inf)
     parameters = []
     for i, item in enumerate(problem.law.parameters):
-        value, low, high = float(minimum.theta[i]), float(problem.lower[i]), float(problem.upper[i])
+        value, low, high = float(found.theta[i]), float(problem.lower[i]), float(problem.upper[i])
         half = quantile * float(std[i]) if std[i] > 0 else 0.0
         # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
         ends = (
@@ -156,24 +206,23 @@ def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParame
                 name=item.name,
                 value=value,
                 std=float(std[i]),
-                ci95=(nan, nan) if minimum.at_bound[i] else interval,
+                ci95=(nan, nan) if found.at_bound[i] else interval,
                 lower=low,
                 upper=high,
-                at_bound=bool(minimum.at_bound[i]),
+                at_bound=bool(found.at_bound[i]),
                 vary=bool(problem.vary[i]),
             )
         )
     return tuple(parameters)
 
 
-def _statistics(found: Found, n_conditions: int, between: float, interval_dof: float) -> FitStatistics:
+def _statistics(found: Found, residuals: FloatArray, between: float, interval_dof: float) -> FitStatistics:
     problem = found.problem
-    residuals = problem.residuals(found.minimum.theta)
     chi2, n, q = float(residuals @ residuals), problem.n_points, problem.n_varying
-    deviance = n * log(chi2 / n) + 2.0 * float(np.log(problem.std).sum()) if chi2 > 0.0 else -inf
+    deviance = least_squares_deviance(chi2, n) + 2.0 * float(np.log(problem.std).sum())
     return FitStatistics(
         n=n,
-        n_conditions=n_conditions,
+        n_conditions=found.n_conditions,
         dof=n - q,
         chi2=significant(chi2),
         chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
@@ -183,11 +232,6 @@ def _statistics(found: Found, n_conditions: int, between: float, interval_dof: f
         scatter_between=significant(between),
         interval_dof=interval_dof,
     )
-
-
-def _validity(conditions: Conditions) -> dict[str, tuple[float, float]]:
-    columns = {name: getattr(conditions, name) for name in _REGRESSORS}
-    return {name: (float(values.min()), float(values.max())) for name, values in columns.items()}
 
 
 def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
@@ -215,8 +259,8 @@ def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
 
 def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     """Return where the result comes from; nothing in it changes from run to run."""
-    libraries = {name: version(name) for name in ("lmfit", "numpy", "scipy")}
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    libraries = {"numpy": np.__version__, "scipy": scipy.__version__}
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
     if table.source and kind_of_file(table.source) == "file":
         source["sha256"] = hash_file(table.source)
@@ -225,3 +269,108 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
         "settings": settings.to_dict(),
         "versions": {"ropefric": ropefric.__version__, "python": python} | libraries,
     }
+
+
+# ---- what keeps a fit from being trusted, and the experiment that would help ----
+
+
+def _of_search(found: Found) -> Iterator[Finding]:
+    if not found.converged:
+        yield FitStatus.NOT_CONVERGED, FitStatus.NOT_CONVERGED.advice
+    q = found.problem.n_varying
+    if found.n_conditions < q:
+        text = (
+            f"{counted(found.n_conditions, 'condition')} cannot determine the "
+            f"{counted(q, 'parameter')} of {found.problem.law.name}: "
+            "repeats of one condition count once. Measure more conditions, or use a simpler law."
+        )
+        yield FitStatus.TOO_FEW_POINTS, text
+
+
+def _of_design(found: Found, seen: Identifiability, std: FloatArray) -> Iterator[Finding]:
+    lost = list(seen.unseen)
+    if not lost and seen.ratio > _POOR_RATIO:
+        one_value = any("only one" in text for text in _experiments(found))
+        limit = _UNKNOWN_BY_DESIGN if one_value else _UNKNOWN
+        values = zip(found.problem.law.parameter_names, std.tolist(), found.theta.tolist(), strict=True)
+        unknown = {name for name, error, value in values if error > limit * abs(value)}
+        lost = [name for name in seen.weak if name in unknown]
+    if not lost:
+        return
+    subject = f"The data do not show {_listed(lost)} of {found.problem.law.name}"
+    how = f": {seen.weak_direction} leaves the forces as they are" if len(seen.weak) > 1 else ""
+    ratio = f" (ratio of singular values {seen.ratio:.3g})" if isfinite(seen.ratio) else ""
+    experiment = " ".join(_experiments(found)) or (
+        f"Fix one of {_listed(seen.weak)} at a value known from elsewhere, or use a simpler law."
+    )
+    yield FitStatus.UNIDENTIFIABLE, f"{subject}{how}{ratio}. {experiment}"
+
+
+def _of_slack(found: Found) -> Iterator[Finding]:
+    """Return that the law does not let the lift force follow the end tension that was measured."""
+    problem = found.problem
+    try:
+        slopes = problem.law.log_lift_gradient_conditions(found.theta, problem.conditions)
+        slope = float(np.abs(slopes[:, 2]).min())
+    except InputError:
+        slope = 0.0  # the coefficient at the slack end is infinite: F_A does not depend on F_B at all
+    if slope < _LEAST_SLACK_SLOPE:
+        text = (
+            "The end tension was measured against a known lift force, and in this fit of "
+            f"{problem.law.name} the lift force follows it with the power {slope:.2g} only: a law "
+            "under which F_A does not depend on F_B would agree with any such data. Use a law without a load effect, "
+            "or its form ending in '-from-zero', or measure F_A at known end tensions."
+        )
+        yield FitStatus.UNIDENTIFIABLE, text
+
+
+def _experiments(found: Found) -> Iterator[str]:
+    effects, conditions = found.problem.law.effects, found.problem.conditions
+    sizes, wraps, loads = (
+        distinct(values)
+        for values in (conditions.size_ratio, conditions.wrap_angle_rad, conditions.end_tension_N)
+    )
+    if "size" in effects and sizes.size <= _FEW_CONDITIONS:
+        yield (
+            f"There {_there(sizes.size, 'size ratio')} (R_w/R_r = {_values(sizes)}): measure wheels from less "
+            "than 3 to more than 15 times the rope radius, the small ones above all."
+        )
+    if effects & {"wrap-dependence", "offset", "bending-stiffness"} and wraps.size <= _FEW_CONDITIONS:
+        yield (
+            f"There {_there(wraps.size, 'wrap angle')} ({_values(np.degrees(wraps))} deg): measure more, from half a "
+            "turn to several turns."
+        )
+    if effects & {"end-tension", "bending-stiffness"} and loads.size <= _FEW_CONDITIONS:
+        yield (
+            f"There {_there(loads.size, 'end tension')} (F_B = {_values(loads)} N): a wrap series at one load cannot "
+            "fix the law; repeat it at loads from a few newtons to a hundred times that."
+        )
+
+
+def _there(count: int, what: str) -> str:
+    return f"is only one {what}" if count == 1 else f"are only {count} {what}s"
+
+
+def _values(values: FloatArray) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)
+
+
+def _of_bounds(found: Found) -> Iterator[Finding]:
+    law = found.problem.law
+    for i in np.flatnonzero(found.at_bound):
+        text = (
+            f"{law.parameter_names[i]} of {law.name} lies on its bound {found.theta[i]:.6g}, which is not a "
+            "measurement of it; the errors of the others hold with it there. Use the simpler law it amounts to, or "
+            "measure conditions that show it."
+        )
+        yield FitStatus.AT_BOUND, text
+
+
+def _of_scatter(found: Found) -> Iterator[Finding]:
+    if found.scatter.within > _EXTREME_SCATTER:
+        kind = FitStatus.EXTREME_SCATTER
+        yield kind, f"Repeats scatter by {found.scatter.within:.0%} of the force. {kind.advice}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 
 from ropefric.errors import FitError, RopefricError
-from ropefric.fitting.comparison import Comparison, ComparisonEntry
-from ropefric.fitting.judgement import RIVAL, Doubt, Verdict, same_lift, verdict_of
-from ropefric.fitting.predict import predict
-from ropefric.fitting.prediction import Candidate, Prediction
+from ropefric.fitting.compare import Comparison, ComparisonEntry
+from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.status import FitStatus
+from ropefric.fitting.verdict import RIVAL, Doubt, FitStatus, Verdict, same_lift, verdict_of
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted

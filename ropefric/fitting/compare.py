@@ -1,26 +1,33 @@
 """Which law the data ask for: all laws on one trial table, ranked by AICc over the conditions."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
-from ropefric.errors import InputError, RopefricError
-from ropefric.fitting.comparison import Comparison, ComparisonEntry, Unit
-from ropefric.fitting.comparison_notes import comparison_notes
-from ropefric.fitting.criteria import ConditionMeans, FTest, akaike_weights, condition_means, scatter_fit
+from ropefric.errors import InputError, RopefricError, UnknownNameError
+from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.measured import measured_force, measured_residual
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.standing import Standing, leave_one_out, nested_test, standing
-from ropefric.fitting.status import FitStatus
-from ropefric.fitting.table import TrialTable
+from ropefric.fitting.standing import (
+    Standing,
+    leave_one_out,
+    measured_residual,
+    nested_test,
+    standing,
+)
+from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
+from ropefric.fitting.verdict import RIVAL, FitStatus
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
+from ropefric.registry import did_you_mean
+from ropefric.trials.table import TrialTable
+
+Unit = Literal["conditions", "trials"]
 
 ALWAYS = ("constant", "constant-offset")
 """Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
@@ -33,6 +40,121 @@ _NO_ANSWER = frozenset({FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS})
 _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
 _STRAYED = 10.0
+_CHANCE = 0.05
+_DIGITS = 6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FTest:
+    """Whether a law's extra parameters explain more than chance."""
+
+    simpler: str
+    fuller: str
+    f: float
+    dof: tuple[int, int]
+    p_value: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ComparisonEntry:
+    """One law in a comparison; NaN where there is no such number."""
+
+    law: str
+    n: int
+    k: int
+    chi2: float
+    aicc: float
+    bic: float
+    delta_aicc: float
+    weight: float
+    loco_error: float
+    status: str
+    counted: bool
+    note: str
+    fit: FitResult | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON object of the entry; None where there is no number."""
+        numbers = ("chi2", "aicc", "delta_aicc", "weight", "bic", "loco_error")
+        values = {name: getattr(self, name) for name in numbers}
+        plain = {name: float(value) if math.isfinite(value) else None for name, value in values.items()}
+        return {
+            "law": self.law,
+            "n": self.n,
+            "k": self.k,
+            "status": self.status,
+            "counted": self.counted,
+            "note": self.note,
+        } | _rounded(plain)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Comparison:
+    """Laws on one trial table, best first.
+
+    Attributes
+    ----------
+    ranking : tuple of ComparisonEntry
+        Counted laws by AICc, then the others.
+    tests : tuple of FTest
+        Nested pairs, on the same observations.
+    unit : {"conditions", "trials"}
+        What an observation is.
+    n, n_trials : int
+        Observations and trials.
+    scatter_within : float
+        Standard deviation of ln F_A between repeats [-]; NaN without repeats.
+    notes : tuple of str
+        What to know before reading the ranking.
+    """
+
+    ranking: tuple[ComparisonEntry, ...]
+    tests: tuple[FTest, ...]
+    unit: Unit
+    n: int
+    n_trials: int
+    scatter_within: float
+    notes: tuple[str, ...]
+
+    @property
+    def best(self) -> ComparisonEntry:
+        """Return the entry that won."""
+        return self.ranking[0]
+
+    @property
+    def conclusive(self) -> bool:
+        """Return whether laws could be weighed against each other, so that the first of the ranking was chosen."""
+        return self.best.counted and not math.isnan(self.best.weight)
+
+    def __getitem__(self, law: str) -> ComparisonEntry:
+        for entry in self.ranking:
+            if entry.law == law:
+                return entry
+        known = [entry.law for entry in self.ranking]
+        raise UnknownNameError(f"{law!r} is not in this comparison", fix=did_you_mean(law, known))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
+        return _rounded({
+            "ranking": [entry.to_dict() for entry in self.ranking],
+            "f_tests": [
+                {"simpler": t.simpler, "fuller": t.fuller, "f": t.f if math.isfinite(t.f) else None,
+                 "dof": list(t.dof), "p_value": t.p_value}
+                for t in self.tests
+            ],
+            "unit": self.unit,
+            "n": self.n,
+            "n_trials": self.n_trials,
+            "scatter_within": self.scatter_within if math.isfinite(self.scatter_within) else None,
+            "conclusive": self.conclusive,
+            "notes": list(self.notes),
+        })  # fmt: skip
+
+
+def _rounded(tree: dict[str, Any]) -> dict[str, Any]:
+    """Return numbers to six digits: criteria are differences of logarithms, weights and p-values their powers."""
+    plain: dict[str, Any] = rounded_tree(tree, _DIGITS)
+    return plain
 
 
 def compare_laws(
@@ -66,9 +188,9 @@ def compare_laws(
     means = condition_means(
         constant if unit == "conditions" else replace(constant, group=np.arange(constant.n_points))
     )
-    measured = measured_force(table)
+    slack = table.measures_slack
     standings = {
-        name: standing(_problem(fit), means, fit.theta, measured=measured)
+        name: standing(_problem(fit), means, fit.theta, slack=slack)
         for name, fit in fits.items()
         if isinstance(fit, FitResult)
     }
@@ -80,7 +202,7 @@ def compare_laws(
         n=len(means),
         n_trials=constant.n_points,
         scatter_within=means.scatter_within,
-        notes=comparison_notes(ranking, tests, means, unit, measured),
+        notes=_notes(ranking, tests, means, unit, slack=slack),
     )
 
 
@@ -196,9 +318,9 @@ def _too_few(stands: Standing, means: ConditionMeans) -> str:
 
 def _strayed(fit: FitResult | RopefricError, stands: Standing, means: ConditionMeans) -> str:
     """Return whether the fit of ln F_A missed the measured end tensions; empty if it did not."""
-    if stands.measured == "lift" or isinstance(fit, RopefricError):
+    if not stands.slack or isinstance(fit, RopefricError):
         return ""
-    residual = measured_residual(stands.problem, fit.theta, stands.measured)
+    residual = measured_residual(stands.problem, fit.theta, slack=True)
     if scatter_fit(residual, means).deviance <= stands.scatter.deviance + _STRAYED:
         return ""
     return "its fit answers the lift that was set whatever the end tension, and so says nothing of what was measured"
@@ -226,3 +348,50 @@ def _tests(standings: Mapping[str, Standing]) -> tuple[FTest, ...]:
                 F, dof, p_value = found
                 tests.append(FTest(simpler=simpler, fuller=fuller, f=F, dof=dof, p_value=p_value))
     return tuple(tests)
+
+
+def _notes(
+    ranking: Sequence[ComparisonEntry],
+    tests: Sequence[FTest],
+    means: ConditionMeans,
+    unit: Unit,
+    *,
+    slack: bool,
+) -> tuple[str, ...]:
+    """Return what to know before reading a ranking; first what an observation is."""
+    in_all = counted(len(means), unit[:-1])
+    notes = [f"AICc counts {in_all}, not repeats" if unit == "conditions" else "AICc counts every trial"]
+    if not means.repeated and unit == "conditions":
+        notes.append("no condition was repeated, so every trial is a condition of its own")
+    if slack:
+        notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
+    ranked = [entry for entry in ranking if entry.counted]
+    if any(math.isnan(entry.weight) for entry in ranked) or not ranked:
+        notes += _unjudged(ranking, tests, in_all)
+    rivals = [e.law for e in ranked if e.delta_aicc <= RIVAL]
+    if len(rivals) > 1:
+        notes.append(f"within 2 of the best AICc, so not told apart: {', '.join(rivals)}")
+    wraps = [law for law in rivals if "wrap-dependence" in ALL_LAWS[law].effects]
+    if wraps and "constant-offset" in rivals:
+        notes.append(
+            f"a constant μ with an offset looks like a wrap effect, and these data do not tell constant-offset from "
+            f"{', '.join(wraps)}: measure the offset at a wrap near zero"
+        )
+    return tuple(notes)
+
+
+def _unjudged(ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], in_all: str) -> list[str]:
+    """Return that the ranking decides nothing, and which tests speak against what it holds."""
+    ranked = [entry.law for entry in ranking if entry.counted]
+    named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
+    notes = [
+        f"{named} ranked on {in_all}, so weights would say nothing and no law is chosen: measure more conditions"
+    ]
+    against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
+    against = sorted((test for test in against if test.p_value < _CHANCE), key=lambda test: test.p_value)
+    notes += [
+        f"an F-test speaks against {test.simpler}: {test.fuller}, which is not ranked, follows the trials better "
+        f"(p = {test.p_value:.2g})"
+        for test in against[:1]
+    ]
+    return notes

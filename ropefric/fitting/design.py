@@ -16,8 +16,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.extrapolation import outside_range
-from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
+from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_range
 from ropefric.fitting.propagation import linear_std
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.rising_root import first_crossing, rising_root

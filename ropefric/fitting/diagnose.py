@@ -3,7 +3,8 @@
 import math
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 from scipy.special import fdtrc, stdtr
@@ -11,15 +12,16 @@ from scipy.special import fdtrc, stdtr
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.choice import choose_law
-from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.comparison import Comparison, ComparisonEntry
-from ropefric.fitting.criteria import ConditionMeans, condition_means
-from ropefric.fitting.diagnosis import Cause, Diagnosis, Supported
-from ropefric.fitting.measured import measured_force
-from ropefric.fitting.table import TrialTable
+from ropefric.fitting.compare import Comparison, ComparisonEntry, compare_laws
+from ropefric.fitting.statistics import ConditionMeans, condition_means
+from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
+Supported = Literal["yes", "no", "cannot-tell"]
+
+_WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 # Differences of AICc: an effect is supported when it makes the data e^3 = 20 times likelier after its price.
 _STRONG = 6.0
 _WEAK = 2.0
@@ -48,6 +50,68 @@ _OFFSET_TEST = (
 )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cause:
+    """A reason why a rope may not obey the capstan equation."""
+
+    cause: str
+    supported: Supported
+    evidence: str
+    experiment: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagnosis:
+    """Why a rope does not obey the capstan equation, or that it does.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+        All that were looked at.
+    summary : str
+        The answer in one sentence.
+    verdict : Verdict
+        On the best law of the comparison behind it.
+    """
+
+    causes: tuple[Cause, ...]
+    summary: str
+    verdict: Verdict
+
+    def __getitem__(self, cause: str) -> Cause:
+        return {item.cause: item for item in self.causes}[cause]
+
+    @property
+    def text(self) -> str:
+        """Return the diagnosis as lines for people."""
+        lines = [self.summary, f"the best law is {self.verdict.word}: {self.verdict.reason}"]
+        for item in self.causes:
+            lines += [
+                f"{item.cause}: {_WORDS[item.supported]}",
+                f"  {item.evidence}",
+                f"  to decide: {item.experiment}",
+            ]
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree."""
+        return {
+            "summary": self.summary,
+            "verdict": self.verdict.to_dict(),
+            "causes": [
+                {
+                    "cause": item.cause,
+                    "supported": item.supported,
+                    "evidence": item.evidence,
+                    "experiment": item.experiment,
+                    "numbers": dict(item.numbers),
+                }
+                for item in self.causes
+            ],
+        }
+
+
 def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_options: Any) -> Diagnosis:
     """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do."""
     ranked = compare_laws(table, ALL_LAWS.values(), **fit_options) if comparison is None else comparison
@@ -58,9 +122,7 @@ def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_opti
         )
     means = condition_means(constant.problem)
     levels = {
-        "end-tension": means.log_lift
-        if measured_force(table) == "end-tension"
-        else means.conditions.log_end_tension,
+        "end-tension": means.log_lift if table.measures_slack else means.conditions.log_end_tension,
         "size": np.log(means.conditions.size_ratio),
         "wrap-dependence": np.log(np.maximum(means.conditions.wrap_angle_rad, 1e-9)),
     }

@@ -1,26 +1,64 @@
-"""A friction law fitted to a trial table: ln F_A by weighted least squares through the integral."""
+"""A friction law fitted to a trial table: ln F_A by weighted least squares through the integral.
+
+The search goes from several starts, with weights that follow the parameters; `assemble` makes the result of it.
+"""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from math import sqrt
 from typing import Literal
 
 import numpy as np
 
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.assemble import assemble
-from ropefric.fitting.losses import Loss
-from ropefric.fitting.nonlinear import check_start
-from ropefric.fitting.problem import FitProblem
+from ropefric.files.digits import significant, to_share
+from ropefric.fitting.assemble import Found, assemble
+from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.problem import (
+    LOSSES,
+    MANY,
+    FitProblem,
+    FitSettings,
+    Loss,
+    check_settings,
+    pooled,
+    reduced,
+)
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.search import search
-from ropefric.fitting.settings import FitSettings, check_settings
-from ropefric.fitting.table import TrialTable
-from ropefric.friction.condition import Conditions
+from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.start import guess
+from ropefric.trials.table import TrialTable
 
+# Beyond this the squares of residuals and slopes, and their sums, are no floats.
 _LARGEST = 1e100
-"""Beyond this the squares of residuals and slopes, and their sums, are no floats."""
+# Weights depend on the parameters through the errors of the settings; they settle in two rounds.
+_ROUNDS = 5
+_SETTLED = 1e-4
+# Scatter so small that it is rounding; weights need some number.
+_SMALLEST_STD = 1e-12
+_MAD_TO_STD = 1.4826
+# How far other starts are spread, as a factor e^±this.
+_SPREAD = 0.7
+# Minima closer than this in χ² describe the data equally well (two standard deviations).
+_AS_GOOD = 4.0
+_APART = 0.01
+# χ² that differs by this part of itself, or of one, is the same.
+_SAME_COST = 1e-8
+# From this ratio of the best to the worst known combination on, parameters are rounded one after the other.
+_TRADED = 300.0
+# In standard errors: what is written starts alike on every machine.
+_TIGHT = 1e-13
+_NOTHING = 1e-150
+# Closer to a bound than this, by the larger of its size and the value's, an estimate is tried on the bound.
+_NEAR_BOUND = 1e-4
+# What a step onto a bound may cost in χ².
+_FREE = 1e-6
+# A gain in χ² by this part of the mean squared residual is no gain, among combinations of at least this size.
+_FLAT = 1e-3
+_FLAT_RANK = 1e-6
 
 
 def fit_law(
@@ -51,31 +89,45 @@ def fit_law(
         n_starts=n_starts,
         seed=seed,
     )
-    problem = problem_of(table, chosen, settings)
-    return assemble(search(problem, table, settings), table, settings)
+    check_settings(settings, chosen)
+    found = _search(_problem_of(table, chosen, settings), table, settings)
+    return assemble(found, table, settings)
 
 
-def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> FitProblem:
+def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> FitProblem:
     """Return the data of a table as a least-squares problem with equal weights, start values and bounds."""
-    check_settings(settings, law)
     if not table.used.any():
         raise InputError(
             "no trial of the table can be used", code="RF410", fix="check the columns kept and status"
         )
     conditions, log_lift = table.conditions(), table.log_lift()
-    _check_range(conditions)
-    bounds, starts, held = settings.bounds or {}, settings.start or {}, settings.fixed
-    spans = [bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
+    for name in ("size_ratio", "wrap_angle_rad"):
+        too_large = getattr(conditions, name) > _LARGEST
+        if too_large.any():
+            at = conditions.describe(int(np.argmax(too_large)))
+            raise InputError(
+                f"{name} is above {_LARGEST:g} at {at}: no sum of squares holds it",
+                code="RF410",
+                fix="correct the trial or its units, or leave it out",
+            )
+    spans = [settings.bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
     lower, upper = np.array(spans, dtype=np.float64).T
-    given = {item.name: item.start for item in law.parameters if item.fixed} | dict(starts) | dict(held)
+    given = {item.name: item.start for item in law.parameters if item.fixed} | settings.start | settings.fixed
     found = np.clip(guess(law, conditions, log_lift), lower, upper)
-    theta = [given.get(name, value) for name, value in zip(law.parameter_names, found, strict=True)]
+    start = np.array([given.get(n, g) for n, g in zip(law.parameter_names, found, strict=True)], np.float64)
     vary = [
-        item.name not in held and (not item.fixed or item.name in starts or item.name in bounds)
+        item.name not in settings.fixed
+        and (not item.fixed or item.name in settings.start or item.name in settings.bounds)
         for item in law.parameters
     ]
-    start = np.array(theta, dtype=np.float64)
-    check_start(start, lower, upper, law.parameter_names, None)
+    for name, value, low, high in zip(law.parameter_names, start, lower, upper, strict=True):
+        if not low <= value <= high:
+            raise InputError(
+                f"the start value {name} = {value:g} lies outside its bounds {low:g} … {high:g}",
+                code="RF402",
+                key=name,
+                fix="start inside the bounds, or widen them",
+            )
     if not law.admissible(start, conditions):
         law.log_lift(start, conditions)  # raises, and says why and what to do
     return FitProblem(
@@ -91,13 +143,199 @@ def problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> Fi
     )
 
 
-def _check_range(conditions: Conditions) -> None:
-    for name in ("size_ratio", "wrap_angle_rad"):
-        too_large = getattr(conditions, name) > _LARGEST
-        if too_large.any():
-            at = conditions.describe(int(np.argmax(too_large)))
-            raise InputError(
-                f"{name} is above {_LARGEST:g} at {at}: no sum of squares holds it",
-                code="RF410",
-                fix="correct the trial or its units, or leave it out",
-            )
+# ---- what each trial weighs ----
+
+
+def shared_variance(law: FrictionLaw, theta: FloatArray, table: TrialTable) -> FloatArray:
+    """Return the variance of ln F_A that all repeats of a condition share, shape (n,).
+
+    The instrument's (u_F/F_A)² and those of the settings, (∂ ln F_A/∂φ u_φ)² + (∂ ln F_A/∂R_w u_R)² +
+    (∂ ln F_A/∂ ln F_B · u_{F_B}/F_B)²: a wheel, a weight and a force cell are the same for every repeat, so these
+    do not average out over them.
+    """
+    used = table.used
+    # What overflows is refused right after.
+    with np.errstate(over="ignore", invalid="ignore"):
+        chain = np.nan_to_num(table.peak_std_N[used] / table.peak_N[used])
+        settings = np.stack(
+            [
+                table.wheel_radius_std_m[used],
+                table.wrap_std_rad[used],
+                table.end_tension_std_N[used] / table.end_tension_N[used],
+            ],
+            axis=-1,
+        )
+        variance: FloatArray = chain**2
+        if settings.any():
+            slopes = law.log_lift_gradient_conditions(theta, table.conditions())
+            variance = variance + ((slopes * settings) ** 2).sum(axis=-1)
+    wrong = ~np.isfinite(variance)
+    if wrong.any():
+        trial = np.array(table.trial)[used][int(np.argmax(wrong))]
+        raise InputError(
+            f"the uncertainties given for trial '{trial}' amount to more than any number of ln F_A",
+            code="RF410",
+            fix="correct the columns that end in _std",
+        )
+    return variance
+
+
+def trial_std(within: float, shared: FloatArray, group: IntArray) -> FloatArray:
+    """Return the standard deviation that a trial enters a least-squares fit with, shape (n,).
+
+    σ² = s_w² + n_c u². Independent trials with this variance give the condition's mean the variance s_w²/n_c + u²,
+    and so the same estimates and covariance as generalised least squares with the correlated covariance
+    s_w² I + u² 1 1ᵀ, because a law is constant over the repeats of a condition.
+    """
+    return np.sqrt(within**2 + np.bincount(group)[group] * shared)
+
+
+def _weighed(
+    problem: FitProblem, table: TrialTable, theta: FloatArray, loss: Loss
+) -> tuple[FitProblem, Scatter, FloatArray]:
+    residuals = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
+    scatter = pooled_scatter(residuals, problem.group)
+    shared = shared_variance(problem.law, theta, table)
+    dof = max(problem.n_points - problem.n_varying, 1)
+    if loss != "linear":
+        # Outliers must not widen the yardstick that is to tell them.
+        within = _MAD_TO_STD * float(np.median(np.abs(residuals - np.median(residuals))))
+    elif scatter.known:
+        within = scatter.within
+    else:
+        within = sqrt(max(float(residuals @ residuals) / dof - float(shared.mean()), 0.0))
+    std = np.maximum(trial_std(within, shared, problem.group), _SMALLEST_STD)
+    return replace(problem, std=std), scatter, shared
+
+
+# ---- the search ----
+
+
+def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Found:
+    """Return the best minimum, with weights taken at it."""
+    loss = settings.loss
+    weighed, scatter, shared = _weighed(problem, table, problem.start, loss)
+    theta, converged, notes = _minimum(weighed, _starts(weighed, settings), loss)
+    for _ in range(_ROUNDS):
+        before = weighed.std
+        weighed, scatter, shared = _weighed(problem, table, theta, loss)
+        if np.allclose(weighed.std, before, rtol=_SETTLED, atol=0.0):
+            break
+        theta, converged, _same = _minimum(weighed, theta, loss)
+    at_bound = problem.vary & ((theta <= problem.lower) | (theta >= problem.upper))
+    if loss == "linear":
+        theta = _rounded(weighed, theta, at_bound)
+    # The weights of the very parameters that are handed on.
+    weighed, scatter, shared = _weighed(problem, table, theta, loss)
+    return Found(
+        problem=weighed, theta=theta, at_bound=at_bound, converged=converged, scatter=scatter, shared=shared,
+        notes=notes,
+    )  # fmt: skip
+
+
+def _starts(problem: FitProblem, settings: FitSettings) -> FloatArray:
+    """Return the start and others spread about it, shape (m, p); a law of one parameter has one minimum."""
+    if problem.n_varying < 2:
+        return problem.start[np.newaxis]
+    rng = np.random.default_rng(settings.seed)
+    others = problem.start * np.exp(rng.normal(0.0, _SPREAD, (settings.n_starts - 1, problem.start.size)))
+    others = np.clip(np.where(problem.vary, others, problem.start), problem.lower, problem.upper)
+    return np.vstack([problem.start, others[problem.law.admissible(others, problem.conditions)]])
+
+
+def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[FloatArray, bool, tuple[str, ...]]:
+    """Return the best end of the searches from some starts, whether it is a minimum, and others as good in words."""
+    if problem.n_points >= MANY and loss == "linear":
+        problem = pooled(problem)[0]
+    ends = batched_fit(problem, starts=starts, loss=loss, tolerance=_TIGHT)
+    every = np.flatnonzero(ends.converged) if ends.converged.any() else np.zeros(1, dtype=np.intp)
+    least = ends.chi2[every].min()
+    # Several starts end in one valley, and the last bits may not say at which of its places: the first one stands.
+    best = every[ends.chi2[every] <= least + _SAME_COST * (1.0 + least)][0]
+    theta, cost = ends.theta[best], float(ends.chi2[best])
+    size = np.maximum(np.maximum(np.abs(ends.theta), np.abs(theta)), 1e-6)
+    apart = (np.abs(ends.theta - theta) > _APART * size)[:, problem.vary].any(axis=1)
+    rivals = every[(ends.chi2[every] - cost < _AS_GOOD) & apart[every]]
+    notes: tuple[str, ...] = ()
+    if rivals.size:
+        rival = rivals[np.argmin(ends.chi2[rivals])]
+        mapping = problem.law.as_mapping(ends.theta[rival])
+        values = ", ".join(f"{name} = {value:.4g}" for name, value in mapping.items())
+        more = significant(float(ends.chi2[rival] - cost), 2, smallest=_SAME_COST * (1.0 + cost))
+        notes = (f"another minimum is as good (χ² larger by {more:.2g}): {values}",)
+    theta = _onto_bounds(problem, theta, loss)
+    return theta, bool(ends.converged[best]) or _is_flat(problem, theta, loss), notes
+
+
+def _is_flat(problem: FitProblem, theta: FloatArray, loss: Loss) -> bool:
+    """Return whether the next step would gain nothing that counts, though the search may creep on for ever.
+
+    Along a valley, where parameters can be traded for each other, the steps never get small.
+    """
+    residuals, jacobian = problem.residuals_and_jacobian(theta)
+    inside = problem.vary & (theta > problem.lower) & (theta < problem.upper)
+    cost, weights = LOSSES[loss](residuals**2)
+    svd = decomposed(jacobian[:, inside], weights)
+    along = svd.left[:, svd.values > _FLAT_RANK * svd.values.max(initial=0.0)].T @ (
+        residuals * np.sqrt(weights)
+    )
+    return bool(along @ along <= _FLAT * float(cost.sum()) / residuals.size)
+
+
+def _onto_bounds(problem: FitProblem, theta: FloatArray, loss: Loss) -> FloatArray:
+    """Return theta with every parameter on its bound that is close to it for no gain, the others fitted anew."""
+    data, moved = reduced(problem, loss=loss), theta
+    cost = data.chi2(theta[np.newaxis])[0]
+    for i in np.flatnonzero(problem.vary & (theta > problem.lower) & (theta < problem.upper)):
+        for bound in (problem.lower[i], problem.upper[i]):
+            close = abs(moved[i] - bound) <= _NEAR_BOUND * max(abs(bound), abs(moved[i]), 1.0)
+            if np.isfinite(bound) and close:
+                on_it = moved.copy()
+                on_it[i] = bound
+                if data.chi2(on_it[np.newaxis])[0] <= cost * (1.0 + _FREE) + _FREE:
+                    moved = on_it
+    if moved is theta:
+        return theta
+    inside = problem.vary & (moved > problem.lower) & (moved < problem.upper)
+    return np.asarray(batched_fit(problem, starts=moved, vary=inside, loss=loss, tolerance=_TIGHT).theta[0])
+
+
+def _rounded(problem: FitProblem, best: FloatArray, at_bound: BoolArray) -> FloatArray:
+    """Return the minimum to the digits that mean something, so that all that follows starts alike on every machine.
+
+    Each parameter is rounded by its error with the others held, which raises χ² by 1e-8 at most. Where parameters
+    can be traded for each other that error is far below what the search knows of each, so they are rounded one
+    after the other, the least known first and by its whole error, and those that are left are fitted anew.
+    """
+    theta = best.copy()
+    free = problem.vary & ~at_bound & (problem.jacobian(theta) != 0.0).any(axis=0)
+    while np.count_nonzero(free) > 1:
+        index, std, ratio = _least_known(problem, theta, free)
+        if ratio < _TRADED:
+            break
+        held = theta.copy()
+        value = to_share(float(theta[index]), std)
+        # However little is known of it, three digits keep it in the valley where the others can make up for it.
+        held[index] = (
+            value if abs(value - theta[index]) <= 1e-3 * abs(theta[index]) else significant(theta[index], 4)
+        )
+        free[index] = False
+        again = batched_fit(problem, starts=held, vary=free, tolerance=_TIGHT)
+        inside = (again.theta[0] > problem.lower) & (again.theta[0] < problem.upper)
+        if not (again.converged[0] and inside[free].all()):
+            break
+        theta = again.theta[0]
+    steepness = np.linalg.norm(problem.jacobian(theta), axis=0)
+    for i in np.flatnonzero(free & (steepness > 0.0)):
+        theta[i] = to_share(float(theta[i]), 1.0 / float(steepness[i]))
+    same = (theta > problem.lower) & (theta < problem.upper) | at_bound | ~problem.vary
+    return theta if same.all() and problem.law.admissible(theta, problem.conditions) else best
+
+
+def _least_known(problem: FitProblem, theta: FloatArray, free: BoolArray) -> tuple[int, float, float]:
+    """Return which free parameter takes most part in the weakest combination, its error, and how weak that is."""
+    svd = decomposed(problem.jacobian(theta)[:, free])
+    values = np.maximum(svd.values, max(svd.values[0] / RANK_RATIO, _NOTHING))
+    place = int(np.argmax(np.abs(svd.rows[-1]).round(6)))
+    std = float(np.linalg.norm(svd.rows[:, place] / values) / svd.length[place])
+    return int(np.flatnonzero(free)[place]), std, float(values[0] / values[-1])

@@ -1,16 +1,18 @@
-"""Levenberg-Marquardt on thousands of data sets at once, inside bounds, with the analytic Jacobian of the law."""
+"""Levenberg-Marquardt on thousands of data sets at once, inside bounds, with the analytic Jacobian of the law.
 
-from dataclasses import dataclass, field
+The one engine of every fit: of a law from several starts, of resamples, of profiles, of laws on condition means.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.bounded_step import bounded_steps
-from ropefric.fitting.curvature import learnt_curvature, usable
-from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.reduced import Reduced, reduced
+from ropefric.fitting.problem import FitProblem, Loss, Reduced, reduced
+
+Rows = npt.NDArray[np.intp]
 
 _EPS = float(np.finfo(np.float64).eps)
 _FIRST_DAMPING = 1e-4
@@ -23,6 +25,17 @@ _CAUTION = 20.0
 _HOPELESS_DAMPING = 1e14
 # ln F_A from a closed form carries an error of this relative size, so a step that moves it less is rounding.
 _MODEL_ROUNDING = 1e-14
+# Keeps the scaled normal equations invertible where the data do not see a direction at all.
+_RIDGE = 1e-13
+# Near the smallest floats a square is held only in part.
+_NOTHING = 1e-280
+# A scaled gradient below this is rounding.
+_PUSH = 1e-12
+# A secant update divides by vᵀs; where that nearly vanishes it says nothing.
+_SKIP = 1e-8
+# The least part of JᵀJ that must remain in every direction.
+_REMAINS = 0.05
+_POSITIVE = 1e-11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,6 +56,7 @@ def batched_fit(
     std: npt.ArrayLike | None = None,
     multiplicity: npt.ArrayLike | None = None,
     vary: npt.ArrayLike | None = None,
+    loss: Loss = "linear",
     tolerance: float = 1e-9,
     max_iterations: int = 300,
 ) -> BatchFit:
@@ -53,9 +67,8 @@ def batched_fit(
     (`bounded_steps`). Data sets that are done leave the batch. Repeats of a condition are summed first, so the law
     is evaluated once per distinct condition.
     """
-    data = reduced(
-        problem, *(None if x is None else np.asarray(x, np.float64) for x in (log_lift, std, multiplicity))
-    )
+    given = (None if x is None else np.asarray(x, np.float64) for x in (log_lift, std, multiplicity))
+    data = reduced(problem, *given, loss=loss)
     p = problem.start.size
     theta = np.atleast_2d(np.asarray(problem.start if starts is None else starts, dtype=np.float64))
     free = np.atleast_2d(np.asarray(problem.vary if vary is None else vary, dtype=np.bool_))
@@ -73,50 +86,28 @@ def batched_fit(
     m = lengths.pop() if lengths else 1
     free = np.broadcast_to(free, (m, p))
     theta = np.where(free, np.clip(theta, problem.lower, problem.upper), theta)
-    search = _Search(data=data, problem=problem, theta=np.broadcast_to(theta, (m, p)).copy(), vary=free)
-    search.begin(same_start=bool((theta == theta[0]).all()))
-    steps = search.run(tolerance, max_iterations)
-    return BatchFit(theta=search.theta, chi2=search.chi2, converged=search.converged, n_iterations=steps)
+    batch = _Batch(data, problem, np.broadcast_to(theta, (m, p)).copy(), free)
+    steps = batch.run(tolerance, max_iterations)
+    return BatchFit(theta=batch.theta, chi2=batch.chi2, converged=batch.converged, n_iterations=steps)
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
-class _Search:
+class _Batch:
     """The state of m fits on their way; one row a data set."""
 
-    data: Reduced
-    problem: FitProblem
-    theta: FloatArray
-    vary: BoolArray
-    chi2: FloatArray = field(init=False)
-    normal: FloatArray = field(init=False)
-    downhill: FloatArray = field(init=False)
-    curvature: FloatArray = field(init=False)
-    damping: FloatArray = field(init=False)
-    last_length2: FloatArray = field(init=False)
-    slow: BoolArray = field(init=False)
-    converged: BoolArray = field(init=False)
-    alive: BoolArray = field(init=False)
-    curved: bool = False
-
-    def begin(self, *, same_start: bool) -> None:
+    def __init__(self, data: Reduced, problem: FitProblem, theta: FloatArray, vary: BoolArray) -> None:
         """Evaluate the starts; where the law has no answer, try the problem's own start."""
-        m = len(self.theta)
-        rows = np.arange(m)
-        shared = self.data.evaluate_shared(self.theta[0], m) if same_start else None
-        if shared is not None:
-            self.chi2, self.normal, self.downhill = shared
-        else:
-            nowhere = np.full(m, np.inf)
-            self.chi2, self.normal, self.downhill = self.data.evaluate(self.theta, rows, nowhere)
-            lost = np.flatnonzero(~np.isfinite(self.chi2))
-            if lost.size:
-                self.theta[lost] = np.where(self.vary[lost], self.problem.start, self.theta[lost])
-                self.chi2[lost], self.normal[lost], self.downhill[lost] = self.data.evaluate(
-                    self.theta[lost], lost, nowhere[lost]
-                )
-        self.curvature = np.zeros_like(self.normal)
-        self.damping = np.zeros(m)
-        self.last_length2 = np.full(m, np.inf)
+        self.data, self.problem, self.theta, self.vary = data, problem, theta, vary
+        m, nowhere = len(theta), np.full(len(theta), np.inf)
+        shared = data.evaluate_shared(theta[0], m) if (theta == theta[0]).all() else None
+        if shared is None:
+            shared = data.evaluate(theta, np.arange(m), nowhere)
+            lost = np.flatnonzero(~np.isfinite(shared[0]))
+            theta[lost] = np.where(vary[lost], problem.start, theta[lost])
+            for whole, again in zip(shared, data.evaluate(theta[lost], lost, nowhere[lost]), strict=True):
+                whole[lost] = again
+        self.chi2, self.normal, self.downhill = shared
+        self.curvature, self.curved = np.zeros_like(self.normal), False
+        self.damping, self.last_length2 = np.zeros(m), nowhere
         self.slow = np.zeros(m, dtype=np.bool_)
         self.converged = np.zeros(m, dtype=np.bool_)
         self.alive = np.isfinite(self.chi2)
@@ -148,17 +139,17 @@ class _Search:
                 step[damped], length2[damped] = self._propose(rows[damped], self.damping[rows[damped]])
                 final[damped] = False
             slack = np.where(blind, 4.0 * blur, 0.0)
-            if not np.count_nonzero(done):
+            if np.count_nonzero(done):
+                self.converged[rows[done]] = True
+                self.alive[rows[done]] = False
+                left = ~done
+                rows, step, length2 = rows[left], step[left], length2[left]
+                slack, final = slack[left], final[left]
+            if rows.size:
                 self._try(rows, step, length2, slack, final)
-                continue
-            self.converged[rows[done]] = True
-            self.alive[rows[done]] = False
-            left = (~done).nonzero()[0]
-            if left.size:
-                self._try(rows[left], step[left], length2[left], slack[left], final[left])
         return max_iterations
 
-    def _propose(self, rows: npt.NDArray[np.intp], damping: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _propose(self, rows: Rows, damping: FloatArray) -> tuple[FloatArray, FloatArray]:
         at = slice(None) if rows.size == len(self.theta) else rows
         theta = self.theta[at]
         return bounded_steps(
@@ -172,27 +163,38 @@ class _Search:
         )
 
     def _try(
-        self,
-        rows: npt.NDArray[np.intp],
-        step: FloatArray,
-        length2: FloatArray,
-        slack: FloatArray,
-        final: BoolArray,
+        self, rows: Rows, step: FloatArray, length2: FloatArray, slack: FloatArray, final: BoolArray
     ) -> None:
         """Take the steps that lower χ² (or keep it within a slack), and learn from how well that was foretold."""
-        theta, old = self.theta[rows], self.chi2[rows]
+        theta, old, damping = self.theta[rows], self.chi2[rows], self.damping[rows]
         inside = np.minimum(np.maximum(theta + step, self.problem.lower), self.problem.upper)
         trial = np.where(self.vary[rows], inside, theta)
         limit = np.where(slack > 0.0, old + slack, np.nextafter(old, 0.0))
         chi2, normal, downhill = self.data.evaluate(trial, rows, np.where(final, -1.0, limit))
         better = chi2 <= limit
+        all_better = np.count_nonzero(better) == better.size
         # Undamped steps that succeed stay undamped, whatever they gained.
-        if np.count_nonzero(self.damping[rows]) or np.count_nonzero(better) < better.size:
-            gain = self._gain(rows, step, length2, old - np.where(better, chi2, old))
-            self._adapt(rows, np.where(slack > 0.0, 1.0, gain), better)
-        self._learn(rows, step, better & ~final, normal, downhill)
+        if np.count_nonzero(damping) or not all_better:
+            bend = np.einsum("mi,mi->m", np.einsum("mij,mj->mi", self.curvature[rows], step), step)
+            foretold = 2.0 * np.einsum("mi,mi->m", step, self.downhill[rows]) - length2 - bend
+            gain = (old - np.where(better, chi2, old)) / np.where(foretold > 0.0, foretold, np.inf)
+            gain = np.where(slack > 0.0, 1.0, gain)
+            # Damp more after a step that failed or gained little of what was foretold, less after a good one.
+            raised = np.where(damping > 0.0, _RAISE * damping, _FIRST_DAMPING)
+            lowered = np.where(damping > _NO_DAMPING, damping * _LOWER, 0.0)
+            new = np.where(gain > 0.75, lowered, np.where(gain < 0.25, 2.0 * damping, damping))
+            self.damping[rows] = np.where(better, new, raised)
+            self.alive[rows[raised > _HOPELESS_DAMPING]] = False
+        # Learn the model's curvature where Gauss-Newton alone is slow; forget it where a step failed.
+        if self.curved:
+            self.curvature[rows[~better]] = 0.0
+        use = better & ~final & self.slow[rows]
+        if np.count_nonzero(use):
+            self.curved, taken = True, rows[use]
+            change = self.downhill[taken] - downhill[use]
+            self.curvature[taken] = _learnt(self.curvature[taken], normal[use], step[use], change)
         arrived = rows[better & final]
-        if np.count_nonzero(better) < better.size:
+        if not all_better:
             rows, trial, chi2 = rows[better], trial[better], chi2[better]
             normal, downhill = normal[better], downhill[better]
         self.theta[rows], self.chi2[rows] = trial, chi2
@@ -200,39 +202,87 @@ class _Search:
         self.converged[arrived] = True
         self.alive[arrived] = False
 
-    def _learn(
-        self,
-        rows: npt.NDArray[np.intp],
-        step: FloatArray,
-        better: BoolArray,
-        normal: FloatArray,
-        downhill: FloatArray,
-    ) -> None:
-        """Learn the model's curvature where Gauss-Newton alone is slow; forget it where a step failed."""
-        if self.curved:
-            self.curvature[rows[~better]] = 0.0
-        use = better & self.slow[rows]
-        if not np.count_nonzero(use):
-            return
-        self.curved = True
-        taken = rows[use]
-        change = self.downhill[taken] - downhill[use]
-        S = learnt_curvature(self.curvature[taken], normal[use], step[use], change)
-        self.curvature[taken] = np.where(usable(normal[use], S)[:, np.newaxis, np.newaxis], S, 0.0)
 
-    def _gain(
-        self, rows: npt.NDArray[np.intp], step: FloatArray, length2: FloatArray, fallen: FloatArray
-    ) -> FloatArray:
-        """Return how much χ² fell as a part of what the step foretold."""
-        bend = np.einsum("mi,mi->m", np.einsum("mij,mj->mi", self.curvature[rows], step), step)
-        foretold = 2.0 * np.einsum("mi,mi->m", step, self.downhill[rows]) - length2 - bend
-        return np.asarray(fallen / np.where(foretold > 0.0, foretold, np.inf))
+def bounded_steps(
+    normal: FloatArray,
+    downhill: FloatArray,
+    *,
+    curvature: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    vary: BoolArray,
+    damping: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the steps that lower ‖r + J s‖² + sᵀS s most among those inside the bounds, and their squared length.
 
-    def _adapt(self, rows: npt.NDArray[np.intp], gain: FloatArray, better: BoolArray) -> None:
-        """Damp more after a step that failed or gained little of what was foretold, less after a good one."""
-        old = self.damping[rows]
-        raised = np.where(old > 0.0, _RAISE * old, _FIRST_DAMPING)
-        lowered = np.where(old > _NO_DAMPING, old * _LOWER, 0.0)
-        new = np.where(gain > 0.75, lowered, np.where(gain < 0.25, 2.0 * old, old))
-        self.damping[rows] = np.where(better, new, raised)
-        self.alive[rows[raised > _HOPELESS_DAMPING]] = False
+    The columns are scaled to unit length first, so parameters of any units are solved alike. A parameter that
+    presses against its bound is held there, one that would pass it stops at it, and the others are solved again
+    with that known, until no parameter wants to change sides (or 2 p rounds are over).
+    """
+    whole = normal + curvature
+    scale = _column_scale(whole)
+    A = whole / (scale[:, :, np.newaxis] * scale[:, np.newaxis, :])
+    b = downhill / scale
+    floor, roof = low * scale, high * scale
+    held = ~vary | ((low >= 0.0) & (b < 0.0)) | ((high <= 0.0) & (b > 0.0))
+    stop = np.zeros(b.shape)
+    step = _solve(A, b, damping, held, stop)
+    for _ in range(2 * b.shape[1]):
+        beyond = ~held & ((step < floor) | (step > roof))
+        inward = held & vary
+        if not (np.count_nonzero(beyond) or np.count_nonzero(inward)):
+            break
+        if np.count_nonzero(inward):
+            push = b - np.einsum("mij,mj->mi", A, step)
+            inward &= np.where(step <= floor, push > _PUSH, push < -_PUSH)
+            # Letting go waits until nothing is beyond a bound, or two parameters could swap for ever.
+            inward &= ~beyond.any(axis=1, keepdims=True)
+        again = np.flatnonzero((beyond | inward).any(axis=1))
+        if not again.size:
+            break
+        stop = np.where(beyond, np.clip(step, floor, roof), np.where(inward, 0.0, stop))
+        held = (held | beyond) & ~inward
+        step[again] = _solve(A[again], b[again], damping[again], held[again], stop[again])
+    step = np.minimum(np.maximum(step / scale, low), high)
+    # Two products of two: einsum is slow with three.
+    length2 = ((normal @ step[:, :, np.newaxis])[:, :, 0] * step).sum(axis=1)
+    return step, np.maximum(length2, 0.0)
+
+
+def _column_scale(normal: FloatArray) -> FloatArray:
+    """Return the lengths of the columns of J from JᵀJ, shape (m, p), and 1 where there is none."""
+    square = normal.diagonal(axis1=1, axis2=2)
+    return np.sqrt(np.where(square > _NOTHING, square, 1.0))
+
+
+def _solve(
+    A: FloatArray, b: FloatArray, damping: FloatArray, held: BoolArray, fixed: FloatArray
+) -> FloatArray:
+    """Return the minimum over the parameters that are not held, the others standing at their fixed steps."""
+    system, right = A, b
+    if np.count_nonzero(held):
+        system = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, A)
+        right = np.where(held, fixed, b - np.einsum("mij,mj->mi", A, fixed))
+    system = np.array(system, order="C")
+    # The diagonal is a view: what is added to it is added to the system.
+    diagonal = system.reshape(len(b), -1)[:, :: b.shape[1] + 1]
+    diagonal += np.where(diagonal > 0.0, damping[:, np.newaxis] + _RIDGE, 1.0)
+    return np.asarray(np.linalg.solve(system, right[..., np.newaxis])[..., 0])
+
+
+def _learnt(curvature: FloatArray, normal: FloatArray, step: FloatArray, change: FloatArray) -> FloatArray:
+    """Return what Gauss-Newton leaves out, the second derivatives of the model, learnt from the steps themselves.
+
+    JᵀJ + S explains how the gradient changed over the last step. S is zero where that is not safely positive definite:
+    there a step might lead uphill.
+    """
+    v = change - np.einsum("mij,mj->mi", normal + curvature, step)
+    along = np.einsum("mi,mi->m", v, step)
+    size = np.sqrt((v**2).sum(axis=1) * (step**2).sum(axis=1))
+    good = np.abs(along) > _SKIP * size
+    update = v[:, :, np.newaxis] * v[:, np.newaxis, :] / np.where(good, along, 1.0)[:, np.newaxis, np.newaxis]
+    S = np.where(good[:, np.newaxis, np.newaxis], curvature + update, curvature)
+    scale = _column_scale(normal + S)
+    remains = ((1.0 - _REMAINS) * normal + S) / (scale[:, :, np.newaxis] * scale[:, np.newaxis, :])
+    safe = np.linalg.eigvalsh(remains)[:, 0] > _POSITIVE
+    return np.where(safe[:, np.newaxis, np.newaxis], S, 0.0)

@@ -7,8 +7,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.extrapolation import outside_words
-from ropefric.fitting.predict import degrees_of_freedom, new_rope_std
+from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw

@@ -13,10 +13,10 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.table import TrialTable
 from ropefric.traces.budget import chain_quantities
-from ropefric.trials.repeatability import trimming_bias
+from ropefric.trials.conditions import trimming_bias
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
+from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import MeasurementModel
 from ropefric.uncertainty.quantity import RECTANGULAR, Quantity, limit_of_error, normal, repeats
 from ropefric.uncertainty.statement import BudgetStatus, Statement, state_uncertainty

@@ -16,9 +16,6 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting.covariance import bread, unseen_part
-from ropefric.fitting.extrapolation import REGRESSORS, outside_words
-from ropefric.fitting.identifiability import RANK_RATIO
 from ropefric.fitting.plan_search import (
     FACTORS,
     Criterion,
@@ -29,7 +26,9 @@ from ropefric.fitting.plan_search import (
     nearest_to,
     one_factor_plan,
 )
+from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.result import FitResult
+from ropefric.fitting.statistics import RANK_RATIO, decomposed, plain_covariance
 from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
@@ -459,7 +458,7 @@ def plan_tests(
         wanted_log_lift=planned.law.log_lift(planned.theta, wanted),
         criterion=criterion,
         level=level,
-        parameter_std=np.sqrt(np.diag(bread(np.vstack([planned.known, rows[chosen]])))),
+        parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([planned.known, rows[chosen]])))),
         before=outlook(np.zeros((0, planned.n_free))),
         after=outlook(rows[chosen]),
         one_factor=usual["middle"],
@@ -496,7 +495,7 @@ def _check_enough(planned: PlannedLaw, n_free: int, n: int) -> None:
 
 
 def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
-    unseen = unseen_part(np.vstack([rows, planned.known]))
+    unseen = decomposed(np.vstack([rows, planned.known])).unseen
     if unseen.any():
         names = [name for name, gone in zip(planned.free_names, unseen, strict=True) if gone]
         varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}

@@ -1,13 +1,97 @@
-"""A least-squares problem in ln F_A: what every way of fitting and of judging a fit works on."""
+"""How a fit is to be made, its least-squares problem in ln F_A, and its data as a search needs them.
 
-from dataclasses import dataclass
+Repeats of a condition share the model's answer f, so Σ w (y − f)² = W (ȳ − f)² + Σ w (y − ȳ)² exactly. A law
+is therefore evaluated once per condition and not once per trial, however many repeats there are. A robust loss
+weighs each trial by its own residual, so there the trials stay as they are.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field, fields, replace
+from numbers import Integral
+from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
+from ropefric.registry import did_you_mean
+
+Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
+
+LOSSES: dict[Loss, Callable[[FloatArray], tuple[FloatArray, FloatArray]]] = {
+    "linear": lambda z: (z, np.ones_like(z)),
+    "soft_l1": lambda z: (2.0 * (np.sqrt(1.0 + z) - 1.0), 1.0 / np.sqrt(1.0 + z)),
+    "huber": lambda z: (
+        np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
+        1.0 / np.sqrt(np.maximum(z, 1.0)),
+    ),
+    "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z)),
+    "arctan": lambda z: (np.arctan(z), 1.0 / (1.0 + z**2)),
+}
+"""Losses of squared residuals in standard deviations: cost, and the weight left to each; the first is χ²."""
+
+MANY = 2000
+"""From so many trials on, the repeats of a condition are put together before a law is fitted or resampled."""
+
+# Starts of a search; beyond some hundreds nothing new is found.
+_MOST_STARTS = 10_000
+# Sets times conditions evaluated in one go: the temporaries of a law then stay in the processor's cache.
+_BLOCK = 16384
+# Numbers per array while repeats are summed: bounds the memory of thousands of resamples of thousands of trials.
+_WIDE_BLOCK = 2_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitSettings:
+    """How a fit is made; the meaning of each is that of `fit_law`."""
+
+    fixed: dict[str, float] = field(default_factory=dict)
+    bounds: dict[str, tuple[float, float]] = field(default_factory=dict)
+    start: dict[str, float] = field(default_factory=dict)
+    scale_covar: Literal["auto"] | bool = "auto"
+    loss: Loss = "linear"
+    clustered: bool = True
+    n_starts: int = 4
+    seed: int = 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the settings as plain data, which `fit_law` takes as keyword arguments again."""
+        return asdict(self) | {"bounds": {name: list(span) for name, span in self.bounds.items()}}
+
+
+def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
+    """Refuse settings that no fit of this law can follow; return quietly otherwise."""
+    for key in ("fixed", "bounds", "start"):
+        for name in getattr(settings, key):
+            if name not in law.parameter_names:
+                fix = did_you_mean(name, law.parameter_names)
+                raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
+    for name, (low, high) in settings.bounds.items():
+        if not low < high:
+            raise InputError(
+                f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them",
+                code="RF402",
+                key="bounds",
+                fix="give (lower, upper), or fix the parameter",
+            )
+    if settings.loss not in tuple(LOSSES):
+        raise UnknownNameError(
+            f"unknown loss {settings.loss!r}", key="loss", fix=did_you_mean(str(settings.loss), LOSSES)
+        )
+    if settings.scale_covar not in ("auto", True, False):
+        raise InputError(
+            f"{settings.scale_covar!r} is no setting", key="scale_covar", fix="use 'auto', True or False"
+        )
+    for key, least, most, why in (
+        ("n_starts", 1, _MOST_STARTS, "a search needs at least one start"),
+        ("seed", 0, 2**63, "a seed is a whole number of at least 0"),
+    ):
+        value = getattr(settings, key)
+        if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
+            raise InputError(f"{key} is {value!r:.40}; {why} and at most {most}", key=key)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,3 +150,232 @@ class FitProblem:
         """Return `residuals` and `jacobian`, the law evaluated once for both."""
         log_lift, slopes = self.law.log_lift_and_jacobian(theta, self.conditions)
         return (log_lift - self.log_lift) / self.std, slopes / self.std[:, None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Reduced:
+    """Data sets of one plan of conditions, seen through a law."""
+
+    law: FrictionLaw
+    conditions: Conditions
+    weight: FloatArray
+    mean: FloatArray
+    rest: FloatArray
+    loss: Loss = "linear"
+
+    @property
+    def signal(self) -> FloatArray:
+        """Return the weighted sum of squares of the means, shape (1,) or (m,): rounding errors scale with it."""
+        return np.asarray((self.weight * self.mean**2).sum(axis=-1))
+
+    def chi2(self, theta: FloatArray, rows: npt.NDArray[np.intp] | None = None) -> FloatArray:
+        """Return the weighted sums of squares, infinite where the law has no answer."""
+        chosen = np.zeros(len(theta), dtype=np.intp) if rows is None else rows
+        chi2 = np.empty(len(theta))
+        for part in self._blocks(len(theta)):
+            (values,), has_answer = _each(
+                self._log_lift, theta[part], self.conditions, (len(self.conditions),)
+            )
+            chi2[part] = self._misfit(values, has_answer, chosen[part])[0]
+        return chi2
+
+    def evaluate(
+        self, theta: FloatArray, rows: npt.NDArray[np.intp], limit: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return χ², JᵀWJ and JᵀW(y − f) of parameter sets."""
+        (r, p), k = theta.shape, len(self.conditions)
+        chi2, normal, downhill = np.empty(r), np.zeros((r, p, p)), np.zeros((r, p))
+        (plain,), (sloped,) = (limit < 0.0).nonzero(), (limit >= 0.0).nonzero()
+        if plain.size:
+            chi2[plain] = self.chi2(theta[plain], rows[plain])
+        for part in self._blocks(sloped.size):
+            at = sloped[part]
+            (values, J), has_answer = _each(
+                self.law.log_lift_and_jacobian, theta[at], self.conditions, (k,), (k, p)
+            )
+            chi2[at], residual, weight = self._misfit(values, has_answer, rows[at])
+            (good,) = (np.isfinite(chi2[at]) & (chi2[at] <= limit[at])).nonzero()
+            if good.size < at.size:
+                at, J, residual, weight = at[good], J[good], residual[good], _row(weight, good)
+            weighted = J.swapaxes(1, 2) * weight[:, np.newaxis, :]
+            normal[at] = weighted @ J
+            downhill[at] = (weighted @ residual[:, :, np.newaxis])[..., 0]
+        return chi2, normal, downhill
+
+    def evaluate_shared(self, theta: FloatArray, m: int) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Return the same as `evaluate` for all m data sets at one parameter set of shape (p,), or None.
+
+        The law is evaluated once, so this costs next to nothing; None where it has no answer, or the loss is robust.
+        """
+        p = theta.size
+        if self.loss != "linear":
+            return None
+        try:
+            values, J = self.law.log_lift_and_jacobian(theta, self.conditions)
+        except InputError:
+            return None
+        residual = self.mean - values
+        chi2 = (self.weight * residual**2).sum(axis=-1) + self.rest
+        products = (J[:, :, np.newaxis] * J[:, np.newaxis, :]).reshape(len(J), p * p)
+        normal = (self.weight @ products).reshape(-1, p, p)
+        downhill = (self.weight * residual) @ J
+        return (
+            np.broadcast_to(chi2, (m,)).copy(),
+            np.broadcast_to(normal, (m, p, p)).copy(),
+            np.broadcast_to(downhill, (m, p)).copy(),
+        )
+
+    def _log_lift(self, theta: FloatArray, conditions: Conditions) -> tuple[FloatArray]:
+        return (self.law.log_lift(theta, conditions),)
+
+    def _misfit(
+        self, values: FloatArray, has_answer: BoolArray, rows: npt.NDArray[np.intp]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the cost, the residuals and the weights of their squares."""
+        residual, weight = _row(self.mean, rows) - values, _row(self.weight, rows)
+        # A law may answer with 1e300, which no square can hold: such a set is no candidate.
+        with np.errstate(over="ignore", invalid="ignore"):
+            if self.loss == "linear":
+                chi2 = np.einsum("rk,rk->r", weight * residual, residual) + _row(self.rest, rows)
+            else:
+                cost, left = LOSSES[self.loss](weight * residual**2)
+                chi2, weight = cost.sum(axis=1), weight * left
+        return np.where(has_answer & ~np.isnan(chi2), chi2, np.inf), residual, weight
+
+    def _blocks(self, r: int) -> Iterator[slice]:
+        size = max(1, _BLOCK // max(1, len(self.conditions)))
+        return (slice(first, min(first + size, r)) for first in range(0, r, size))
+
+
+def reduced(
+    problem: FitProblem,
+    log_lift: FloatArray | None = None,
+    std: FloatArray | None = None,
+    multiplicity: FloatArray | None = None,
+    *,
+    loss: Loss = "linear",
+) -> Reduced:
+    """Return the data of a problem, or m data sets at its conditions, by distinct condition."""
+    y = _table("log_lift", problem.log_lift if log_lift is None else log_lift, problem)
+    s = _table("std", problem.std if std is None else std, problem)
+    count = _table("multiplicity", np.ones(1) if multiplicity is None else multiplicity, problem)
+    _check("log_lift", np.isfinite(y), "finite")
+    _check("std", s > 0.0, "positive")
+    _check("multiplicity", (count >= 0.0) & np.isfinite(count), "finite and zero or more")
+    order, starts = _distinct(problem.conditions)
+    repeated = starts.size < order.size and loss == "linear"
+    if not repeated:
+        # Nothing to put together, so the points stay as they are.
+        order = starts = np.arange(order.size)
+    rows = max(len(y), len(s), len(count))
+    size = max(1, _WIDE_BLOCK // problem.n_points)
+    parts = [
+        _sums(y[_part(y, at, size)], s[_part(s, at, size)], count[_part(count, at, size)], order, starts)
+        for at in range(0, rows, size)
+    ]
+    weight, mean, rest = (np.concatenate(column) for column in zip(*parts, strict=True))
+    shared_weight = len(s) == 1 and len(count) == 1
+    return Reduced(
+        law=problem.law,
+        conditions=problem.conditions.select(order[starts]) if repeated else problem.conditions,
+        weight=weight[:1] if shared_weight else weight,
+        mean=mean,
+        rest=rest,
+        loss=loss,
+    )
+
+
+def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:
+    """Return a problem with one point per distinct condition, and how much less each scatters than a trial.
+
+    Its χ² is that of the whole problem but for a constant.
+    """
+    order, starts = _distinct(problem.conditions)
+    if starts.size == order.size:
+        return problem, np.ones(order.size)
+    means, weight = reduced(problem), problem.std[order] ** -2.0
+    share = np.sqrt(np.add.reduceat(weight**2, starts)) / np.add.reduceat(weight, starts)
+    whole = replace(
+        problem,
+        conditions=means.conditions,
+        log_lift=means.mean[0],
+        std=means.weight[0] ** -0.5,
+        group=problem.group[order[starts]],
+    )
+    return whole, share
+
+
+def _distinct(conditions: Conditions) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Return an order that puts repeats side by side, and where in it each distinct condition begins."""
+    columns = [getattr(conditions, field.name) for field in fields(Conditions)]
+    order = np.lexsort(columns)
+    new = np.ones(order.size, dtype=np.bool_)
+    new[1:] = np.any([column[order[1:]] != column[order[:-1]] for column in columns], axis=0)
+    return order, np.flatnonzero(new)
+
+
+def _sums(
+    y: FloatArray, s: FloatArray, count: FloatArray, order: npt.NDArray[np.intp], starts: npt.NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return weight, mean and rest; the rows of the last two are as many as there are data sets."""
+    w = np.broadcast_to(count / s**2, (max(len(count), len(s)), y.shape[1]))[:, order]
+    y = y[:, order]
+    weight = np.add.reduceat(w, starts, axis=1)
+    safe = np.where(weight > 0.0, weight, 1.0)
+    # Sums about a point near the data keep the digits that sums of the data themselves would cancel.
+    reference = y[:, starts]
+    sizes = np.diff(np.append(starts, y.shape[1]))
+    mean = reference + np.add.reduceat(w * (y - np.repeat(reference, sizes, axis=1)), starts, axis=1) / safe
+    rest = (w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1)
+    return weight, mean, rest
+
+
+def _table(name: str, values: npt.ArrayLike, problem: FitProblem) -> FloatArray:
+    array = np.atleast_2d(np.asarray(values, dtype=np.float64))
+    if array.ndim != 2 or array.shape[1] not in {1, problem.n_points}:
+        raise InputError(
+            f"{name} has shape {np.shape(values)}; the problem has {problem.n_points} points",
+            code="RF400",
+            key=name,
+            fix=f"give ({problem.n_points},) or (m, {problem.n_points})",
+        )
+    return np.broadcast_to(array, (len(array), problem.n_points))
+
+
+def _check(name: str, good: BoolArray, rule: str) -> None:
+    if not good.all():
+        row, point = (int(i) for i in np.argwhere(~good)[0])
+        raise InputError(f"{name} of point {point} in data set {row} must be {rule}", code="RF400", key=name)
+
+
+def _part(array: FloatArray, at: int, size: int) -> slice:
+    return slice(None) if len(array) == 1 else slice(at, at + size)
+
+
+def _row(array: FloatArray, rows: npt.NDArray[np.intp]) -> FloatArray:
+    """Return the rows of an array that may stand for all data sets with its only one."""
+    return array if len(array) == 1 else array[rows]
+
+
+def _each(
+    question: Callable[[FloatArray, Conditions], tuple[FloatArray, ...]],
+    theta: FloatArray,
+    conditions: Conditions,
+    *shapes: tuple[int, ...],
+) -> tuple[tuple[FloatArray, ...], BoolArray]:
+    """Return the answers of a law, of these shapes a set, and which sets have them; the others' are zero."""
+    has_answer = np.ones(len(theta), dtype=np.bool_)
+    try:
+        # Nearly always all sets have an answer, so it is asked for before it is asked about.
+        return question(theta, conditions), has_answer
+    except InputError:
+        tables = tuple(np.zeros((len(theta), *shape)) for shape in shapes)
+    for i, one in enumerate(theta):
+        try:
+            answers = question(one, conditions)
+        except InputError:
+            has_answer[i] = False
+            continue
+        for table, answer in zip(tables, answers, strict=True):
+            table[i] = answer
+    return tables, has_answer

@@ -1,6 +1,10 @@
-"""Profile-likelihood intervals: how far a parameter can go while the others make up for it."""
+"""Profile-likelihood intervals: how far a parameter can go while the others make up for it.
+
+All ends of all parameters are walked to at once: along a grid, further where needed, then to the root.
+"""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -10,13 +14,31 @@ from scipy.stats import f as f_distribution
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.profile_search import Search, search_ends
-from ropefric.fitting.reduced import reduced
+from ropefric.fitting.problem import FitProblem, reduced
+
+EndKind = Literal["crossing", "bound", "open", "edge"]
+Rows = npt.NDArray[np.intp]
 
 _RIDGE = 1e-12
 _LOWER_MINIMUM = 1e-3
 _ROUNDING = 1e-26
+# The inner minimum is flat: this error of its place, in residuals, is an error of its square in Δχ².
+_TOLERANCE = 1e-7
+# Fractions of the end a parabola would have.
+_GRID = np.array([0.25, 0.5, 0.75, 0.95, 1.05, 1.3])
+_DOUBLINGS = 40
+# A parameter without a bound that can grow this far has no limit.
+_ENDLESS = 1e8
+_ROUNDS = 60
+# Far below what is kept of an end, 1e-5 of a standard error, so that no path to it shows.
+_ROOT = 1e-10
+# Nearer to where a law ends, its answers are rounding.
+_EDGE = 1e-6
+_END_NOTES: dict[EndKind, str] = {
+    "bound": "the data set no {} limit before its bound {:.6g}; the interval is one-sided",
+    "open": "the data set no {} limit at all",
+    "edge": "the {} end {:.6g} is where the law stops having an answer",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -80,18 +102,20 @@ def profile_intervals(
     threshold = inflation * _unit_threshold(problem, chi2_min, level, absolute_std=absolute_std, dof=dof)
     # Exact data leave nothing but rounding, and rounding has no interval.
     threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
-    direction, reach = _quadratic_guess(problem, best, threshold)
-    search = Search(problem=problem, best=best, chi2_min=chi2_min, direction=direction)
-    ends, kinds = search_ends(search, threshold, reach)
+    walk = _Walk(problem, best, chi2_min, threshold)
+    walk.bracket()
+    walk.refine()
     ci = np.stack([best, best], axis=-1)
     at_bound = np.zeros(ci.shape, dtype=np.bool_)
-    for (parameter, side), end, kind in zip(search.sides(), ends, kinds, strict=True):
-        ci[parameter, side] = end
-        at_bound[parameter, side] = kind == "bound"
-        notes += _end_note(problem.law.parameter_names[parameter], side, end, kind)
-    if search.lowest < -_LOWER_MINIMUM * max(chi2_min, 1e-300):
+    sides = zip(walk.parameter.tolist(), np.where(walk.sign < 0.0, 0, 1).tolist(), walk.ends(), strict=True)
+    for j, side, (end, kind) in sides:
+        ci[j, side], at_bound[j, side] = end, kind == "bound"
+        if kind != "crossing":
+            text = _END_NOTES[kind].format(("lower", "upper")[side], end)
+            notes.append(f"{problem.law.parameter_names[j]}: {text}")
+    if walk.lowest < -_LOWER_MINIMUM * max(chi2_min, 1e-300):
         notes.append(
-            f"a lower minimum was met on the way (χ² {chi2_min + search.lowest:.6g} < {chi2_min:.6g}): "
+            f"a lower minimum was met on the way (χ² {chi2_min + walk.lowest:.6g} < {chi2_min:.6g}): "
             "fit again from more starts"
         )
     return ProfileResult(
@@ -99,15 +123,7 @@ def profile_intervals(
         theta=best,
         ci=ci,
         at_bound=at_bound,
-        curves=tuple(
-            ProfileCurve(
-                name=problem.law.parameter_names[j],
-                value=value,
-                delta_chi2=delta,
-                threshold=float(threshold[j]),
-            )
-            for j, (value, delta) in search.curves().items()
-        ),
+        curves=tuple(walk.curve(int(j), float(threshold[j])) for j in np.flatnonzero(problem.vary)),
         notes=tuple(notes),
     )
 
@@ -128,30 +144,124 @@ def _unit_threshold(
     return float(f_distribution.ppf(level, 1, used)) * chi2_min / own
 
 
-def _quadratic_guess(
-    problem: FitProblem, best: FloatArray, threshold: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return how the others follow each parameter, column by column, and how far each would go on a parabola."""
-    data, row = reduced(problem), np.zeros(1, dtype=np.intp)
-    normal = data.evaluate(best[np.newaxis], row, np.full(1, np.inf))[1][0]
-    size = np.sqrt(np.diag(normal))
-    units = np.where(size > 0.0, size, 1.0)
-    blocked = ~(problem.vary[:, np.newaxis] & problem.vary)
-    scaled = np.where(blocked, 0.0, normal / np.outer(units, units))
-    scaled += np.diag(np.where(np.diag(scaled) > 0.0, _RIDGE, 1.0))
-    covariance = np.linalg.inv(scaled) / np.outer(units, units)
-    variance = np.abs(np.diag(covariance))
-    return covariance / variance, np.sqrt(variance * threshold)
+class _Walk:
+    """The way to the ends of all intervals at once, two sides a parameter, and the profiles met on it.
 
+    An end lies between two distances from the minimum: Δχ² is below the target at `near`, and not at `far`.
+    """
 
-def _end_note(name: str, side: int, end: float, kind: str) -> list[str]:
-    which = ("lower", "upper")[side]
-    if kind == "bound":
-        return [
-            f"{name}: the data set no {which} limit before its bound {end:.6g}; the interval is one-sided"
-        ]
-    if kind == "open":
-        return [f"{name}: the data set no {which} limit at all"]
-    if kind == "edge":
-        return [f"{name}: the {which} end {end:.6g} is where the law stops having an answer"]
-    return []
+    def __init__(self, problem: FitProblem, best: FloatArray, chi2_min: float, threshold: FloatArray) -> None:
+        self.problem, self.best, self.chi2_min = problem, best, chi2_min
+        self.lowest = 0.0
+        self.seen: list[tuple[Rows, FloatArray, FloatArray]] = []
+        varying = np.flatnonzero(problem.vary)
+        self.parameter = np.repeat(varying, 2)
+        self.sign = np.tile([-1.0, 1.0], varying.size)
+        self.bound = np.where(self.sign < 0.0, problem.lower[self.parameter], problem.upper[self.parameter])
+        at = best[self.parameter]
+        room = np.maximum(self.sign * (self.bound - at), 0.0)
+        self.room = np.where(np.isfinite(room), room, _ENDLESS * np.maximum(np.abs(at), 1.0))
+        self.root = np.sqrt(threshold[self.parameter])
+        self.near, self.far = np.zeros(at.size), np.where(self.root > 0.0, np.inf, 0.0)
+        # √Δχ² less √target, which is nearly straight; an infinite one where the law has no answer.
+        self.near_gap, self.far_gap = -self.root, np.where(self.root > 0.0, np.inf, 0.0)
+        # How the others follow each parameter, column by column, and how far each would go on a parabola.
+        J = problem.jacobian(best) * problem.vary
+        length = np.linalg.norm(J, axis=0)
+        length = np.where(length > 0.0, length, 1.0)
+        normal = (J / length).T @ (J / length)
+        normal += np.diag(np.where(np.diag(normal) > 0.0, _RIDGE, 1.0))
+        covariance = np.linalg.inv(normal) / np.outer(length, length)
+        variance = np.abs(np.diag(covariance))
+        self.direction = covariance / variance
+        self.reach = np.minimum(np.sqrt(variance * threshold)[self.parameter], self.room)
+
+    def gaps(self, sides: Rows, distance: FloatArray) -> FloatArray:
+        """Return √Δχ² − √target with each parameter held at a distance and the others refitted."""
+        problem, parameter, rows = self.problem, self.parameter[sides], np.arange(sides.size)
+        value = self.best[parameter] + self.sign[sides] * distance
+        # Exactly the bound, and not what rounding makes of best + (bound − best).
+        at_bound = (distance >= self.room[sides]) & np.isfinite(self.bound[sides])
+        value = np.where(at_bound, self.bound[sides], value)
+        plain = np.tile(self.best, (sides.size, 1))
+        starts = plain + self.direction[:, parameter].T * (value - self.best[parameter])[:, np.newaxis]
+        starts = np.where(problem.vary, np.clip(starts, problem.lower, problem.upper), plain)
+        starts[rows, parameter] = plain[rows, parameter] = value
+        usable = problem.law.admissible(starts, problem.conditions)
+        vary = np.tile(problem.vary, (sides.size, 1))
+        vary[rows, parameter] = False
+        starts = np.where(usable[:, np.newaxis], starts, plain)
+        delta = batched_fit(problem, starts=starts, vary=vary, tolerance=_TOLERANCE).chi2 - self.chi2_min
+        self.lowest = min(self.lowest, float(delta.min(initial=0.0)))
+        delta = np.maximum(delta, 0.0)
+        self.seen.append((parameter, value, delta))
+        return np.asarray(np.sqrt(delta) - self.root[sides])
+
+    def place(self, sides: Rows, distance: FloatArray, gap: FloatArray) -> None:
+        """Move one end of each bracket to a distance in it."""
+        over = gap >= 0.0
+        self.far[sides[over]], self.far_gap[sides[over]] = distance[over], gap[over]
+        self.near[sides[~over]], self.near_gap[sides[~over]] = distance[~over], gap[~over]
+
+    def bracket(self) -> None:
+        """Walk a grid on both sides of every parameter, then further where nothing was crossed."""
+        sides = np.flatnonzero((self.room > 0.0) & (self.root > 0.0))
+        if not sides.size:
+            return
+        grid = np.minimum(np.outer(self.reach[sides], _GRID), self.room[sides, np.newaxis])
+        gap = self.gaps(np.repeat(sides, _GRID.size), grid.ravel()).reshape(grid.shape)
+        crossed = np.maximum.accumulate(gap >= 0.0, axis=1)
+        for column in range(_GRID.size):
+            # The first crossing and what lies before it.
+            use = ~crossed[:, column] | (crossed[:, : column + 1].sum(axis=1) == 1)
+            self.place(sides[use], grid[use, column], gap[use, column])
+        distance = np.minimum(self.reach * _GRID[-1], self.room)
+        for _ in range(_DOUBLINGS):
+            sides = np.flatnonzero(np.isinf(self.far) & (distance < self.room))
+            if not sides.size:
+                return
+            distance[sides] = np.minimum(2.0 * distance[sides], self.room[sides])
+            self.place(sides, distance[sides], self.gaps(sides, distance[sides]))
+
+    def refine(self) -> None:
+        """Close the brackets on the roots, by regula falsi."""
+        last = np.zeros(self.near.size)
+        for _ in range(_ROUNDS):
+            narrow = np.where(np.isinf(self.far_gap), _EDGE, _ROOT) * self.far
+            sides = np.flatnonzero(np.isfinite(self.far) & (self.far - self.near > narrow))
+            if not sides.size:
+                return
+            below, above = self.near_gap[sides], self.far_gap[sides]
+            with np.errstate(invalid="ignore"):
+                share = np.where(np.isfinite(above), -below / (above - below), 0.5)
+            near, width = self.near[sides], self.far[sides] - self.near[sides]
+            distance = near + np.clip(share, 1e-3, 1.0 - 1e-3) * width
+            gap = self.gaps(sides, distance)
+            self.place(sides, distance, gap)
+            # Illinois: an end that stays twice counts half, or the bracket would close from one side only.
+            side = np.where(gap >= 0.0, 1.0, -1.0)
+            twice = side == last[sides]
+            self.near_gap[sides[twice & (side > 0.0)]] *= 0.5
+            self.far_gap[sides[twice & (side < 0.0)]] *= 0.5
+            last[sides] = side
+            there = np.abs(gap) < _ROOT * self.root[sides]
+            self.near[sides[there]] = self.far[sides[there]] = distance[there]
+
+    def ends(self) -> list[tuple[float, EndKind]]:
+        """Return the end of every side, and what stops the interval there."""
+        ends = self.best[self.parameter] + self.sign * self.near
+        found: list[tuple[float, EndKind]] = []
+        for end, bound, far, gap in zip(ends, self.bound, self.far, self.far_gap, strict=True):
+            if np.isinf(far):
+                found.append((float(bound), "bound" if np.isfinite(bound) else "open"))
+            else:
+                found.append((float(end), "crossing" if np.isfinite(gap) else "edge"))
+        return found
+
+    def curve(self, j: int, threshold: float) -> ProfileCurve:
+        """Return what was met of one profile, the minimum among it, in rising order."""
+        value = np.concatenate([self.best[j : j + 1], *(v[p == j] for p, v, _ in self.seen)])
+        delta = np.concatenate([np.zeros(1), *(d[p == j] for p, _, d in self.seen)])
+        value, first = np.unique(value, return_index=True)
+        name = self.problem.law.parameter_names[j]
+        return ProfileCurve(name=name, value=value, delta_chi2=delta[first], threshold=threshold)

@@ -9,10 +9,9 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.identifiability import Identifiability
-from ropefric.fitting.judgement import Doubt, Verdict, doubts_of_fit, verdict_of
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.status import FitStatus
+from ropefric.fitting.statistics import Identifiability
+from ropefric.fitting.verdict import Doubt, FitStatus, Verdict, doubts_of_fit, verdict_of
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 

@@ -1,39 +1,41 @@
-"""Fits as files: readable JSON that loads in a clean process and predicts the same to the last digit."""
+"""Fits as files: readable JSON that predicts the same to the last digit, checked on loading, made again to verify."""
 
 import json
 import os
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import Any
 
-from ropefric.errors import DataError
+import numpy as np
+
+from ropefric.errors import DataError, RopefricError
 from ropefric.files.plain_text import json_document
-from ropefric.files.read import read_file
+from ropefric.files.read import hash_file, kind_of_file, read_file
 from ropefric.files.write import refuse_input, refuse_special, write_file
-from ropefric.fitting.result import SCHEMA, FitResult
-from ropefric.fitting.soundness import faults
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.predict import REGRESSORS
+from ropefric.fitting.problem import FitSettings, check_settings
+from ropefric.fitting.result import SCHEMA, FitResult, FitStatistics, FittedParameter
+from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
+from ropefric.trials.table import read_trial_table
 
 MOST_BYTES = 256 * 2**20
 """A fit of a million conditions is smaller."""
 
 _FAMILY, _VERSION = SCHEMA.split("/")
 _FIELDS = {
-    "parameters": dict,
-    "parameter_order": list,
-    "covariance": list,
-    "covariance_kind": str,
-    "statistics": dict,
-    "status": str,
-    "advice": list,
-    "notes": list,
-    "identifiability": dict,
-    "validity": dict,
-    "provenance": dict,
-    "trials": dict,
+    dict: ("object", ("parameters", "statistics", "identifiability", "validity", "provenance", "trials")),
+    list: ("list", ("parameter_order", "covariance", "advice", "notes")),
+    str: ("text", ("covariance_kind", "status")),
 }
 _AGAIN = "fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python"
+_ROUNDING = 1e-9
+# Part of a standard error that another processor's rounding may move an estimate by.
+_MOST = 1e-3
 
 
 def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:
@@ -108,7 +110,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     >>> import tempfile
     >>> import numpy as np
     >>> from ropefric.fitting.fit import fit_law
-    >>> from ropefric.fitting.table import TrialTable
+    >>> from ropefric.trials.table import TrialTable
     >>> table = TrialTable(
     ...     trial=("a", "b", "c"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 6, 9],
     ...     end_tension_N=20, peak_N=[36.6, 66.1, 121.7],
@@ -133,26 +135,14 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
         raise DataError(f"the JSON is damaged: {error}", path=shown, fix=_AGAIN) from None
     except RecursionError:
         raise DataError("the JSON is nested too deep for a fit", path=shown, fix=_AGAIN) from None
-    _check_schema(tree, shown)
-    _check_fields(tree, shown)
+    _check_tree(tree, shown)
     try:
         fit = FitResult.from_dict(tree)
+        fault = next(_faults(fit), "")
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        what = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
-        raise DataError(f"the fit is damaged: {what}", code="RF431", path=shown, fix=_AGAIN) from None
-    p = len(fit.parameters)
-    if fit.covariance.shape != (p, p) or fit.friction_law.parameter_names != tuple(
-        item.name for item in fit.parameters
-    ):
-        names = ", ".join(fit.friction_law.parameter_names)
-        raise DataError(
-            f"the fit does not belong to the law {fit.law}, whose parameters are {names}",
-            code="RF431",
-            path=shown,
-            fix=_AGAIN,
-        )
-    for fault in faults(fit):
-        raise DataError(f"the fit is damaged: {fault}", code="RF431", path=shown, fix=_AGAIN)
+        fault = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
+    if fault:
+        raise DataError(f"the fit is damaged: {fault}", code="RF431", path=shown, fix=_AGAIN) from None
     return fit
 
 
@@ -160,10 +150,9 @@ def _no_number(word: str) -> None:
     raise ValueError(f"{word} is no number in JSON")
 
 
-def _check_schema(tree: Any, shown: str) -> None:
+def _check_tree(tree: Any, shown: str) -> None:
+    """Refuse what is not of a schema that can be read, of an unknown law, or lacks a field."""
     schema = tree.get("schema") if isinstance(tree, dict) else None
-    if schema == SCHEMA:
-        return
     family, _, number = str(schema).partition("/")
     if family == _FAMILY and number.isdecimal() and len(number) < 10 and int(number) > int(_VERSION):
         raise DataError(
@@ -173,17 +162,15 @@ def _check_schema(tree: Any, shown: str) -> None:
             key="schema",
             fix="upgrade ropefric",
         )
-    found = "there is no schema" if schema is None else f"the schema is {str(schema)[:60]!r}"
-    raise DataError(
-        f"this is no stored fit: {found}, not {SCHEMA!r}",
-        code="RF430",
-        path=shown,
-        key="schema",
-        fix="give a file that save_fit or `ropefric fit` wrote",
-    )
-
-
-def _check_fields(tree: dict[str, Any], shown: str) -> None:
+    if schema != SCHEMA:
+        found = "there is no schema" if schema is None else f"the schema is {str(schema)[:60]!r}"
+        raise DataError(
+            f"this is no stored fit: {found}, not {SCHEMA!r}",
+            code="RF430",
+            path=shown,
+            key="schema",
+            fix="give a file that save_fit or `ropefric fit` wrote",
+        )
     law = tree.get("law")
     if not isinstance(law, str) or law not in ALL_LAWS:
         raise DataError(
@@ -193,12 +180,190 @@ def _check_fields(tree: dict[str, Any], shown: str) -> None:
             key="law",
             fix=did_you_mean(str(law), ALL_LAWS),
         )
-    for name, kind in _FIELDS.items():
-        if name not in tree:
-            raise DataError("the field is missing", code="RF431", path=shown, key=name, fix=_AGAIN)
-        if not isinstance(tree[name], kind):
-            message = f"the field is no {_KINDS[kind]}"
-            raise DataError(message, code="RF431", path=shown, key=name, fix=_AGAIN)
+    for kind, (word, names) in _FIELDS.items():
+        for name in names:
+            if not isinstance(tree.get(name), kind):
+                what = f"no {word}" if name in tree else "missing"
+                raise DataError(f"the field is {what}", code="RF431", path=shown, key=name, fix=_AGAIN)
 
 
-_KINDS = {dict: "object", list: "list", str: "text"}
+def _faults(fit: FitResult) -> Iterator[str]:
+    """Yield what no fit can be like, in words; nothing for a sound one.
+
+    A file may be cut, merged or edited by hand, and a prediction from it would look like any other.
+    """
+    p = len(fit.parameters)
+    names = fit.friction_law.parameter_names
+    if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
+        yield f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
+        return
+    for item in fit.parameters:
+        yield from _faults_of_parameter(item, plain="intervals" not in fit.provenance)
+    yield from _faults_of_covariance(fit)
+    yield from _faults_of_statistics(fit.statistics)
+    spans = {name: fit.validity.get(name, (1.0, 0.0)) for name in REGRESSORS}
+    unsound = (name for name, (low, high) in spans.items() if not 0.0 <= low <= high < inf)
+    yield from (f"validity.{name} is no range" for name in unsound)
+    parts = {name: fit.provenance.get(name, {}) for name in ("input", "settings", "versions")}
+    yield from (
+        f"provenance.{name} is no object" for name, part in parts.items() if not isinstance(part, Mapping)
+    )
+    if fit.status is FitStatus.OK:
+        if any(item.at_bound for item in fit.parameters):
+            yield "the status is ok, but a parameter lies on its bound"
+        if not all(isfinite(item.std) for item in fit.parameters):
+            yield "the status is ok, but a parameter has no standard error"
+    elif not fit.advice:
+        yield f"the status is {fit.status}, but there is no advice"
+    texts: tuple[object, ...] = (*fit.advice, *fit.notes)
+    yield from (f"{text!r:.40} is no advice" for text in texts if not isinstance(text, str))
+
+
+def _faults_of_parameter(item: FittedParameter, *, plain: bool) -> Iterator[str]:
+    if not (isfinite(item.value) and item.lower <= item.value <= item.upper):
+        yield f"{item.name} = {item.value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}"
+    if item.std < 0.0 or (isnan(item.std) and not item.at_bound):
+        yield f"the standard error of {item.name} is {item.std:g}"
+    low, high = item.ci95
+    # Only the intervals of the covariance are drawn about the estimate; on a bound there are none.
+    slack = _ROUNDING * abs(item.value)
+    unlike = not (low <= high) or (plain and not low - slack <= item.value <= high + slack)
+    if unlike and not item.at_bound:
+        yield f"the interval of {item.name} from {low:g} to {high:g} is none of {item.value:g}"
+
+
+def _faults_of_covariance(fit: FitResult) -> Iterator[str]:
+    covariance, variance = fit.covariance, np.diag(fit.covariance)
+    if not np.isfinite(covariance).all():
+        yield "the covariance is not finite"
+        return
+    if (variance < 0.0).any():
+        yield "the covariance has a negative variance"
+        return
+    std = np.sqrt(variance)
+    if not np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0):
+        yield "the covariance is not symmetric"
+    elif (np.abs(covariance) > np.outer(std, std) * (1.0 + _ROUNDING)).any():
+        yield "the covariance has a correlation above 1"
+    for item, own in zip(fit.parameters, std, strict=True):
+        if isfinite(item.std) and not np.isclose(item.std, own, rtol=1e-6, atol=0.0):
+            yield f"the standard error of {item.name} is not that of the covariance"
+
+
+def _faults_of_statistics(found: FitStatistics) -> Iterator[str]:
+    for name in ("n", "n_conditions", "dof"):
+        if not isinstance(getattr(found, name), int):
+            yield f"statistics.{name} is no whole number"
+    if not (found.n >= found.n_conditions >= 1 and found.dof <= found.n):
+        yield f"{found.n} trials of {found.n_conditions} conditions with {found.dof} degrees of freedom"
+    if not (isfinite(found.chi2) and found.chi2 >= 0.0):
+        yield f"chi2 is {found.chi2:g}"
+    for name in ("scatter_within", "scatter_between", "interval_dof"):
+        if getattr(found, name) < 0.0:
+            yield f"statistics.{name} is {getattr(found, name):g}, negative"
+
+
+# ---- stored fits made again from their data ----
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verification:
+    """What became of one stored fit."""
+
+    path: str
+    law: str
+    ok: bool
+    difference: float
+    message: str
+
+
+def verify_fits(folder: str | os.PathLike[str]) -> tuple[Verification, ...]:
+    """Return, for every `*.json` of a folder by name, whether the fit comes out of its data again."""
+    place = Path(folder)
+    if not place.is_dir():
+        raise DataError("there is no such folder", path=place, fix="give the folder of the stored fits")
+    paths = sorted(place.glob("*.json"))
+    if not paths:
+        raise DataError(
+            "the folder holds no *.json",
+            path=place,
+            fix="store one there: `ropefric fit … --out FIT.json`, or save_fit in Python",
+        )
+    return tuple(verify_fit(path) for path in paths)
+
+
+def verify_fit(path: str | os.PathLike[str]) -> Verification:
+    """Return whether one stored fit comes out of its data again.
+
+    The data file is looked up relative to the fit's folder and must have the recorded hash.
+    """
+    law, ok, difference = "", False, nan
+    try:
+        stored = load_fit(path)
+        law = stored.law
+        again = _again(stored, Path(path).parent)
+    except RopefricError as error:
+        message = str(error)
+    except Exception as error:  # noqa: BLE001  (whatever is wrong with one file, the others are to be told of)
+        message = f"the fit cannot be made again: {type(error).__name__}: {error}"[:300]
+    else:
+        difference = _difference(stored, again)
+        ok = difference <= _MOST and stored.status == again.status
+        message = f"the data give the fit again, within {difference:.1g} standard errors"
+        if not ok:
+            message = (
+                f"the data give another fit: {difference:.3g} standard errors away, status {again.status}"
+            )
+    return Verification(path=Path(path).as_posix(), law=law, ok=ok, difference=difference, message=message)
+
+
+def _again(stored: FitResult, folder: Path) -> FitResult:
+    source: dict[str, Any] = dict(stored.provenance.get("input", {}))
+    if "sha256" not in source:
+        raise DataError(
+            "the fit names no data file, so it cannot be made again",
+            code="RF432",
+            fix="fit a CSV trial table and save the result",
+        )
+    path = source.get("path")
+    if not isinstance(path, str) or not isinstance(source["sha256"], str):
+        raise _damaged("provenance.input")
+    data = folder / path
+    if not kind_of_file(data):
+        raise DataError("the data file of the fit is not there", code="RF432", path=data, fix="put it back")
+    if hash_file(data) != source["sha256"]:
+        raise DataError(
+            "the data file has changed since the fit was made", code="RF432", path=data, fix="fit again"
+        )
+    try:
+        settings = dict(stored.provenance["settings"])
+        for key in ("fixed", "start"):
+            settings[key] = {name: float(value) for name, value in settings[key].items()}
+        settings["bounds"] = {
+            name: (-inf if low is None else float(low), inf if high is None else float(high))
+            for name, (low, high) in settings["bounds"].items()
+        }
+        check_settings(FitSettings(**settings), stored.friction_law)
+    except RopefricError:
+        raise
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
+        raise _damaged("provenance.settings") from None
+    return fit_law(read_trial_table(data), stored.law, **settings)
+
+
+def _damaged(key: str) -> DataError:
+    return DataError(
+        "the field is damaged, so the fit cannot be made again", code="RF431", key=key, fix="fit again"
+    )
+
+
+def _difference(stored: FitResult, again: FitResult) -> float:
+    """Return the largest change of a value or a standard error, in standard errors."""
+    changes = [0.0]
+    for old, new in zip(stored.parameters, again.parameters, strict=True):
+        known = isfinite(old.std) and old.std > 0
+        scale = old.std if known else max(abs(old.value), 1e-12)
+        changes.append(abs(new.value - old.value) / scale)
+        if known:
+            changes.append(abs(new.std - old.std) / scale)
+    return float(np.max(changes))

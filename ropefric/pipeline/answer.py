@@ -8,18 +8,15 @@ import numpy as np
 
 from ropefric.errors import RopefricError
 from ropefric.fitting.choice import Choice, choose_law
-from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.comparison import Comparison
-from ropefric.fitting.diagnose import diagnose
-from ropefric.fitting.diagnosis import Diagnosis
-from ropefric.fitting.judgement import Verdict
-from ropefric.fitting.predict import predict
-from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.compare import Comparison, compare_laws
+from ropefric.fitting.diagnose import Diagnosis, diagnose
+from ropefric.fitting.predict import Prediction, predict
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.table import TrialTable
+from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
-from ropefric.trials.campaign_model import DesignSpec
+from ropefric.trials.campaign_model import DesignWheel
+from ropefric.trials.table import TrialTable
 
 Progress = Callable[[str, int, int], None]
 
@@ -66,7 +63,7 @@ class CampaignAnswer:
 def answer_trials(
     table: TrialTable,
     *,
-    design: DesignSpec | None = None,
+    design: DesignWheel | None = None,
     rope_radius_m: float | None = None,
     law: str = "",
     progress: Progress | None = None,
@@ -93,7 +90,7 @@ def answer_trials(
 
 
 def _wheel(
-    table: TrialTable, design: DesignSpec | None, rope_radius_m: float | None
+    table: TrialTable, design: DesignWheel | None, rope_radius_m: float | None
 ) -> tuple[Conditions | None, tuple[str, ...]]:
     """Return the wheel of a design, or None and why there is none."""
     if design is None:

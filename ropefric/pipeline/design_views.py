@@ -7,12 +7,10 @@ import numpy as np
 
 from ropefric.errors import RopefricError
 from ropefric.fitting.design import DesignChart, design_chart
-from ropefric.fitting.extrapolation import REGRESSORS
 from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
 from ropefric.fitting.next_tests import LabPlan, plan_tests, planned_fit
 from ropefric.fitting.plan_search import RigLimits, geometric_levels, linear_levels
-from ropefric.fitting.predict import new_rope_std
-from ropefric.fitting.prediction import Prediction
+from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun

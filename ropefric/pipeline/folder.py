@@ -5,8 +5,8 @@ from pathlib import Path
 
 from ropefric.errors import DataError
 from ropefric.files.folder import OutputFolder
+from ropefric.files.toml import read_toml
 from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.toml_document import read_toml
 
 _EXTRACTED = (
     *("trials.csv", "conditions.csv", "problems.csv"),

@@ -12,9 +12,9 @@ from typing import Any
 from ropefric.errors import DataError
 from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file, read_file
+from ropefric.files.toml import read_toml
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
-from ropefric.trials.toml_document import read_toml
 
 SCHEMA = "ropefric.run/1"
 MOST_BYTES = 256 * 2**20

@@ -11,16 +11,15 @@ from typing import Any
 from ropefric.errors import DataError
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
-from ropefric.fitting.comparison import Comparison
+from ropefric.fitting.compare import Comparison
 from ropefric.fitting.store import fit_text
-from ropefric.fitting.table import read_trial_table
 from ropefric.pipeline.answer import CampaignAnswer, Progress, answer_trials
-from ropefric.pipeline.usable import set_aside_impossible
 from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.conditions import set_aside_impossible
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.result import Extraction, count_trials
-from ropefric.trials.tables import write_tables
+from ropefric.trials.result import Extraction, count_trials, write_tables
+from ropefric.trials.table import read_trial_table
 
 _RANKING = (
     "law",

@@ -3,8 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.legend import legend_below
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
 from ropefric.plotting.style import GREY, LINE_STYLES, house_style
 
 if TYPE_CHECKING:
@@ -12,6 +11,8 @@ if TYPE_CHECKING:
 
     from ropefric.scenes.kind import Chart
     from ropefric.scenes.solve import Solution
+
+_MARKERS = "os^Dv*"
 
 
 def scene_figures(solution: "Solution") -> "Iterator[tuple[str, FigureWithData]]":
@@ -33,8 +34,13 @@ def draw_chart(chart: "Chart") -> FigureWithData:
             if line.limit:
                 axes.plot(line.x, line.y, color=GREY, linewidth=1.0, label=line.name)
                 continue
-            marker = "o" if line.x.size == 1 else ""
-            axes.plot(line.x, line.y, marker=marker, linestyle=LINE_STYLES[drawn % 4], label=line.name)
+            point = line.x.size == 1
+            look = (
+                {"marker": _MARKERS[drawn % 6], "linestyle": "none"}
+                if point
+                else {"linestyle": LINE_STYLES[drawn % 4]}
+            )
+            axes.plot(line.x, line.y, label=line.name, **look)
             drawn += 1
         axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
         axes.set_title(chart.title)

@@ -9,11 +9,9 @@ from matplotlib import colormaps
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import counted
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.labels import figure_label, typeset
-from ropefric.plotting.legend import legend_below
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
+from ropefric.plotting.labels import figure_label, regressor_label, typeset
 from ropefric.plotting.style import INK, MARKERS, ORANGE, TRACE_COLORS, house_style
-from ropefric.plotting.words import regressor_label
 
 if TYPE_CHECKING:
     import numpy.typing as npt

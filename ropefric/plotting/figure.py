@@ -1,15 +1,38 @@
-"""A figure together with the numbers it shows."""
+"""A figure together with the numbers it shows and its words for those who cannot see it; its legends and files."""
 
-from collections.abc import Mapping
+import csv
+import io
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from ropefric.errors import InputError
+from ropefric.files.folder import Folder, as_folder
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.glossary import counted
-from ropefric.plotting.labels import figure_text
-from ropefric.plotting.words import plain_text
+from ropefric.plotting.labels import figure_text, plain_text
+from ropefric.plotting.style import GREY, house_style
+from ropefric.registry import did_you_mean
+
+# Dates and version strings would change the bytes of an unchanged figure.
+FORMATS: dict[str, dict[str, None]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+"""File formats and the metadata left out of them."""
+
+_PARSERS: dict[str, Any] = {}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,6 +42,12 @@ class DataTable:
     name: str = ""
     header: tuple[str, ...]
     rows: tuple[tuple[object, ...], ...]
+
+    @classmethod
+    def of_columns(cls, columns: Mapping[str, Iterable[object]], name: str = "") -> "DataTable":
+        """Return the table of columns of one length, each under its heading."""
+        lists = [part.tolist() if isinstance(part, np.ndarray) else part for part in columns.values()]
+        return cls(name=name, header=tuple(columns), rows=tuple(zip(*lists, strict=True)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,26 +60,47 @@ class FigureWithData:
 
     def __post_init__(self) -> None:
         # Names of trials and machine parts are anybody's: the one place that keeps them from being taken for TeX.
-        for text in self.figure.findobj(Text):
-            shown = text.get_text()
-            if shown and (safe := figure_text(shown)) != shown:
-                text.set_text(safe)
-        for axes in self.figure.axes:
-            for axis in (axes.xaxis, axes.yaxis):
-                # Ticks with words of their own: matplotlib asks for these again at each drawing.
-                words = getattr(getattr(axis.get_major_formatter(), "func", None), "args", ())
-                for named in words:
-                    if isinstance(named, dict):
-                        named.update({place: figure_text(word) for place, word in named.items()})
+        rewrite_words(self.figure, figure_text)
         if not self.alt.strip():
-            object.__setattr__(self, "alt", self._named_axes())
+            pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in self.figure.axes]
+            named = [" over ".join(word for word in pair if word) for pair in pairs]
+            panels = plain_text("; ".join(words for words in named if words)) or "Figure"
+            rows = len(self.tables[0].rows) if self.tables else 0
+            object.__setattr__(self, "alt", f"{panels} ({counted(rows, 'row')} of data).")
 
-    def _named_axes(self) -> str:
-        pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in self.figure.axes]
-        named = [" over ".join(word for word in pair if word) for pair in pairs]
-        panels = plain_text("; ".join(words for words in named if words)) or "Figure"
-        rows = len(self.tables[0].rows) if self.tables else 0
-        return f"{panels} ({counted(rows, 'row')} of data)."
+
+def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
+    """Rewrite every text of a figure, the words at its ticks too."""
+    for text in _texts(figure):
+        shown = text.get_text()
+        if shown and (new := rewrite(shown)) != shown:
+            text.set_text(new)
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            # Ticks with words of their own: matplotlib asks for these again at each drawing.
+            for named in getattr(getattr(axis.get_major_formatter(), "func", None), "args", ()):
+                if isinstance(named, dict):
+                    named.update({place: rewrite(word) for place, word in named.items()})
+
+
+def _texts(artist: Artist) -> Iterator[Text]:
+    """Give every text but those of ticks, which are made in drawing and cost as much as all else."""
+    for child in artist.get_children():
+        if isinstance(child, Text):
+            yield child
+        elif isinstance(child, Axis):
+            yield child.label
+        else:
+            yield from _texts(child)
+
+
+class _Canvas(FigureCanvasAgg):
+    """A raster canvas that remembers the formulas of other figures: to parse them takes longer than to draw them."""
+
+    def get_renderer(self) -> RendererAgg:
+        renderer: RendererAgg = super().get_renderer()  # type: ignore[no-untyped-call]
+        renderer.mathtext_parser = _PARSERS.setdefault("raster", renderer.mathtext_parser)
+        return renderer
 
 
 def new_figure(
@@ -58,7 +108,87 @@ def new_figure(
 ) -> Figure:
     """Return an empty figure on a raster canvas."""
     figure = Figure(figsize=(width_inch, height_inch), layout="constrained" if margins is None else None)
-    FigureCanvasAgg(figure)
+    _Canvas(figure)
     if margins is not None:
         figure.subplots_adjust(**margins)
     return figure
+
+
+def legend_below(axes: Axes, *, columns: int = 2) -> None:
+    """Put a legend under the axes with one entry for each label; none where nothing is labelled."""
+    if entries := _entries([axes]):
+        labels, handles = list(entries), list(entries.values())
+        axes.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=columns)
+
+
+def legend_of_figure(figure: Figure, *, columns: int = 5) -> None:
+    """Put one legend under all axes of a figure, one entry for each label.
+
+    A figure with constrained layout makes room for it; one with margins of its own needs to have it.
+    """
+    if entries := _entries(figure.axes):
+        place: Any = "lower center" if figure.get_layout_engine() is None else "outside lower center"
+        figure.legend(list(entries.values()), list(entries), loc=place, ncols=columns)
+
+
+def _entries(panels: Sequence[Axes]) -> dict[str, Artist]:
+    """Return the first artist of each label."""
+    entries: dict[str, Artist] = {}
+    for axes in panels:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    return entries
+
+
+def say_instead(axes: Axes, text: str) -> None:
+    """Write on empty axes why nothing is drawn."""
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=GREY)
+
+
+def save_figure(
+    figure: FigureWithData,
+    folder: Folder | str | os.PathLike[str],
+    stem: str,
+    *,
+    formats: tuple[str, ...] = ("png",),
+) -> tuple[Path, ...]:
+    """Write a figure and the CSV of its data; return the paths, pictures first."""
+    return as_folder(folder).write(figure_files(figure, stem, formats=formats))
+
+
+def figure_files(
+    figure: FigureWithData, stem: str, *, formats: tuple[str, ...] = ("png",)
+) -> dict[str, bytes]:
+    """Return what `save_figure` writes, by file name: the same input gives the same bytes."""
+    contents: dict[str, bytes] = {}
+    for name in formats:
+        if name not in FORMATS:
+            raise InputError(f"no figures in format {name!r}", fix=did_you_mean(name, FORMATS))
+        stream = io.BytesIO()
+        with house_style():
+            figure.figure.savefig(stream, format=name, metadata=FORMATS[name])
+        contents[f"{stem}.{name}"] = stream.getvalue()
+    for table in figure.tables:
+        contents[f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"] = _csv_text(table).encode()
+    return contents
+
+
+def _csv_text(table: DataTable) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(table.header)
+    writer.writerows(zip(*(_cells(column) for column in zip(*table.rows, strict=True)), strict=True))
+    return stream.getvalue()
+
+
+def _cells(column: Iterable[object]) -> list[str]:
+    return [
+        ("" if value != value else f"{value:.8g}") if isinstance(value, float) else _word(value)  # noqa: PLR0124
+        for value in column
+    ]
+
+
+def _word(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return to_spreadsheet(value) if isinstance(value, str) else str(value)

@@ -1,29 +1,28 @@
-"""Words on figures: the glossary's, typeset; conditions named the way people speak of them."""
+"""Words on figures: the glossary's, typeset, in the units people read; names that nobody takes for mathematics."""
 
 import math
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ropefric.files.plain_text import visible
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.glossary import axis_label
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from ropefric.trials.result import ConditionSummary
-
-
 _SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")
-
 _OWN_MATHEMATICS = re.compile(r"(\$(?:[A-Za-zφμρσ']++_\{\\mathrm\{[A-Za-z0-9,]++\}\}/?)++\$)")
 _LONGEST_WORD = 60  # beyond, nothing else has room
 _DOLLAR = re.compile(r"(?<!\\)\$")
+TYPESET = re.compile(r"\$([A-Za-zφμρσ]++)_\{\\mathrm\{([A-Za-z0-9,]++)\}\}\$")
+"""A symbol with its index, as `typeset` sets it."""
 
 
 def typeset(text: str) -> str:
     r"""Return text with plain symbols such as F_A set as mathematics."""
     return _SUBSCRIPT.sub(r"$\1_{\\mathrm{\2}}$", text)
+
+
+def plain_text(text: str) -> str:
+    r"""Return typeset text as it was before, for readers who cannot see it."""
+    return TYPESET.sub(r"\1_\2", text)
 
 
 def figure_text(text: str) -> str:
@@ -40,45 +39,18 @@ def figure_label(name: str) -> str:
     return typeset(axis_label(name))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ConditionName:
-    """A condition in the units people use at the rig."""
-
-    wheel_mm: str
-    rope_mm: str
-    wrap_deg: str
-    tension_N: str
-    symbol: str
-
-    @property
-    def title(self) -> str:
-        """Return the condition for a figure's title."""
-        radii = f"R_w = {self.wheel_mm} mm,  R_r = {self.rope_mm} mm"
-        return typeset(f"{radii},  φ = {self.wrap_deg}°,  {self.symbol} = {self.tension_N} N")
-
-    @property
-    def stem(self) -> str:
-        """Return the condition as a file name without suffix."""
-        return f"Rw{self.wheel_mm}mm_phi{self.wrap_deg}deg_{self.symbol.replace('_', '')}{self.tension_N}N"
+def regressor_label(name: str) -> str:
+    r"""Return the axis label of a regressor in the unit people set it in."""
+    return typeset(f"{axis_label(name).rsplit(' [', 1)[0]} [{REGRESSORS[name][1]}]")
 
 
-def name_condition(summary: "ConditionSummary", *, measures_slack: bool) -> ConditionName:
-    """Return what a condition is called."""
-    known_N = summary.lift_force_N if measures_slack else summary.end_tension_N
-    return ConditionName(
-        wheel_mm=f"{1e3 * summary.wheel_radius_m:.6g}",
-        rope_mm=f"{1e3 * summary.rope_radius_m:.6g}",
-        wrap_deg=f"{math.degrees(summary.wrap_angle_rad):.6g}",
-        tension_N=f"{known_N:.6g}",
-        symbol="F_A" if measures_slack else "F_B",
-    )
+def shown_regressor(name: str, value: float) -> str:
+    """Return a regressor's symbol and value in the unit people set it in."""
+    _title, unit, factor = REGRESSORS[name]
+    symbol = axis_label(name).rsplit(" [", 1)[0].rsplit(" ", 1)[1]
+    return f"{symbol} = {factor * value:.4g} {unit}"
 
 
-def name_files(names: "Iterable[ConditionName]") -> list[str]:
-    """Return a file name (without suffix) for each condition, all different."""
-    seen: dict[str, int] = {}
-    stems = []
-    for name in names:
-        seen[name.stem] = seen.get(name.stem, 0) + 1
-        stems.append(name.stem if seen[name.stem] == 1 else f"{name.stem}_{seen[name.stem]}")
-    return stems
+def shown(value: float, unit: str = "", digits: int = 4) -> str:
+    """Return a number with its unit, or "unknown" where there is none."""
+    return "unknown" if math.isnan(value) else f"{value:.{digits}g} {unit}".rstrip()

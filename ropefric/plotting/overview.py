@@ -7,10 +7,8 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from ropefric.glossary import counted
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.legend import legend_of_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure, say_instead
 from ropefric.plotting.style import house_style
-from ropefric.plotting.words import say_instead
 from ropefric.traces.breakaway import Status
 from ropefric.trials.result import count_trials, outcome_words
 

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.legend import legend_below
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
 from ropefric.plotting.style import BLUE, GREY, ORANGE, house_style
 from ropefric.systems.bandsaw.saw import Side
 

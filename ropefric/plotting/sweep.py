@@ -7,9 +7,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
 from ropefric.plotting.labels import figure_label
-from ropefric.plotting.legend import legend_below
 from ropefric.plotting.style import house_style
 
 if TYPE_CHECKING:

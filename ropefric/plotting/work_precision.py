@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ropefric.accuracy.measure import StudyResult
 from ropefric.accuracy.study import ROUNDING, Measured, in_case, time_text
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.legend import legend_of_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure
 from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, house_style, line_look
 
 if TYPE_CHECKING:

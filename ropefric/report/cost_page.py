@@ -9,7 +9,7 @@ from pathlib import Path
 from ropefric.accuracy.measure import Machine, StudyResult
 from ropefric.accuracy.study import Measured, time_text
 from ropefric.files.folder import Folder, as_folder
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import as_page
 from ropefric.report.section import Section, Table

@@ -4,21 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline.answer import CampaignAnswer
 from ropefric.pipeline.evidence import Evidence
-from ropefric.plotting.budget import draw_budget
-from ropefric.plotting.capstan_plot import draw_capstan
+from ropefric.plotting.conditions import conditions_of, draw_repeatability
 from ropefric.plotting.design_chart import draw_design_chart
 from ropefric.plotting.figure import FigureWithData
-from ropefric.plotting.fit_band import draw_fit_band
-from ropefric.plotting.labels import name_condition, name_files
-from ropefric.plotting.ladder import draw_ladder
-from ropefric.plotting.mu_facets import draw_mu_facets
+from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
 from ropefric.plotting.overview import draw_overview
-from ropefric.plotting.repeatability import draw_repeatability
-from ropefric.plotting.residuals import draw_residuals
-from ropefric.plotting.tornado import draw_tornado
+from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
 from ropefric.trials.result import ConditionSummary, Extraction
 from ropefric.uncertainty.statement import Statement
 
@@ -39,12 +33,7 @@ class Drawing:
 
 def trial_drawings(extraction: Extraction) -> list[Drawing]:
     """Return the overview of a campaign, and the repeatability of the conditions that are worth a look."""
-    by_name = {trial.trial: trial for trial in extraction.trials}
-    groups = [[by_name[name] for name in summary.trials] for summary in extraction.conditions]
-    stems = name_files(
-        name_condition(summary, measures_slack=any(trial.measures_slack for trial in trials))
-        for summary, trials in zip(extraction.conditions, groups, strict=True)
-    )
+    conditions = conditions_of(extraction)
     overview = Drawing(
         chapter="trials",
         stem="overview",
@@ -54,9 +43,9 @@ def trial_drawings(extraction: Extraction) -> list[Drawing]:
     strips = [
         Drawing(
             chapter="trials",
-            stem=stems[place],
+            stem=conditions[place][0],
             caption=f"Repeatability of condition {place + 1}: {why}.",
-            draw=partial(draw_repeatability, extraction.conditions[place], groups[place]),
+            draw=partial(draw_repeatability, *conditions[place][1:]),
         )
         for place, why in chosen_conditions(extraction)
     ]

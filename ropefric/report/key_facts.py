@@ -2,7 +2,7 @@
 
 import math
 
-from ropefric.fitting.extrapolation import REGRESSORS
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun

@@ -3,12 +3,11 @@
 import math
 from collections.abc import Iterable
 
-from ropefric.fitting.comparison import Comparison
-from ropefric.fitting.diagnosis import Diagnosis
-from ropefric.fitting.extrapolation import REGRESSORS
-from ropefric.fitting.judgement import Verdict
-from ropefric.fitting.prediction import Candidate, Prediction
+from ropefric.fitting.compare import Comparison
+from ropefric.fitting.diagnose import Diagnosis
+from ropefric.fitting.predict import REGRESSORS, Candidate, Prediction
 from ropefric.fitting.result import FitResult
+from ropefric.fitting.verdict import Verdict
 from ropefric.glossary import counted
 from ropefric.report.section import Section, Table, interval, plain, shorthand
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from ropefric.files.folder import Folder
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.svg import svg_text
 from ropefric.report.chapter import Picture
 from ropefric.report.drawings import Drawing, design_drawings, law_drawings, trial_drawings

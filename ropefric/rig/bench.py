@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.traces.chain import Adc, ForceCell
+from ropefric.traces.calibration import Adc, ForceCell
 
 Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""

@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import BaseModel, Field, PlainValidator, model_validator
 
 from ropefric.arrays import BoolArray, FloatArray
+from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, text
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.quantities import LARGEST, SMALLEST, in_range
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
-from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, text
 
 
 def number(value: object) -> float:
@@ -294,6 +294,8 @@ class Kind:
         By file name without ending.
     words : mapping of str to str
         What the numbers of its answer are, with unit, where the glossary does not say it.
+    template : mapping of str to str
+        Commented scenes to start from, by name, beside those in `scenes/templates/`.
 
     Examples
     --------
@@ -318,6 +320,7 @@ class Kind:
     histories: Mapping[str, Callable[[Any], Mapping[str, FloatArray] | None]] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
+    template: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def sweep_fields(self) -> dict[str, Becomes]:

@@ -12,6 +12,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, Problem, RopefricError, data_error, raise_problems
 from ropefric.files.read import kind_of_file
+from ropefric.files.toml import TomlDocument, is_campaign, read_toml
+from ropefric.files.toml_model import validate_document
 from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
@@ -21,9 +23,6 @@ from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import FrictionTable, Kind, ReferenceTable, SceneTable, given
 from ropefric.scenes.kinds import KINDS
 from ropefric.systems.friction import ScaleTo, WrapFriction
-from ropefric.trials.file_kind import is_campaign
-from ropefric.trials.toml_document import TomlDocument, read_toml
-from ropefric.trials.toml_validation import validate_document
 
 _HALF_A_TURN = math.pi
 _USUAL_TENSION_N = 100.0

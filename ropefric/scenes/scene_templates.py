@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ropefric.errors import UnknownNameError
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
+from ropefric.scenes.kinds import KINDS
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
@@ -20,19 +21,25 @@ _FIT = re.compile(r'"(fits/[\w-]+\.json)"')
 _BUNDLED_FIT = re.compile(r'"\.\./\.\./(fits/[\w-]+\.json)"')
 
 
-def scene_names() -> tuple[str, ...]:
-    """Return the names of the scenes that can be written, in alphabetical order."""
-    found = (Path(entry.name) for entry in _folder().iterdir())
-    return tuple(sorted(path.stem for path in found if path.suffix == ".toml"))
+def bundled_scenes() -> dict[str, str]:
+    """Return the scenes as they stand in data/scenes, by name: those of the kinds, and files of this package."""
+    files_here = (Path(entry.name) for entry in _folder().iterdir())
+    texts = {
+        path.stem: (_folder() / path.name).read_bytes().decode("utf-8")
+        for path in files_here
+        if path.suffix == ".toml"
+    }
+    for kind in KINDS.values():
+        texts |= kind.template
+    return dict(sorted(texts.items()))
 
 
 def scene_text(name: str) -> str:
     """Return a scene as `write_scenes` writes it: a fit that it names stands in `fits/` beside it."""
-    known = scene_names()
+    known = bundled_scenes()
     if name not in known:
         raise UnknownNameError(f"unknown scene {name!r}", key="--scene", fix=did_you_mean(name, known))
-    text = (_folder() / f"{name}.toml").read_bytes().decode("utf-8")
-    return _BUNDLED_FIT.sub(r'"\1"', text)
+    return _BUNDLED_FIT.sub(r'"\1"', known[name])
 
 
 def write_scenes(
@@ -63,7 +70,7 @@ def write_scenes(
     ...     [path.name for path in write_scenes(folder, ["hoist"])]
     ['hoist.toml', 'prth-coupled.json']
     """
-    texts = {f"{name}.toml": scene_text(name) for name in dict.fromkeys(names or scene_names())}
+    texts = {f"{name}.toml": scene_text(name) for name in dict.fromkeys(names or bundled_scenes())}
     fits = dict.fromkeys(fit for text in texts.values() for fit in _FIT.findall(text))
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
     for fit in fits:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ropefric.errors import InputError, RopefricError
-from ropefric.fitting.extrapolation import REGRESSORS, outside_range
+from ropefric.fitting.predict import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
 from ropefric.scenes.kind import Quantity, finite
 from ropefric.scenes.plan import Plan, make_plan, method_tree

@@ -21,11 +21,11 @@ from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError, UnknownNameError
 from ropefric.files.folder import Folder
 from ropefric.files.plain_text import to_spreadsheet
+from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Quantity
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene import Scene, read_scene, source_of
-from ropefric.trials.toml_document import TomlDocument
 
 MOST_POINTS = 10_000_000
 """Of an axis, and of a whole grid: some 2.5 GB."""

@@ -1,7 +1,6 @@
 """From columns as they are in a file to a force trace in SI."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,15 +8,11 @@ from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.quantities import si_unit_of, unit_factor
 from ropefric.registry import did_you_mean
+from ropefric.traces.calibration import Calibration, as_counts
 from ropefric.traces.clock import mend_clock
-from ropefric.traces.counts import as_counts
 from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.trace import ForceTrace
-
-if TYPE_CHECKING:
-    from ropefric.traces.calibration import Calibration
-
 
 _FIXED = {"time": "s", "force": "N"}
 _EXAMPLE = {"time": "ms", "force": "kN"}
@@ -55,7 +50,7 @@ def _unit_error(channel: str, reason: str, path: str, hint: str = "") -> DataErr
 
 
 def assemble_trace(
-    raw: RawRecording, profile: ImportProfile, *, calibration: "Calibration | None" = None
+    raw: RawRecording, profile: ImportProfile, *, calibration: Calibration | None = None
 ) -> ForceTrace:
     """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated."""
     channels = _to_si(raw)

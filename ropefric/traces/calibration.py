@@ -1,24 +1,299 @@
-"""ADC counts -> volts -> newtons, tare, and where the converter sat at its limits."""
+"""The measuring chain, counts -> volts -> newtons: force cell, converter, tare, and where it sat at its limits."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
-from typing import Any, TypeVar
+from itertools import pairwise
+from numbers import Integral, Real
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, Problem, UnknownNameError
 from ropefric.registry import did_you_mean
-from ropefric.traces.chain import Adc, ForceCell, require_floats
-from ropefric.traces.counts import as_counts
-from ropefric.traces.saturation import Saturation, find_saturation
-from ropefric.traces.tare import Tare, measure_tare
-
-__all__ = ["Adc", "Calibration", "ForceCell", "Saturation", "as_counts", "tare_from_interval"]
+from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std, remove_spikes, runs_of
 
 SCHEMA = "ropefric.calibration/1"
 
+MIN_TARE_SAMPLES = 10
+_BLOCKS = 8
+_RESTLESS = 4.0  # block means of white noise spread by 1 of this unit; 4 is out of reach of chance
+_CLIPPED_SHARE = 0.02  # fewer samples at the floor are spikes or the tail of the noise
+_DITHERED = 0.5  # in counts: noise this strong leaves less than 0.01 count of quantisation in a mean
+
+_LARGEST_FRACTION = 0.1  # no force cell is sold with 10 % of error: such a number is a percentage by mistake
+_OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyond it is a slip of the unit
+
 T = TypeVar("T")
+
+
+def require_floats(owner: Any, what: str) -> None:
+    """Turn every float field of a dataclass into a float, so that equal objects are equal in JSON too."""
+    for item in fields(owner):
+        if item.type is not float:
+            continue
+        value = getattr(owner, item.name)
+        try:
+            usable = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+        except OverflowError:  # a whole number beyond every float
+            usable = False
+        if not usable:
+            raise InputError(
+                f"{what}: {item.name} = {value!r} is not a finite number", code="RF210", key=item.name
+            )
+        object.__setattr__(owner, item.name, float(value))
+
+
+class Line(NamedTuple):
+    """A straight line force = `gain_N_V` · (voltage − `zero_V`) and how well it is known."""
+
+    gain_N_V: float
+    zero_V: float
+    scatter_N: float
+    dof: float
+    n: int
+    mean_N: float
+    spread_N2: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Adc:
+    """A unipolar or offset analogue-to-digital converter.
+
+    Count 0 stands for `low_V` and the largest count, 2^bits − 1, for `high_V`; one count is therefore
+    (high − low)/(2^bits − 1), 1 kN/1023 = 0.978 N for a 10-bit converter behind a 1 kN cell.
+    """
+
+    bits: int = 10
+    low_V: float = 0.0
+    high_V: float = 5.0
+
+    def __post_init__(self) -> None:
+        bits: Any = self.bits
+        if isinstance(bits, bool) or not isinstance(bits, Integral) or not 1 <= int(bits) <= 32:
+            raise InputError(
+                f"ADC: bits = {bits!r} is not a whole number from 1 to 32",
+                code="RF210",
+                key="bits",
+                fix="write the resolution on its data sheet, for example bits = 10",
+            )
+        object.__setattr__(self, "bits", int(bits))
+        require_floats(self, "ADC")
+        if not self.low_V < self.high_V:
+            raise InputError(
+                f"ADC: the range from {self.low_V:g} V to {self.high_V:g} V is empty",
+                code="RF210",
+                key="high_V",
+                fix="make high_V larger than low_V",
+            )
+
+    @property
+    def max_count(self) -> int:
+        """Return the count at the ceiling, 2^bits − 1."""
+        return int(2**self.bits - 1)
+
+    @property
+    def lsb_V(self) -> float:
+        """Return the voltage of one count [V]."""
+        return (self.high_V - self.low_V) / self.max_count
+
+
+ASSUMED_LIMITS = {"linearity": 0.0002, "hysteresis": 0.0002, "repeatability": 0.0002, "transmitter": 0.001}
+"""Limits of error of a cell and its transmitter where none is stated: those of common ones, of full scale."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceCell:
+    """A force cell and its transmitter."""
+
+    name: str
+    full_scale_N: float
+    zero_V: float = 0.0
+    full_scale_V: float = 5.0
+    linearity: float = None  # type: ignore[assignment]  # (these four: not given, so assumed)
+    hysteresis: float = None  # type: ignore[assignment]
+    repeatability: float = None  # type: ignore[assignment]
+    transmitter: float = None  # type: ignore[assignment]
+    points: tuple[tuple[float, float], ...] = ()
+    serial: str = ""
+    calibrated: str = ""
+    assumed: tuple[str, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        what = f"force cell {self.name!r}"
+        missing = [key for key in ASSUMED_LIMITS if getattr(self, key) is None]
+        for key in missing:
+            object.__setattr__(self, key, ASSUMED_LIMITS[key])
+        object.__setattr__(self, "assumed", tuple(dict.fromkeys((*self.assumed, *missing))))
+        for key in ("name", "serial", "calibrated"):
+            text: Any = getattr(self, key)
+            if not isinstance(text, str):
+                raise InputError(f"{what}: {key} = {text!r} is not text", code="RF210", key=key)
+        require_floats(self, what)
+        if self.full_scale_N <= 0:
+            raise InputError(
+                f"{what}: full scale {self.full_scale_N:g} N is not positive",
+                code="RF210",
+                key="full_scale_N",
+            )
+        if self.full_scale_V <= self.zero_V:
+            raise InputError(
+                f"{what}: {self.full_scale_V:g} V at full scale is not above {self.zero_V:g} V at no load",
+                code="RF210",
+                key="full_scale_V",
+                fix="swap the signal wires if the voltage falls with the force",
+            )
+        for key in ("linearity", "hysteresis", "repeatability", "transmitter"):
+            value = getattr(self, key)
+            if not 0 <= value < _LARGEST_FRACTION:
+                raise InputError(
+                    f"{what}: {key} = {value:g} is no fraction of full scale (below {_LARGEST_FRACTION:g})",
+                    code="RF210",
+                    key=key,
+                    fix="write 0.0002 for 0.02 %FS",
+                )
+        object.__setattr__(self, "points", _checked_points(self.points, self.full_scale_N, what))
+        try:
+            usable = math.isfinite(self.line.gain_N_V)
+        except (OverflowError, ZeroDivisionError):
+            usable = False
+        if not usable:
+            raise InputError(f"{what}: its line from volts to newtons is too steep to compute", code="RF210")
+
+    @property
+    def line(self) -> Line:
+        """Return the line from volts to newtons: nominal, or least squares through the calibration points.
+
+        The applied forces are dead weights and far better known than the voltages read at them, so voltage
+        is regressed on force and the line then inverted.
+        """
+        if not self.points:
+            gain_N_V = self.full_scale_N / (self.full_scale_V - self.zero_V)
+            return Line(gain_N_V, self.zero_V, 0.0, math.inf, 0, 0.0, 0.0)
+        n = len(self.points)
+        mean_N = math.fsum(force for force, _ in self.points) / n
+        mean_V = math.fsum(voltage for _, voltage in self.points) / n
+        spread_N2 = math.fsum((force - mean_N) ** 2 for force, _ in self.points)
+        slope_V_N = math.fsum((f - mean_N) * (v - mean_V) for f, v in self.points) / spread_N2
+        squares_V2 = math.fsum((v - mean_V - slope_V_N * (f - mean_N)) ** 2 for f, v in self.points)
+        # Two points lie on their line; what is left there is rounding, not scatter.
+        scatter_V = math.sqrt(squares_V2 / (n - 2)) if n > 2 else 0.0
+        zero_V = mean_V - slope_V_N * mean_N
+        return Line(1.0 / slope_V_N, zero_V, scatter_V / slope_V_N, float(n - 2), n, mean_N, spread_N2)
+
+
+def _checked_points(points: Any, full_scale_N: float, what: str) -> tuple[tuple[float, float], ...]:
+    try:
+        pairs = tuple((float(force_N), float(voltage_V)) for force_N, voltage_V in _as_iterable(points))
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(
+            f"{what}: calibration points are pairs of force and voltage, not {points!r}",
+            code="RF210",
+            key="points",
+            fix="write [[0, 0.01], [500, 2.51], [1000, 5.0]], in N and V",
+        ) from None
+    if len(pairs) == 1:
+        raise InputError(
+            f"{what}: one calibration point makes no line",
+            code="RF210",
+            key="points",
+            fix="give two or more points, or none to use the nominal line",
+        )
+    for number, (force_N, voltage_V) in enumerate(pairs, start=1):
+        if not (math.isfinite(force_N) and math.isfinite(voltage_V)):
+            raise InputError(f"{what}: calibration point {number} is not finite", code="RF210", key="points")
+        if abs(force_N) > _OVERLOAD * full_scale_N:
+            raise InputError(
+                f"{what}: calibration point {number}, {force_N:g} N, is far beyond full scale",
+                code="RF210",
+                key="points",
+                fix="points are written force first, in newtons, then volts",
+            )
+    for number, ((f_0, v_0), (f_1, v_1)) in enumerate(pairwise(pairs), start=1):
+        if not (f_0 < f_1 and v_0 < v_1):
+            raise InputError(
+                f"{what}: calibration points {number} and {number + 1}, {f_0:g} N {v_0:g} V and {f_1:g} N "
+                f"{v_1:g} V, do not increase",
+                code="RF210",
+                key="points",
+                fix="sort by force; average repeated loadings; swap the signal wires if the voltage falls",
+            )
+    return pairs
+
+
+def _as_iterable(points: Any) -> Iterable[Any]:
+    if isinstance(points, str):
+        raise TypeError
+    return tuple(points)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Saturation:
+    """Where a recording sat at the converter's ceiling and floor.
+
+    At the ceiling the force is at least that high and unknown. At the floor it need not be a fault: an
+    unloaded cell with 0 V at zero reads count 0.
+    """
+
+    high_runs: IntArray
+    low_runs: IntArray
+
+    @property
+    def high(self) -> bool:
+        """Return whether any sample is at the ceiling."""
+        return len(self.high_runs) > 0
+
+    @property
+    def low(self) -> bool:
+        """Return whether any sample is at the floor."""
+        return len(self.low_runs) > 0
+
+    @property
+    def n_high(self) -> int:
+        """Return the number of samples at the ceiling."""
+        return int((self.high_runs[:, 1] - self.high_runs[:, 0]).sum())
+
+    @property
+    def n_low(self) -> int:
+        """Return the number of samples at the floor."""
+        return int((self.low_runs[:, 1] - self.low_runs[:, 0]).sum())
+
+    @property
+    def longest_high(self) -> int:
+        """Return the number of samples in the longest run at the ceiling."""
+        return int((self.high_runs[:, 1] - self.high_runs[:, 0]).max(initial=0))
+
+
+def find_saturation(counts: IntArray, max_count: int) -> Saturation:
+    """Return the runs of samples at count 0 and at `max_count`."""
+    return Saturation(high_runs=runs_of(counts == max_count), low_runs=runs_of(counts == 0))
+
+
+def as_counts(values: Any) -> IntArray:
+    """Return raw counts as integers, with −1 where a float is NaN."""
+    array = np.asarray(values)
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iuf"):
+        raise InputError(
+            f"raw counts are a row of whole numbers, not {array.dtype} of shape {array.shape}", code="RF211"
+        )
+    if array.dtype == np.uint64:
+        array = np.minimum(array, np.uint64(2**62))  # larger ones would turn negative, which means missing
+    if array.dtype.kind != "f":
+        return array.astype(np.int64, copy=False)
+    missing = np.isnan(array)
+    filled = np.where(missing, 0.0, array)
+    wrong = (filled < 0) | (filled > 2.0**32) | (filled != np.floor(filled))
+    if wrong.any():
+        index = int(np.argmax(wrong))
+        raise DataError(
+            f"sample {index} (the first is 0) is {array[index]:g}; a raw count is a whole number from 0",
+            code="RF211",
+            key="counts",
+            fix="name the column of raw counts, or import this one as force or voltage with its unit",
+        )
+    filled[missing] = -1.0
+    return filled.astype(np.int64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,7 +332,7 @@ class Calibration:
         line = self.cell.line
         return self.adc.lsb_V * line.gain_N_V, (self.adc.low_V - line.zero_V) * line.gain_N_V - self.tare_N
 
-    def apply(self, counts: Any) -> tuple[NDArray[np.float64], Saturation]:
+    def apply(self, counts: Any) -> tuple[FloatArray, Saturation]:
         """Return the forces of raw counts, and where the converter sat at its limits."""
         counts = as_counts(counts)
         gain_N, offset_N = self._gain_and_offset()
@@ -79,26 +354,45 @@ class Calibration:
             force_N[missing] = np.nan
         return force_N, find_saturation(counts, max_count)
 
-    def with_tare(self, counts: Any, interval: NDArray[np.bool_]) -> "Calibration":
-        """Return this calibration with the tare that makes the mean force over an idle interval zero."""
-        tare = self.tare_of(counts, interval)
-        return replace(self, tare_N=tare.force_N, tare_std_N=tare.std_N)
+    def with_tare(self, counts: Any) -> tuple["Calibration", tuple[Problem, ...]]:
+        """Return this calibration with the tare that makes the mean force of an idle stretch zero, and its doubts.
 
-    def tare_of(self, counts: Any, interval: NDArray[np.bool_]) -> Tare:
-        """Return the reading of the unloaded rig over an idle interval, with what is doubtful about it.
-
-        Parameters and errors are those of `with_tare`.
+        The uncertainty comes from the scatter of the means of 8 blocks as well as from that of single samples,
+        and the larger counts: hum and drift, whose samples are not independent, are not averaged away on paper.
+        Isolated spikes are left out.
         """
-        counts = as_counts(counts)
-        if counts.shape != np.shape(interval):
-            raise InputError(
-                f"{counts.size} counts and an interval mask of shape {np.shape(interval)}", code="RF212"
-            )
-        return self._tare_of_all(counts[np.asarray(interval, dtype=bool)])
-
-    def _tare_of_all(self, counts: Any) -> Tare:
         force_N, saturation = replace(self, tare_N=0.0).apply(counts)
-        return measure_tare(force_N, saturation, lsb_N=self.lsb_N)
+        present_N = force_N[np.isfinite(force_N)]
+        if present_N.size:
+            # A spike of two samples at full scale moves the mean of a quarter second by more than a count.
+            present_N = np.delete(present_N, remove_spikes(present_N, noise_std(present_N)).bad)
+        if present_N.size < MIN_TARE_SAMPLES or 2 * present_N.size < force_N.size:
+            raise DataError(
+                f"the tare interval holds {present_N.size} usable of {force_N.size} samples; at least "
+                f"{MIN_TARE_SAMPLES} and half of them are needed",
+                code="RF212",
+                key="tare",
+                fix="name a longer idle interval",
+            )
+        if saturation.longest_high > MAX_SPIKE_SAMPLES:
+            raise DataError(
+                f"{saturation.n_high} samples of the tare interval are at the ADC ceiling: the rig is not idle",
+                code="RF212",
+                key="tare",
+                fix="name an interval in which the rope hangs free",
+            )
+        sample_std_N = float(present_N.std(ddof=1))
+        n_blocks = min(_BLOCKS, present_N.size // 4)
+        block_std_N = float(np.std([block.mean() for block in np.array_split(present_N, n_blocks)], ddof=1))
+        slow_std_N = block_std_N / math.sqrt(n_blocks)
+        quantisation_N = 0.0 if sample_std_N >= _DITHERED * self.lsb_N else self.lsb_N / math.sqrt(12.0)
+        std_N = math.hypot(max(sample_std_N / math.sqrt(present_N.size), slow_std_N), quantisation_N)
+        tared = replace(self, tare_N=float(present_N.mean()), tare_std_N=std_N)
+        doubts = _doubts_of_tare(present_N, saturation, n_blocks, block_std_N, self.lsb_N)
+        return tared, tuple(
+            Problem(code="RF212", message=message, key="tare", fix=fix, severity="warning")
+            for message, fix in doubts
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as JSON-able values, under schema `ropefric.calibration/1`."""
@@ -125,7 +419,7 @@ class Calibration:
 
 
 def tare_from_interval(
-    time_s: NDArray[np.float64], counts: Any, calibration: Calibration, start_s: float, end_s: float
+    time_s: FloatArray, counts: Any, calibration: Calibration, start_s: float, end_s: float
 ) -> tuple[Calibration, tuple[Problem, ...]]:
     """Return the calibration with the tare of an idle interval, and what is doubtful about it."""
     if not start_s < end_s:
@@ -149,8 +443,28 @@ def tare_from_interval(
     if counts.shape != time_s.shape:
         raise InputError(f"{counts.size} counts for {time_s.size} time stamps", code="RF212")
     first, stop = np.searchsorted(time_s, start_s, side="left"), np.searchsorted(time_s, end_s, side="right")
-    tare = calibration._tare_of_all(counts[first:stop])  # noqa: SLF001  (a function of this class's module)
-    return replace(calibration, tare_N=tare.force_N, tare_std_N=tare.std_N), tare.problems
+    return calibration.with_tare(counts[first:stop])
+
+
+def _doubts_of_tare(
+    present_N: FloatArray, saturation: Saturation, n_blocks: int, block_std_N: float, lsb_N: float
+) -> Iterator[tuple[str, str]]:
+    """Yield what is doubtful about an idle interval, and what to do."""
+    # Differences of neighbours hold the noise and next to nothing of a drift.
+    noise_N = float(np.sqrt(np.mean(np.diff(present_N) ** 2) / 2.0))
+    if block_std_N > max(lsb_N, _RESTLESS * noise_N / math.sqrt(present_N.size / n_blocks)):
+        message = (
+            f"the force is not constant in the tare interval: the means of its {n_blocks} parts "
+            f"spread by {block_std_N:.3g} N, against {noise_N:.3g} N of noise of one sample"
+        )
+        yield message, "name an interval that ends before the motor starts"
+    share = saturation.n_low / present_N.size
+    if share >= _CLIPPED_SHARE:
+        message = (
+            f"{100 * share:.0f} % of the tare interval is at the ADC floor: a zero below it cannot "
+            f"be seen, and the tare of {float(present_N.mean()):.3g} N may be too high"
+        )
+        yield message, "set the transmitter's zero a few counts above the floor"
 
 
 def _build(kind: type[T], values: Any, key: str) -> T:

@@ -1,10 +1,10 @@
-"""How much of a recording is noise, and what is only a spike."""
+"""How much of a recording is noise, what is only a spike, and where the converter stuck."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, IntArray, median
+from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 
 MAX_SAMPLES_FOR_NOISE = 4096
 MAX_SPIKE_SAMPLES = 2
@@ -13,6 +13,28 @@ SPIKE_SIGMAS = 8.0
 REJOINS = 0.4
 """A spike comes back to within this part of its height: it may fall into the very moment of a slip."""
 NEIGHBOURS = 5
+
+# Of stretches in which the converter stuck:
+# As many as a dropout that is mended.
+_FEWEST = MAX_DROPOUT_SAMPLES
+_LEAST = 8
+# Shorter runs say nothing of what is usual.
+_SHORT = 16
+# Of very many, as of a coarse converter, the longest are looked at.
+_MOST = 100
+_AROUND = 400
+_LEAST_AROUND = 100
+_REST = 50
+_WIDE = 0.3
+# White noise turns back at two of three samples, also when it is rounded; a smooth curve hardly ever does.
+_TURNS = 0.4
+# From this share of changing samples on, the noise is too large to hide within one step of the converter.
+_LIVELY = 0.3
+_LEAST_CHANGES = 0.01
+_CHANCE = 1e-6
+_LONGER = 3.0
+_JUMP_SIGMAS = 4.0
+_JUMP_STEPS = 2.0
 
 
 def _windows(values: FloatArray) -> FloatArray:
@@ -53,8 +75,7 @@ def noise_std(values: FloatArray) -> float:
     return float(max(sigma, resolution(values) / np.sqrt(12.0)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cleaned:
+class Cleaned(NamedTuple):
     """A signal without its isolated spikes and frozen stretches."""
 
     values: FloatArray
@@ -80,13 +101,13 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
                 last_bad = stop - 1
                 steps[start - 1 : stop] = 0.0  # so that a spike does not hide the next one
     if not bad:
-        return Cleaned(values=values, bad=np.empty(0, dtype=np.int64))
+        return Cleaned(values, np.empty(0, dtype=np.int64))
     index = np.array(bad, dtype=np.int64)
     good = np.ones(values.size, dtype=bool)
     good[index] = False
     cleaned = values.copy()
     cleaned[index] = np.interp(index, np.flatnonzero(good), values[good])
-    return Cleaned(values=cleaned, bad=index)
+    return Cleaned(cleaned, index)
 
 
 def _candidates(values: FloatArray, steps: FloatArray, smallest: float) -> list[int]:
@@ -137,3 +158,108 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
         if rejoins and min(abs(out), abs(back)) > 4.0 * usual:
             return int(stop)
     return 0
+
+
+def find_stuck(values: FloatArray, step: float, noise: float) -> IntArray:
+    """Return the stretches in which a live signal reads exactly the same: start and stop of each, shape (k, 2).
+
+    The recording itself says what is live. Where around the stretch a share p of the samples differs from the one
+    before and the changes go to and fro, at rest if not on a ramp, the noise spans the converter's steps, and n equal
+    samples have a probability below (1 − p²)ⁿ: p² and not p, for between two steps the noise changes less than on an
+    edge.
+    A converter coarser than its noise may well repeat itself, q/r seconds long on a ramp of rate r. There a
+    stretch is stuck if it is three times as long as any other around it and the signal then jumps: it went on
+    unseen. A signal without noise is never called stuck: it may have been computed, or held.
+    """
+    same = runs_of(values[1:] == values[:-1])
+    runs = np.asarray(same + np.array([0, 1]), dtype=np.int64)
+    runs = runs[runs[:, 1] - runs[:, 0] >= _LEAST]
+    if not len(runs):
+        return runs
+    changed = np.diff(values, prepend=values[0])
+    longest = np.sort(np.argsort(runs[:, 0] - runs[:, 1], kind="stable")[:_MOST])
+    candidates = runs[longest][_may_be_stuck(runs[longest], changed)]
+    stuck = [run for run in candidates if _is_stuck(values, changed, runs, run, (step, noise))]
+    return np.asarray(np.array(stuck, dtype=np.int64).reshape(-1, 2))
+
+
+def _may_be_stuck(runs: IntArray, changed: FloatArray) -> BoolArray:
+    """Return which runs are long, or too long for the liveliest of their two sides: a quick look at all of them."""
+    so_far = np.concatenate([[0], np.cumsum(changed != 0.0)])
+    start, stop = runs.T
+    reach = np.maximum(_AROUND, stop - start)
+    before, after = np.maximum(0, start - reach), np.minimum(changed.size, stop + reach)
+    shares = (
+        (so_far[start] - so_far[before]) / np.maximum(1, start - before),
+        (so_far[after] - so_far[np.minimum(stop + 1, after)]) / np.maximum(1, after - stop - 1),
+    )
+    share = np.clip(np.maximum(*shares), 0.0, 0.95)
+    chance = changed.size * (1.0 - share**2) ** (stop - start)
+    return np.asarray((stop - start >= _FEWEST) | ((share >= _LIVELY) & (chance < _CHANCE)))
+
+
+def _is_stuck(
+    values: FloatArray,
+    changed: FloatArray,
+    runs: IntArray,
+    run: IntArray,
+    grain: tuple[float, float],
+) -> bool:
+    start, stop = int(run[0]), int(run[1])
+    length, reach = stop - start, max(_AROUND, stop - start)
+    shares, is_noisy = [], False
+    # On one side the force may run up and down so fast that no noise is seen on it.
+    for found in (changed[max(0, start - reach) : start], changed[stop + 1 : stop + reach]):
+        steps = found[found != 0.0]
+        if found.size < _LEAST_AROUND:
+            continue
+        is_quiet = steps.size < max(3.0, _LEAST_CHANGES * found.size)
+        turns = not is_quiet and (_turns(steps) >= _TURNS or _rests_noisily(found, grain[0]))
+        is_noisy |= turns
+        if is_quiet or turns:
+            shares.append(steps.size / found.size)
+    if not is_noisy:
+        return False
+    share = min([*shares, 0.95])
+    if share >= _LIVELY and values.size * (1.0 - share**2) ** length < _CHANCE:
+        return True
+    if length < _FEWEST:
+        return False
+    step, noise = grain
+    jump = np.abs(np.append(changed, 0.0)[runs[:, 1]]) > _JUMP_SIGMAS * noise + _JUMP_STEPS * step
+    near = (runs[:, 1] > start - reach) & (runs[:, 0] < stop + reach) & ~jump
+    longest = int((runs[near, 1] - runs[near, 0]).max(initial=_SHORT))
+    return length > _LONGER * longest and bool(jump[runs[:, 0] == start][0])
+
+
+def _turns(steps: FloatArray) -> float:
+    """Return the share of the steps that go the other way than the one before."""
+    return float(np.mean(np.sign(steps[1:]) != np.sign(steps[:-1])))
+
+
+def _rests_noisily(changes: FloatArray, step: float) -> bool:
+    """Return whether somewhere, as before the load comes on, the noise alone moves the signal by several steps.
+
+    A ramp outruns the noise, so that it only rises; and where it moves by one step only, the converter is coarser
+    than its noise and may well stay where it is.
+    """
+    for start in range(0, changes.size - _REST + 1, _REST):
+        part = changes[start : start + _REST]
+        steps = part[part != 0.0]
+        is_wide = np.count_nonzero(np.abs(part) > 1.5 * step) >= _WIDE * part.size
+        if is_wide and _turns(steps) >= _TURNS:
+            return True
+    return False
+
+
+def runs_of(mask: BoolArray) -> IntArray:
+    """Return the start and stop of every run of True, shape (k, 2), read-only."""
+    if not mask.any():
+        runs = np.empty((0, 2), dtype=np.int64)
+    else:
+        edges = np.flatnonzero(mask[1:] != mask[:-1]) + 1
+        first = [0] if mask[0] else []
+        last = [mask.size] if mask[-1] else []
+        runs = np.concatenate([first, edges, last]).astype(np.int64).reshape(-1, 2)
+    runs.flags.writeable = False
+    return runs

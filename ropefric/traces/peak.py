@@ -1,13 +1,20 @@
-"""The height of one static peak, measured on the samples around it."""
+"""The height of one static peak, measured on the samples around it: raw, smoothed, and as the corner of two lines.
 
-from dataclasses import dataclass
+The smoothing window is the one whose bias on a ramp, against the noise it leaves, is smallest.
+"""
+
+import math
+from dataclasses import replace
 from math import nan
+from typing import NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
+from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
+from ropefric.traces.segments import Prepared, Sliding, kinetic
 from ropefric.traces.smoothing import average_over_samples, window_samples
-from ropefric.traces.window import choose_window, peak_uncertainty_N, window_bias_N
 
 LONGEST_WINDOW_S = 0.02
 """A window longer than a tooth is short would smooth the peak itself away [s]."""
@@ -17,11 +24,11 @@ LONG_CLIMB = 200
 JUMP = 0.05
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
+WIDE_GAP = 5.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Neighbourhood:
-    """Where a peak lies, in samples, as the glance at the whole recording found it."""
+class Neighbourhood(NamedTuple):
+    """Where a peak lies, in samples: where the climb begins, the peak itself up to `stop`, and where it has fallen."""
 
     loading: int
     first: int
@@ -29,18 +36,65 @@ class Neighbourhood:
     fallen: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Peak:
-    """One static peak; fields as in `Breakaway`."""
+def peak_result(
+    prepared: Prepared,
+    settings: PickSettings,
+    *,
+    climb: int,
+    block: int,
+    fallen: int,
+    sliding: Sliding | None,
+    phases: tuple[Phase, ...],
+) -> Breakaway:
+    """Return the result `ok` for the peak at a block, in the estimate asked for, with what was met on the way."""
+    blocks, n = prepared.blocks, prepared.force_N.size
+    where = Neighbourhood(
+        loading=blocks.first_sample(climb),
+        first=blocks.first_sample(block - 1),
+        stop=blocks.last_sample(min(fallen - 1, block + 1), n) + 1 if fallen > block else n,
+        fallen=blocks.last_sample(fallen, n),
+    )
+    peak = measure_peak(
+        prepared.time_s, prepared.force_N, where, noise_std_N=prepared.noise_N, window_s=settings.window_s
+    )
+    kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
+    notes = [*prepared.notes]
+    std_N, two_line = peak.peak_std_N, settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N))
+    if not two_line and settings.peak == "two-line":
+        notes.append("too few samples for the two-line fit; the smoothed peak is given")
+    gap_s = _gap_beside_s(prepared.time_s, peak.peak_time_s)
+    if gap_s:
+        notes.append(
+            f"there is a gap of {1000 * gap_s:.3g} ms in the samples next to the peak: the force may have been "
+            "higher in it"
+        )
+        # It may have climbed on at its rate, but hardly by more than the whole step to the sliding force.
+        missed_N = max(peak.loading_rate_N_s, 0.0) * gap_s
+        if np.isfinite(kinetic_N):
+            missed_N = min(missed_N, max(peak.peak_N - kinetic_N, 0.0))
+        std_N = float(np.hypot(std_N, missed_N / np.sqrt(3.0)))
+    return replace(
+        peak,
+        detail=""
+        if sliding
+        else "the force falls away after the peak: no sliding phase, kinetic force unknown",
+        peak_N=peak.two_line_N if two_line else peak.peak_N,
+        peak_std_N=std_N,
+        bias_N=0.0 if two_line else peak.bias_N,
+        kinetic_N=kinetic_N,
+        kinetic_std_N=kinetic_std_N,
+        phases=phases,
+        notes=tuple(notes),
+    )
 
-    peak_N: float
-    peak_raw_N: float
-    time_s: float
-    std_N: float
-    two_line_N: float
-    bias_N: float
-    window_s: float
-    loading_rate_N_s: float
+
+def _gap_beside_s(time_s: FloatArray, peak_s: float) -> float:
+    """Return the length of a gap in the samples next to the peak [s]; 0 where there is none."""
+    index = int(np.searchsorted(time_s, peak_s))
+    steps_s = np.diff(time_s[max(0, index - 2) : index + 4])
+    usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
+    longest_s = float(steps_s.max(initial=0.0))
+    return longest_s if longest_s > WIDE_GAP * usual_s else 0.0
 
 
 def measure_peak(
@@ -50,28 +104,34 @@ def measure_peak(
     *,
     noise_std_N: float,
     window_s: float | None = None,
-) -> Peak:
+) -> Breakaway:
     """Return the height of a static peak three ways: raw, smoothed, and as the corner of two lines."""
-    step_s = _step_s(time_s, where)
+    around = time_s[max(where.loading, where.stop - STEPS_LOOKED_AT) : where.stop + 1]
+    around = time_s if around.size < 2 else around
+    step_s = float(np.median(np.diff(around))) if around.size > 1 else 1.0
     force_N = _without_outliers_at_the_top(time_s, force_N, where, noise_std_N)
-    rate_N_s = _loading_rate_N_s(time_s, force_N, where)
+    top = where.first + int(np.argmax(force_N[where.first : where.stop]))
+    # The slope of the last half of the climb; the first half may still bend.
+    first = min((where.loading + top) // 2, top - 1)
+    rate_N_s = _line(time_s[first : top + 1], force_N[first : top + 1])[2] if first >= 0 else 0.0
     if window_s is None:
-        longest = window_samples(
-            choose_window(rate_N_s, noise_std_N, step_s, longest_s=LONGEST_WINDOW_S), step_s
-        )
-        n_window = _window_that_keeps_the_peak(force_N, where, longest, rate_N_s * step_s, noise_std_N)
+        longest_s = choose_window(rate_N_s, noise_std_N, step_s, longest_s=LONGEST_WINDOW_S)
+        longest, rise_N = window_samples(longest_s, step_s), rate_N_s * step_s
+        n_window = _window_that_keeps_the_peak(force_N, where, longest, rise_N, noise_std_N)
     else:
         n_window = window_samples(window_s, step_s)
     index, peak_N = _smoothed_top(force_N, where, n_window)
     used_s = n_window * step_s
-    return Peak(
+    return Breakaway(
+        status=Status.OK,
         peak_N=peak_N,
         peak_raw_N=_raw_top_N(force_N, where, index, n_window),
-        time_s=float(time_s[index]),
-        std_N=peak_uncertainty_N(rate_N_s, noise_std_N, used_s, step_s),
-        two_line_N=_corner_N(time_s, force_N, where, noise_std_N),
+        peak_time_s=float(time_s[index]),
+        peak_std_N=peak_uncertainty_N(rate_N_s, noise_std_N, used_s, step_s),
+        two_line_N=_corner_N(time_s, force_N, where, top, noise_std_N),
         bias_N=window_bias_N(rate_N_s, used_s, step_s),
         window_s=used_s if n_window > 1 else 0.0,
+        noise_std_N=noise_std_N,
         loading_rate_N_s=rate_N_s,
     )
 
@@ -131,13 +191,6 @@ def _window_that_keeps_the_peak(
     return n_window
 
 
-def _step_s(time_s: FloatArray, where: Neighbourhood) -> float:
-    around = time_s[max(where.loading, where.stop - STEPS_LOOKED_AT) : where.stop + 1]
-    if around.size < 2:
-        around = time_s
-    return float(np.median(np.diff(around))) if around.size > 1 else 1.0
-
-
 def _line(time_s: FloatArray, force_N: FloatArray) -> tuple[float, float, float]:
     """Least-squares line: mean time, mean force, slope."""
     t0, f0 = float(time_s.mean()), float(force_N.mean())
@@ -146,23 +199,15 @@ def _line(time_s: FloatArray, force_N: FloatArray) -> tuple[float, float, float]
     return t0, f0, float(dt @ (force_N - f0)) / spread if spread > 0 else 0.0
 
 
-def _loading_rate_N_s(time_s: FloatArray, force_N: FloatArray, where: Neighbourhood) -> float:
-    """Slope of the last half of the climb [N/s]; the first half may still bend."""
-    top = where.first + int(np.argmax(force_N[where.first : where.stop]))
-    first = min((where.loading + top) // 2, top - 1)
-    if first < 0:
-        return 0.0
-    return _line(time_s[first : top + 1], force_N[first : top + 1])[2]
-
-
-def _corner_N(time_s: FloatArray, force_N: FloatArray, where: Neighbourhood, noise_std_N: float) -> float:
+def _corner_N(
+    time_s: FloatArray, force_N: FloatArray, where: Neighbourhood, top: int, noise_std_N: float
+) -> float:
     """Return the force where the line of the loading meets the line of the drop; NaN where either is too short.
 
     The loading line uses the last quarter of the climb (at least four samples) up to where the samples leave it;
     the drop line the samples on the way down. Where the drop happens between two samples, the corner lies half
     a step after the last one on the loading line.
     """
-    top = where.first + int(np.argmax(force_N[where.first : where.stop]))
     fallen_N = float(force_N[where.fallen])
     height_N = float(force_N[top]) - fallen_N
     if height_N <= 4 * noise_std_N:
@@ -187,3 +232,54 @@ def _corner_N(time_s: FloatArray, force_N: FloatArray, where: Neighbourhood, noi
                 return f0 + slope * (corner_s - t0)
     after = min(last + 1, time_s.size - 1)
     return f0 + slope * (0.5 * float(time_s[last] + time_s[after]) - t0)
+
+
+def window_bias_N(loading_rate_N_s: float, window_s: float, step_s: float) -> float:
+    """Return by how much a centred window lowers the top of a ramp that ends in a sudden drop [N].
+
+    The window that lies wholly on the ramp and ends at its top has its mean half a window earlier:
+    −rate (w − step)/2, to first order. Zero for a window of one sample.
+    """
+    rate, beyond_s = max(float(loading_rate_N_s), 0.0), max(float(window_s) - float(step_s), 0.0)
+    return _finite(-rate * (beyond_s / 2.0), "bias", rate, beyond_s)
+
+
+def peak_uncertainty_N(loading_rate_N_s: float, noise_std_N: float, window_s: float, step_s: float) -> float:
+    """Return the standard uncertainty of a smoothed peak: noise that is left, and the window's bias [N]."""
+    _check(noise_std_N, step_s)
+    n_window = max(float(window_s) / float(step_s), 1.0)
+    bias_N = window_bias_N(loading_rate_N_s, window_s, step_s)
+    return _finite(math.hypot(noise_std_N / math.sqrt(n_window), bias_N), "uncertainty", noise_std_N, bias_N)
+
+
+def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *, longest_s: float) -> float:
+    """Return the window with the smallest uncertainty of the peak [s].
+
+    Minimises (rate·w/2)² + σ²·step/w, whose minimum is at w³ = 2 σ² step / rate².
+    """
+    _check(noise_std_N, step_s)
+    rate = max(float(loading_rate_N_s), 0.0)
+    wanted_s = longest_s
+    if rate > 0:
+        noise_s = float(noise_std_N) / rate  # squares of the two alone may leave the range of a float
+        wanted_s = min(longest_s, math.cbrt(2.0 * noise_s * noise_s * float(step_s)))
+    return _finite(window_samples(wanted_s, step_s) * float(step_s), "window", wanted_s, step_s)
+
+
+def _check(noise_std_N: float, step_s: float) -> None:
+    if not (0 < step_s < math.inf and 0 <= noise_std_N < math.inf):
+        raise InputError(
+            f"a step of {step_s} s with noise of {noise_std_N} N makes no sense",
+            code="RF220",
+            fix="give a positive step and a noise of zero or more",
+        )
+
+
+def _finite(value: float, what: str, *of: float) -> float:
+    if not math.isfinite(value):
+        raise InputError(
+            f"the {what} is {value:g}: {' and '.join(f'{number:g}' for number in of)} are beyond what a float holds",
+            code="RF220",
+            fix="check the units",
+        )
+    return value

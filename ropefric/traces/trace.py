@@ -1,17 +1,12 @@
 """A force recording: what every reader hands over and every later step works on."""
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray, frozen_array
-from ropefric.errors import DataError
-
-if TYPE_CHECKING:
-    from ropefric.traces.calibration import Calibration, Saturation
-
-__all__ = ["BoolArray", "FloatArray", "ForceTrace", "IntArray", "frozen_array"]
+from ropefric.arrays import FloatArray, IntArray, frozen_array
+from ropefric.errors import DataError, InputError
+from ropefric.traces.calibration import Calibration, Saturation
 
 _LARGEST = 1e100
 """Beyond this in s, N or Hz, squares and their sums are no floats any more."""
@@ -59,8 +54,8 @@ class ForceTrace:
     name: str = "trace"
     source: str = ""
     counts: IntArray | None = None
-    calibration: "Calibration | None" = None
-    saturation: "Saturation | None" = None
+    calibration: Calibration | None = None
+    saturation: Saturation | None = None
     notes: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
@@ -116,3 +111,16 @@ class ForceTrace:
         if float(steps_s.max()) > 1.5 * step_s:
             step_s = float(np.median(steps_s))
         return float(f"{1.0 / step_s:.12g}")
+
+
+def recalibrate(trace: ForceTrace, calibration: Calibration) -> ForceTrace:
+    """Return the recording with its forces computed anew from the raw counts it kept."""
+    if trace.counts is None:
+        raise InputError(
+            f"{trace.name} holds forces only, no raw counts, so no other calibration can be applied",
+            code="RF213",
+            path=trace.source,
+            fix="import the column of raw counts as channel `counts`",
+        )
+    force_N, saturation = calibration.apply(trace.counts)
+    return replace(trace, force_N=force_N, calibration=calibration, saturation=saturation)

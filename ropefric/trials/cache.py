@@ -8,25 +8,20 @@ import hashlib
 import json
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import fields, replace
+from dataclasses import fields
 from functools import lru_cache
-from math import isfinite, nan
 from pathlib import Path
-from typing import Any
 
-import numpy as np
+from pydantic import ConfigDict, TypeAdapter
 
 from ropefric import __version__
-from ropefric.errors import DataError, Problem
+from ropefric.errors import DataError
 from ropefric.files.read import read_file
 from ropefric.files.write import write_file
-from ropefric.traces.breakaway import Breakaway, Phase, Status
-from ropefric.traces.calibration import Calibration
-from ropefric.trials.result import Outline, TrialResult
-from ropefric.trials.trial_spec import TrialSpec
+from ropefric.trials.campaign_model import TrialSpec
+from ropefric.trials.result import TrialResult
 
-SCHEMA = "ropefric.extraction-cache/3"
-"""Raise the number when the form of an entry changes."""
+SCHEMA = "ropefric.extraction-cache/4"
 MADE_BY = ("errors.py", "quantities.py", "registry.py", "files", "traces", "trials")
 """What a result comes from, beside what is stored with it; a change in any line makes all entries old."""
 
@@ -41,6 +36,15 @@ def hash_sources() -> str:
             with suppress(OSError):
                 found.update(path.read_bytes())
     return found.hexdigest()
+
+
+Results = tuple[tuple[TrialResult, ...], ...]
+"""Of a recording's rows, each with one or more."""
+
+
+@lru_cache(maxsize=1)
+def _entries() -> TypeAdapter[Results]:
+    return TypeAdapter(Results, config=ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants"))
 
 
 class ResultCache:
@@ -61,103 +65,34 @@ class ResultCache:
             for spec in specs
         ]
         key = json.dumps([self._made_by, sha256, rows])
-        return self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
+        return self._folder / f"{_hash(key.encode())[:32]}.json"
 
-    def load(self, specs: Sequence[TrialSpec], sha256: str) -> tuple[tuple[TrialResult, ...], ...] | None:
+    def load(self, specs: Sequence[TrialSpec], sha256: str) -> Results | None:
         """Return the stored results of a recording's rows, or None if there are none that can be used."""
         if not sha256:
             return None
         try:
-            checksum, _, text = read_file(self._path(specs, sha256)).decode().partition("\n")
+            checksum, _, text = read_file(self._path(specs, sha256)).partition(b"\n")
             # A digit that changed on disk would still be a number.
-            if checksum != _checksum(text):
+            if checksum.decode() != _hash(text):
                 return None
-            found = tuple(tuple(map(_from_plain, row)) for row in json.loads(text))
+            found = _entries().validate_json(text)
         # Whatever is wrong with an entry, and with a right checksum too, it can be made again.
         except Exception:  # noqa: BLE001
             return None
-        return found if _fits(found, specs) else None
+        of_rows = len(found) == len(specs) and all(
+            row and all(result.file == spec.file for result in row)
+            for row, spec in zip(found, specs, strict=True)
+        )
+        return found if of_rows else None
 
-    def store(
-        self, specs: Sequence[TrialSpec], sha256: str, results: Sequence[Sequence[TrialResult]]
-    ) -> None:
+    def store(self, specs: Sequence[TrialSpec], sha256: str, results: Results) -> None:
         """Keep the results of a recording; a folder that cannot be written is no reason to stop."""
-        if not sha256:
-            return
-        path = self._path(specs, sha256)
-        text = json.dumps([[_to_plain(one) for one in row] for row in results], separators=(",", ":"))
-        try:
-            write_file(path, f"{_checksum(text)}\n{text}", durable=False)
-        except DataError:
-            return
+        if sha256:
+            text = _entries().dump_json(results)
+            with suppress(DataError):
+                write_file(self._path(specs, sha256), f"{_hash(text)}\n".encode() + text, durable=False)
 
 
-def _checksum(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _fits(found: tuple[tuple[TrialResult, ...], ...], specs: Sequence[TrialSpec]) -> bool:
-    """Return whether results are of the kinds they must be, and of these rows."""
-    return len(found) == len(specs) and all(
-        row and all(_is_sound(result) and result.file == spec.file for result in row)
-        for row, spec in zip(found, specs, strict=True)
-    )
-
-
-def _is_sound(result: TrialResult) -> bool:
-    things: tuple[Any, ...] = (result, result.breakaway, *result.problems)
-    held = [(one.type, getattr(thing, one.name)) for thing in things for one in fields(thing)]
-    return all(
-        type(value) in (int, float) if kind in (float, "float") else isinstance(value, str)
-        for kind, value in held
-        if kind in (float, "float", str, "str")
-    )
-
-
-def _to_plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, float) and not isfinite(value):
-        return None
-    if isinstance(value, TrialResult | Breakaway | Phase | Outline | Problem):
-        return {f.name: _to_plain(getattr(value, f.name)) for f in fields(value)}
-    if isinstance(value, Calibration):
-        return value.to_dict()
-    if isinstance(value, tuple):
-        return [_to_plain(item) for item in value]
-    return value
-
-
-def _from_plain(entry: dict[str, Any]) -> TrialResult:
-    outline, calibration = entry["outline"], entry["calibration"]
-    breakaway = _numbers(Breakaway, entry["breakaway"])
-    result: TrialResult = _numbers(TrialResult, entry)
-    return replace(
-        result,
-        breakaway=replace(
-            breakaway,
-            status=Status(breakaway.status),
-            phases=tuple(Phase(**phase) for phase in entry["breakaway"]["phases"]),
-            notes=tuple(entry["breakaway"]["notes"]),
-        ),
-        calibration=None if calibration is None else Calibration.from_dict(calibration),
-        outline=None if outline is None else _outline(outline),
-        problems=tuple(Problem(**problem) for problem in entry["problems"]),
-        own=tuple((name, cell) for name, cell in entry["own"]),
-    )
-
-
-def _outline(entry: dict[str, Any]) -> Outline:
-    outline = Outline(**{name: np.array(values, dtype=np.float64) for name, values in entry.items()})
-    if not (
-        outline.time_s.shape == outline.low_N.shape == outline.high_N.shape
-        and outline.smoothed_time_s.shape == outline.smoothed_N.shape
-    ):
-        raise ValueError("the curves differ in length")
-    return outline
-
-
-def _numbers(kind: Any, entry: dict[str, Any]) -> Any:
-    """Rebuild a dataclass; a number that was not there comes back as NaN."""
-    floats = {f.name for f in fields(kind) if f.type in (float, "float")}
-    return kind(**{name: nan if value is None and name in floats else value for name, value in entry.items()})
+def _hash(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

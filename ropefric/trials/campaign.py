@@ -1,33 +1,52 @@
 """From campaign.toml and its trial list to a `Campaign`, or to everything that is wrong with them."""
 
+import math
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
+
+import numpy as np
 
 from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
+from ropefric.files.toml import TomlDocument, is_scene, read_toml
+from ropefric.files.toml_model import validate_document
+from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
-from ropefric.traces.settings import SIDES
-from ropefric.trials.campaign_checks import check_settings
+from ropefric.traces.breakaway import SIDES
+from ropefric.traces.calibration import Adc
+from ropefric.traces.derived import evaluate_derived
+from ropefric.traces.readers.profile import ImportProfile
 from ropefric.trials.campaign_model import (
     Campaign,
-    DesignSpec,
-    ProtocolSpec,
-    RopeSpec,
-    SmoothingSpec,
-    WheelSpec,
+    CampaignFile,
+    Protocol,
+    protocol_names,
 )
-from ropefric.trials.campaign_schema import CampaignFile, protocol_names
-from ropefric.trials.file_kind import is_scene
-from ropefric.trials.toml_document import TomlDocument, read_toml
-from ropefric.trials.toml_validation import validate_document
-from ropefric.trials.trial_advice import advise
-from ropefric.trials.trial_files import MISSING_RECORDING
-from ropefric.trials.trial_list import TrialContext, read_trials
-from ropefric.trials.trial_spec import TrialSpec
+from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
+from ropefric.trials.workers import Limits
 
 MISSING_WAYS = ("error", "flag")
+TEMPLATES = ("campaign.toml", "trials.csv")
+"""The files of a new campaign."""
+
+_NAME = re.compile(r"\w+")
+_SET_BY_TRIAL = {
+    "end_tension": "end_tension_N",
+    "lift_force": "lift_force_N",
+    "wrap_angle": "wrap_angle_deg",
+    "wrap": "wrap_angle_deg",
+}
+
+
+def write_templates(folder: str | os.PathLike[str], *, overwrite: bool = False) -> tuple[Path, ...]:
+    """Return the paths of the commented campaign.toml and trials.csv just written."""
+    source = files("ropefric.trials") / "templates"
+    contents = {name: (source / name).read_bytes() for name in TEMPLATES}
+    return write_files(folder, contents, overwrite=overwrite)
 
 
 def load_campaign(
@@ -55,7 +74,7 @@ def load_campaign(
     Examples
     --------
     >>> import tempfile
-    >>> from ropefric.trials.campaign_templates import write_templates
+    >>> from ropefric.trials.campaign import write_templates
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path, _ = write_templates(folder)
     ...     recording = Path(folder) / "recordings" / "pull_01.csv"
@@ -91,105 +110,144 @@ def _read(
         fix = f"use `ropefric solve {document.path}`"
         return None, (document.problem(("system",), "RF121", "this is a scene, not a campaign", fix=fix),)
     model, wrong = validate_document(CampaignFile, document)
-    doubtful = check_settings(document, model)
+    doubtful = (*_check_document(document), *(_check_model(document, model) if model else ()))
     settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))
-    trials_path = document.data.get("trials")
+    trials_path, parent = document.data.get("trials"), Path(path).parent
     if not isinstance(trials_path, str):
         return None, settings
-    parent = Path(path).parent
-    trials, rows = read_trials(parent / trials_path, _context(document, model, parent))
+    data = document.data.get("data", ".")
+    folder = parent / (data if isinstance(data, str) else ".")
+    trials, rows = read_trials(parent / trials_path, folder, _context(document, model, folder))
     if flag_missing:
         rows = tuple(replace(p, severity="warning") if p.code == MISSING_RECORDING else p for p in rows)
     problems = settings + rows
     if model is None or any(problem.severity == "error" for problem in problems):
         return None, problems
     shown = (parent / trials_path).as_posix()
-    one_each = model.protocol.name == "breakaway"
-    problems += advise(trials, shown, rule=model.rejection.rule, one_trial_each=one_each)
-    return _campaign(Path(path), model, trials, problems), problems
-
-
-def _context(document: TomlDocument, model: CampaignFile | None, parent: Path) -> TrialContext:
-    """Return what rows depend on, from the checked file or, where that has errors, from what can be made out."""
-    data = document.data.get("data", ".")
-    folder = parent / (data if isinstance(data, str) else ".")
-    sizes = {name: wheel.radius_m() for name, wheel in model.wheels.items()} if model else {}
-    return TrialContext(
-        folder=folder,
-        folder_exists=_is_dir(folder),
-        wheels={name: sizes.get(name) for name in document.table("wheels")},
-        cells=tuple(document.table("cells")),
-        rope_radius_m=model.rope.radius_m() if model else None,
-        needs_lift_force=_needs_lift_force(document.table("protocol")),
-        needs_cell="counts" in document.table("import", "channels"),
-        start_s=model.protocol.start if model else None,
-        stop_s=model.protocol.until if model else None,
+    problems += advise(
+        trials, shown, rule=model.rejection.rule, one_trial_each=model.protocol.name == "breakaway"
     )
-
-
-def _needs_lift_force(protocol: Mapping[str, Any]) -> bool | None:
-    name, side = protocol.get("name", "breakaway"), protocol.get("side", "slack")
-    if not isinstance(name, str) or name not in protocol_names() or side not in SIDES:
-        return None
-    return ProtocolSpec(name=name, side=side).needs_lift_force
-
-
-def _is_dir(path: Path) -> bool:
-    try:
-        return path.is_dir()
-    except OSError:
-        return False
-
-
-def _campaign(
-    path: Path, model: CampaignFile, trials: tuple[TrialSpec, ...], problems: tuple[Problem, ...]
-) -> Campaign:
-    rate_Hz = model.sampling.rate if model.sampling else None
-    profile = model.import_.profile(rate_Hz)
-    mode, window_s = model.smoothing.window
-    return Campaign(
-        path=path,
-        folder=path.parent / model.data,
+    rate_Hz = model.import_.sampling_rate_Hz or (model.sampling.rate if model.sampling else None)
+    campaign = Campaign(
+        path=Path(path),
+        folder=folder,
         name=model.name,
         schema=model.schema_name,
-        rope=RopeSpec(
-            radius_m=model.rope.radius_m(),
-            linear_density_kg_m=model.rope.linear_density,
-            material=model.rope.material,
-        ),
-        wheels={
-            name: WheelSpec(radius_m=wheel.radius_m(), material=wheel.material)
-            for name, wheel in model.wheels.items()
-        },
-        cells={name: cell.cell(name) for name, cell in model.cells.items()},
-        adc=model.adc.adc() if model.adc else None,
-        protocol=ProtocolSpec(
-            name=model.protocol.name,
-            start_s=model.protocol.start,
-            stop_s=model.protocol.until,
-            min_step_N=model.protocol.min_step,
-            side=model.protocol.side,
-            ending=model.protocol.ending,
-        ),
-        sampling_rate_Hz=profile.sampling_rate_Hz,
+        rope=model.rope,
+        wheels=model.wheels,
+        cells={name: table.cell(name) for name, table in model.cells.items()},
+        adc=Adc(**dict(model.adc)) if model.adc else None,
+        protocol=model.protocol,
+        sampling_rate_Hz=rate_Hz,
         tare_interval_s=model.tare.interval if model.tare else None,
-        smoothing=SmoothingSpec(mode=mode, window_s=window_s, peak=model.smoothing.peak),
+        smoothing=model.smoothing,
         rejection=model.rejection.rule,
         weights_tolerance=model.weights.tolerance if model.weights else 0.0,
-        design=_design(model),
-        profile=profile,
-        limits=model.limits.limits(),
+        design=model.design,
+        profile=ImportProfile(**dict(model.import_) | {"sampling_rate_Hz": rate_Hz}),
+        limits=Limits(**model.limits.given),
         trials=trials,
         warnings=tuple(problem for problem in problems if problem.severity == "warning"),
     )
+    return campaign, problems
 
 
-def _design(model: CampaignFile) -> DesignSpec | None:
-    design = model.design
-    if design is None:
-        return None
-    return DesignSpec(
-        wheel_radius_m=design.wheel_radius,
-        wrap_angle_rad=design.wrap_angle,
-        end_tension_N=design.end_tension,
+def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -> TrialContext:
+    """Return what rows depend on, from the checked file or, where that has errors, from what can be made out."""
+    sizes = {name: wheel.radius_m for name, wheel in model.wheels.items()} if model else {}
+    name, side = (document.table("protocol").get(key, usual) for key, usual in _USUAL_PROTOCOL)
+    known = isinstance(name, str) and name in protocol_names() and side in SIDES
+    return TrialContext(
+        folder=folder if _is_folder(folder) else None,
+        wheels={name: sizes.get(name) for name in document.table("wheels")},
+        cells=tuple(document.table("cells")),
+        rope_radius_m=model.rope.radius_m if model else None,
+        needs_lift_force=Protocol(name=name, side=side).needs_lift_force if known else None,
+        needs_cell="counts" in document.table("import", "channels"),
+        start_s=model.protocol.start_s if model else None,
+        stop_s=model.protocol.stop_s if model else None,
     )
+
+
+_USUAL_PROTOCOL = (("name", "breakaway"), ("side", "slack"))
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _check_document(document: TomlDocument) -> Iterator[Problem]:
+    """Yield what is wrong between the tables of a campaign file, whether or not each is right by itself."""
+    key = ("import", "channels", "counts")
+    if "counts" in document.table("import", "channels"):
+        if "adc" not in document.data:
+            fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
+            yield document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix)
+        if not document.data.get("cells"):
+            fix = 'add [cells.K1] with full_scale = "1 kN"'
+            yield document.problem(key, "RF121", "recordings in counts need a force cell", fix=fix)
+    yield from dict.fromkeys(_check_formulas(document))
+    name = document.data.get("data", ".")
+    if isinstance(name, str) and not _is_folder(folder := Path(document.path).parent / name):
+        fix = "write the folder relative to the campaign file"
+        yield document.problem(("data",), "RF106", f"there is no folder {folder.as_posix()}", fix=fix)
+
+
+def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
+    """Try every formula on recordings without a single value: what is left to fail is the formula itself."""
+    channels = document.table("import", "channels")
+    if not channels:
+        return  # the reader goes by the file's headers, which are not known here
+    constants = dict.fromkeys(document.table("import", "constants"), math.nan)
+    known = {name: np.full(3, np.nan) for name in channels}
+    for name, formula in document.table("import", "derived").items():
+        if not isinstance(formula, str):
+            continue
+        try:
+            evaluate_derived({name: formula}, known, constants)
+        except DataError as error:
+            key = ("import", "constants") if "constants" in error.problem.key else ("import", "derived", name)
+            yield document.problem(key, error.code, error.problem.message, fix=error.fix)
+        known[name] = np.full(3, np.nan)
+
+
+def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
+    """Yield what is wrong, idle or doubtful in a campaign file whose tables are right by themselves."""
+
+    def warn(key: tuple[str, ...], code: str, message: str, fix: str) -> Problem:
+        return document.problem(key, code, message, fix=fix, warning=True)
+
+    profile_Hz = model.import_.sampling_rate_Hz
+    if model.sampling is not None and profile_Hz is not None and profile_Hz != model.sampling.rate:
+        message = f"{profile_Hz:g} Hz, but [sampling] rate is {model.sampling.rate:g} Hz"
+        yield document.problem(("import", "sampling_rate"), "RF111", message, fix="remove one of the two")
+    protocol = model.protocol.name
+    idle = {"side"} if protocol != "held" else {"min_step", "ending"}
+    for key in sorted(idle & document.table("protocol").keys()):
+        yield warn(("protocol", key), "RF141", f"has no effect for protocol '{protocol}'", "remove it")
+    for name, wheel in model.wheels.items():
+        if doubt := radius_doubt(wheel.radius_m):
+            yield warn(("wheels", name), "RF140", doubt, "check the unit")
+    for name, table in model.cells.items():  # one warning a cell, with every key that is missing
+        cell = table.cell(name)
+        said = [f'{key} = "{100.0 * getattr(cell, key):g} %FS"' for key in cell.assumed]
+        if said:
+            fix = f"write what the data sheet states, such as {said[0]}"
+            yield warn(("cells", name), "RF142", f"not stated, so assumed: {', '.join(said)}", fix)
+    yield from _idle_channels(document, model)
+
+
+def _idle_channels(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
+    """Yield a warning of each measured channel that the trial list sets once for each trial instead."""
+    used = {name for formula in model.import_.derived.values() for name in _NAME.findall(str(formula))}
+    for place in ("channels", "derived"):
+        for name in getattr(model.import_, place):
+            if name in _SET_BY_TRIAL and name not in used:
+                what = (
+                    f"the measured {name.replace('_', ' ')} is read, but not used: that of the trial list is"
+                )
+                fix = f"write its value at break-away into the column {_SET_BY_TRIAL[name]} of the trial list"
+                yield document.problem(("import", place, name), "RF141", what, fix=fix, warning=True)

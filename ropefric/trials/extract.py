@@ -6,18 +6,15 @@ from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ropefric.errors import DataError, InputError, Problem, RopefricError
+from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.read import InputFile, hash_file, use_file
 from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.trials.cache import ResultCache
-from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.conditions import summarise_conditions
+from ropefric.trials.campaign_model import Campaign, TrialSpec
+from ropefric.trials.conditions import summarised
 from ropefric.trials.recording import extract_recording, unreadable
-from ropefric.trials.result import ConditionSummary, Extraction, Outline, TrialResult
-from ropefric.trials.trial_spec import TrialSpec
+from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.workers import Lost, guarded
-
-__all__ = ["ConditionSummary", "Extraction", "Outline", "TrialResult", "extract_campaign"]
 
 CHUNK = 8
 """Recordings handed to an executor at a time."""
@@ -54,19 +51,8 @@ def extract_campaign(
                 found = [trial for row in results[0] for trial in row]
                 worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
                 progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
-    trials, conditions, doubts = summarise_conditions(
-        _in_list_order(campaign, files, [results for results, _ in done]), campaign.rejection
-    )
-    problems: list[Problem] = [*campaign.warnings]
-    for trial in trials:
-        problems.extend(trial.problems)
-    return Extraction(
-        name=campaign.name,
-        trials=trials,
-        conditions=conditions,
-        problems=(*problems, *doubts),
-        n_reused=sum(reused for _, reused in done),
-    )
+    trials = _in_list_order(campaign, files, [results for results, _ in done])
+    return summarised(campaign, trials, n_reused=sum(reused for _, reused in done))
 
 
 def _by_file(specs: Sequence[TrialSpec]) -> list[_Rows]:

@@ -4,23 +4,25 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from math import nan
+from typing import Any
 
+import numpy as np
+
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
-from ropefric.traces.breakaway import Breakaway, Status
+from ropefric.traces.assemble import assemble_trace
+from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.budget import end_tension_std_N, force_std_N
-from ropefric.traces.calibration import Calibration
+from ropefric.traces.calibration import Calibration, tare_from_interval
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
-from ropefric.traces.settings import PickSettings
-from ropefric.traces.trace import ForceTrace
-from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.outline import draw_outline
-from ropefric.trials.result import TrialResult
-from ropefric.trials.tared import tared_trace
-from ropefric.trials.trial_spec import TrialSpec
+from ropefric.traces.segments import MIN_SAMPLES
+from ropefric.traces.trace import ForceTrace, recalibrate
+from ropefric.trials.campaign_model import Campaign, TrialSpec
+from ropefric.trials.result import Outline, TrialResult
 
 STATUS_CODES = {
     Status.SATURATED: "RF230",
@@ -29,6 +31,10 @@ STATUS_CODES = {
     Status.TOO_SHORT: "RF233",
 }
 RATE_TOLERANCE = 0.01
+LARGEST_N = 1e12
+"""More than was ever pulled: such a number is damage, and its square may be none at all."""
+BINS = 300
+DIGITS = 6
 
 
 def extract_recording(
@@ -51,7 +57,7 @@ def unreadable(
     campaign: Campaign, specs: Sequence[TrialSpec], error: RopefricError, *, sha256: str = ""
 ) -> tuple[tuple[TrialResult, ...], ...]:
     """Return the results of all rows of a file that cannot be read, for the reason the error gives."""
-    return tuple((_unreadable(campaign, spec, error, sha256),) for spec in specs)
+    return tuple((_unreadable(campaign, spec, error, sha256=sha256),) for spec in specs)
 
 
 def _extract_row(
@@ -60,7 +66,7 @@ def _extract_row(
     try:
         chosen = blocks_of(spec, raws)
     except DataError as error:
-        return [_unreadable(campaign, spec, error, sha256)]
+        return [_unreadable(campaign, spec, error, sha256=sha256)]
     results: list[TrialResult] = []
     for raw in chosen:
         named = spec if len(chosen) == 1 else replace(spec, trial=f"{spec.trial}#{raw.sample}")
@@ -95,7 +101,6 @@ def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawReco
 
 
 def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str) -> list[TrialResult]:
-    protocol = PROTOCOLS[campaign.protocol.name]
     settings = PickSettings(
         window_s=campaign.smoothing.window_s,
         peak=campaign.smoothing.peak,
@@ -106,71 +111,67 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
         side=campaign.protocol.side,
     )
     try:
-        tared = tared_trace(campaign, spec, raw)
-        found = protocol.pick(tared.trace, settings)
+        trace, tare_N, problems = tared_trace(campaign, spec, raw)
+        found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
     except RopefricError as error:
-        return [_unreadable(campaign, spec, error, sha256)]
-    many = campaign.protocol.name != "breakaway"
-    outline = draw_outline(tared.trace)
-    problems = (*tared.problems, *_rate_problem(campaign, spec, tared.trace))
+        return [_unreadable(campaign, spec, error, sha256=sha256)]
+    common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": tare_N}
+    problems += _rate_problem(campaign, spec, trace)
     results = []
     for number, breakaway in enumerate(found, start=1):
+        many = campaign.protocol.name != "breakaway"
         named = replace(spec, trial=f"{spec.trial}#{number}") if many else spec
         if breakaway.status is Status.OK and not breakaway.peak_N > 0:
-            refused = _unreadable(campaign, named, _not_pulling(named, breakaway), sha256)
-            told = (*(problems if number == 1 else ()), *refused.problems)
-            results.append(replace(refused, outline=outline, tare_N=tared.tare_N, problems=told))
-            continue
-        result = _result(campaign, named, breakaway, tared.trace.calibration)
-        flagged = _status_problem(named, breakaway)
-        saturation = tared.trace.saturation
-        results.append(
-            replace(
-                result,
-                sha256=sha256,
-                calibration=tared.trace.calibration,
-                outline=outline,
-                tare_N=tared.tare_N,
-                saturated_samples=saturation.n_high if saturation is not None else 0,
-                problems=(*(problems if number == 1 else ()), *flagged, *result.problems),
+            refusal = DataError(
+                f"the force at break-away reads {breakaway.peak_N:.4g} N: a rope cannot push",
+                code="RF240",
+                path=spec.file,
+                fix='check the zero of the cell ([tare]) and the sign of the force ([import.derived] force = "-...")',
             )
-        )
+            results.append(_unreadable(campaign, named, refusal, problems, **common))
+        else:
+            saturated = trace.saturation.n_high if trace.saturation is not None else 0
+            of_trace = {"calibration": trace.calibration, "saturated_samples": saturated}
+            problems += _status_problem(named, breakaway)
+            results.append(_result(campaign, named, breakaway, problems, **of_trace, **common))
+        problems = ()  # those of the recording are told once
     return results
 
 
 def _result(
-    campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, calibration: Calibration | None
+    campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
 ) -> TrialResult:
-    measures_slack = campaign.protocol.needs_lift_force
-    measured_std_N = nan
-    if breakaway.status is Status.OK:
-        measured_std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
-    known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
+    known_N = spec.lift_force_N if campaign.protocol.needs_lift_force else spec.end_tension_N
     known_N = nan if known_N is None else known_N
-    known_std_N = end_tension_std_N(known_N, campaign.weights_tolerance)
-    measured = (breakaway.peak_N, measured_std_N)
-    (peak_N, peak_std_N), (end_N, end_std_N) = (
-        ((known_N, known_std_N), measured) if measures_slack else (measured, (known_N, known_std_N))
-    )
-    problems: tuple[Problem, ...] = ()
+    known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
+    measured = (breakaway.peak_N, nan)
+    if breakaway.status is Status.OK:
+        std_N = force_std_N(breakaway.peak_N, more.get("calibration"), picking_std_N=breakaway.peak_std_N)
+        measured = (breakaway.peak_N, std_N)
+    measures_slack = campaign.protocol.needs_lift_force
+    (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
     if peak_N <= end_N:
-        problems = (
-            Problem(
-                code="RF240",
-                message=f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)",
-                path=spec.file,
-                key="end_tension",
-                fix="check whether the sides, the units or the sign of the force are swapped",
-                severity="warning",
-            ),
+        swapped = Problem(
+            code="RF240",
+            message=f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)",
+            path=spec.file,
+            key="end_tension",
+            fix="check whether the sides, the units or the sign of the force are swapped",
+            severity="warning",
         )
+        problems = (*problems, swapped)
+    of_row = (
+        "trial",
+        "file",
+        "sample",
+        "wheel_radius_m",
+        "rope_radius_m",
+        "wrap_angle_rad",
+        "cell",
+        "rope_id",
+    )
     return TrialResult(
-        trial=spec.trial,
-        file=spec.file,
-        sample=spec.sample,
-        wheel_radius_m=spec.wheel_radius_m,
-        rope_radius_m=spec.rope_radius_m,
-        wrap_angle_rad=spec.wrap_angle_rad,
+        **{name: getattr(spec, name) for name in (*of_row, "note", "own")},
         end_tension_N=end_N,
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
@@ -179,36 +180,31 @@ def _result(
         kept=breakaway.status is Status.OK and not spec.exclude,
         excluded=spec.exclude,
         measures_slack=measures_slack,
-        cell=spec.cell,
-        rope_id=spec.rope_id,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
-        note=spec.note,
-        own=spec.own,
         problems=problems,
+        **more,
     )
 
 
-def _not_pulling(spec: TrialSpec, breakaway: Breakaway) -> DataError:
-    return DataError(
-        f"the force at break-away reads {breakaway.peak_N:.4g} N: a rope cannot push",
-        code="RF240",
-        path=spec.file,
-        fix='check the zero of the cell ([tare]) and the sign of the force ([import.derived] force = "-...")',
-    )
+def _unreadable(
+    campaign: Campaign,
+    spec: TrialSpec,
+    error: RopefricError,
+    problems: tuple[Problem, ...] = (),
+    **more: Any,
+) -> TrialResult:
+    problem = error.problem
+    detail = f"{problem.message} ({problem.where})" if problem.where else problem.message
+    breakaway = Breakaway(status=Status.UNREADABLE, detail=detail)
+    return _result(campaign, spec, breakaway, (*problems, *error.problems), **more)
 
 
 def _status_problem(spec: TrialSpec, breakaway: Breakaway) -> tuple[Problem, ...]:
     if breakaway.status is Status.OK:
         return ()
-    return (
-        Problem(
-            code=STATUS_CODES[breakaway.status],
-            message=f"{spec.trial}: {breakaway.status.value}: {breakaway.detail}",
-            path=spec.file,
-            fix=breakaway.advice,
-            severity="warning",
-        ),
-    )
+    message = f"{spec.trial}: {breakaway.status.value}: {breakaway.detail}"
+    code, fix = STATUS_CODES[breakaway.status], breakaway.advice
+    return (Problem(code=code, message=message, path=spec.file, fix=fix, severity="warning"),)
 
 
 def _rate_problem(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> tuple[Problem, ...]:
@@ -227,8 +223,75 @@ def _rate_problem(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> tup
     )
 
 
-def _unreadable(campaign: Campaign, spec: TrialSpec, error: RopefricError, sha256: str) -> TrialResult:
-    problem = error.problem
-    detail = f"{problem.message} ({problem.where})" if problem.where else problem.message
-    result = _result(campaign, spec, Breakaway(status=Status.UNREADABLE, detail=detail), None)
-    return replace(result, sha256=sha256, problems=error.problems)
+def tared_trace(
+    campaign: Campaign, spec: TrialSpec, raw: RawRecording
+) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
+    """Return a recording calibrated and tared as its campaign says, what was taken off [N], and what is doubtful."""
+    calibration = None
+    if spec.cell and campaign.adc is not None:
+        calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)
+    trace = assemble_trace(raw, campaign.profile, calibration=calibration)
+    _check_size(spec, trace)
+    if campaign.tare_interval_s is None:
+        return (trace, 0.0, ())
+    start_s, stop_s = campaign.tare_interval_s
+    if np.count_nonzero(np.isfinite(trace.force_N)) < MIN_SAMPLES:
+        return (trace, nan, ())  # picking says that it is too short
+    if trace.counts is not None and trace.calibration is not None:
+        tared, problems = tare_from_interval(trace.time_s, trace.counts, trace.calibration, start_s, stop_s)
+        placed = tuple(replace(p, path=spec.file) for p in problems)
+        return (recalibrate(trace, tared), tared.tare_N, placed)
+    inside = (trace.time_s >= start_s) & (trace.time_s <= stop_s) & np.isfinite(trace.force_N)
+    if not inside.any():
+        raise DataError(
+            f"no sample lies in the tare interval from {start_s:g} s to {stop_s:g} s",
+            code="RF212",
+            path=spec.file,
+            key="[tare] interval",
+            fix="name an idle interval inside the recording, or remove [tare]",
+        )
+    tare_N = float(np.median(trace.force_N[inside]))
+    return (replace(trace, force_N=trace.force_N - tare_N), tare_N, ())
+
+
+def _check_size(spec: TrialSpec, trace: ForceTrace) -> None:
+    too_large = np.abs(trace.force_N) > LARGEST_N
+    if too_large.any():
+        sample = int(np.argmax(too_large))
+        raise DataError(
+            f"{trace.force_N[sample]:.4g} N at {trace.time_s[sample]:.6g} s is no force that a cell can read",
+            code="RF204",
+            path=spec.file,
+            fix='correct the unit or the cell, or list its text under [import] missing = ["..."]',
+        )
+
+
+def draw_outline(trace: ForceTrace) -> Outline | None:
+    """Return the min-max envelope and the means of about 300 bins; None where no sample is there.
+
+    Numbers are rounded to six digits: no eye sees more, and a stored outline is a third as long.
+    """
+    time_s, force_N = trace.time_s, trace.force_N
+    present = np.isfinite(force_N)
+    if not present.all():
+        time_s, force_N = time_s[present], force_N[present]
+    if force_N.size == 0:
+        return None
+    n_bins = min(BINS, force_N.size)
+    starts = np.arange(n_bins) * force_N.size // n_bins
+    counts = np.diff(np.append(starts, force_N.size))
+    middle_s = _rounded(0.5 * (time_s[starts] + time_s[starts + counts - 1]))
+    return Outline(
+        time_s=middle_s,
+        low_N=_rounded(np.minimum.reduceat(force_N, starts)),
+        high_N=_rounded(np.maximum.reduceat(force_N, starts)),
+        smoothed_time_s=middle_s,
+        smoothed_N=_rounded(np.add.reduceat(force_N, starts) / counts),
+    )
+
+
+def _rounded(values: FloatArray) -> FloatArray:
+    largest = float(np.abs(values).max())
+    if largest == 0.0:
+        return values + 0.0  # no negative zeros in stored files
+    return np.round(values, DIGITS - 1 - int(np.floor(np.log10(largest)))) + 0.0

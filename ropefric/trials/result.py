@@ -1,13 +1,23 @@
-"""What an extraction hands on: trials, conditions, problems."""
+"""What an extraction hands on: trials, conditions, problems; and the three CSV files of them."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import csv
+import io
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from math import isfinite, nan
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
-from ropefric.arrays import FloatArray
+import numpy as np
+from pydantic import PlainSerializer, PlainValidator
+
+from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import Problem
+from ropefric.files.digits import significant
+from ropefric.files.folder import Folder, as_folder
+from ropefric.files.plain_text import to_spreadsheet
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
@@ -16,6 +26,16 @@ OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
 its F_A is not above its F_B; or its recording gave no usable force."""
 
+_COLUMNS = (
+    "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N",
+    "end_tension_std_N", "peak_N", "peak_std_N", "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s",
+    "noise_std_N", "loading_rate_N_s", "kinetic_N", "kinetic_std_N", "status", "kept", "rejected_by", "excluded",
+    "detail", "notes", "cell", "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
+)  # fmt: skip
+_OF_BREAKAWAY = {
+    "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
+    "kinetic_std_N", "status", "detail", "notes",
+}  # fmt: skip
 # What else a trial table may call its columns.
 _MEANT = frozenset(
     {
@@ -25,15 +45,23 @@ _MEANT = frozenset(
 )  # fmt: skip
 
 
+_Curve = Annotated[FloatArray, PlainValidator(frozen_array), PlainSerializer(np.ndarray.tolist)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outline:
     """A recording reduced for drawing: no peak is lost, because each bin keeps its smallest and largest sample."""
 
-    time_s: FloatArray
-    low_N: FloatArray
-    high_N: FloatArray
-    smoothed_time_s: FloatArray
-    smoothed_N: FloatArray
+    time_s: _Curve
+    low_N: _Curve
+    high_N: _Curve
+    smoothed_time_s: _Curve
+    smoothed_N: _Curve
+
+    def __post_init__(self) -> None:
+        envelope, smoothed = (self.low_N, self.high_N, self.time_s), (self.smoothed_N, self.smoothed_time_s)
+        if any(len({curve.shape for curve in curves}) > 1 for curves in (envelope, smoothed)):
+            raise ValueError("the curves differ in length")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,40 +116,12 @@ class TrialResult:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""
-        found = self.breakaway
         row: dict[str, Any] = {
-            "trial": self.trial,
-            "file": self.file,
-            "sample": self.sample,
-            "wheel_radius_m": self.wheel_radius_m,
-            "rope_radius_m": self.rope_radius_m,
-            "wrap_angle_rad": self.wrap_angle_rad,
-            "end_tension_N": self.end_tension_N,
-            "end_tension_std_N": self.end_tension_std_N,
-            "peak_N": self.peak_N,
-            "peak_std_N": self.peak_std_N,
-            "peak_raw_N": nan if self.measures_slack else found.peak_raw_N,
-            "peak_time_s": found.peak_time_s,
-            "two_line_N": found.two_line_N,
-            "bias_N": found.bias_N,
-            "window_s": found.window_s,
-            "noise_std_N": found.noise_std_N,
-            "loading_rate_N_s": found.loading_rate_N_s,
-            "kinetic_N": found.kinetic_N,
-            "kinetic_std_N": found.kinetic_std_N,
-            "status": found.status.value,
-            "kept": self.kept,
-            "rejected_by": self.rejected_by,
-            "excluded": self.excluded,
-            "detail": found.detail,
-            "notes": "; ".join(found.notes),
-            "cell": self.cell,
-            "rope_id": self.rope_id,
-            "dwell_s": self.dwell_s,
-            "tare_N": self.tare_N,
-            "saturated_samples": self.saturated_samples,
-            "note": self.note,
+            name: getattr(self.breakaway if name in _OF_BREAKAWAY else self, name) for name in _COLUMNS
         }
+        row |= {"status": self.breakaway.status.value, "notes": "; ".join(self.breakaway.notes)}
+        if self.measures_slack:
+            row["peak_raw_N"] = nan
         taken = _names_of((*row, "sha256")) if self.own else frozenset[str]()
         for name, cell in self.own:
             # What a fit would take for a number of the tool's own gets another name.
@@ -230,3 +230,58 @@ def outcome_words(counts: Mapping[str, Any]) -> str:
 
 def _finite_or_none(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
+
+
+_PROBLEM_COLUMNS = ("severity", "code", "path", "line", "key", "message", "fix")
+_NAME_SEPARATOR = "; "
+_SETTINGS = frozenset({"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "dwell_s"})
+"""Columns that people set: they stay as they came out of the trial list."""
+_RESIDUE = 1e-12
+"""What a number in newtons or seconds is that should be zero."""
+
+
+def write_tables(extraction: Extraction, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
+    """Write trials.csv, conditions.csv and problems.csv; return their paths.
+
+    UTF-8, comma, decimal point, one header line with units in the names, empty cells where there is no number;
+    what was measured to nine significant digits, so that the same recordings give the same bytes on every machine.
+    Files of these names are replaced.
+    """
+    problems = [asdict(problem) for problem in extraction.problems]
+    trials = [
+        _rounded(trial.to_dict(), known="peak_N" if trial.measures_slack else "end_tension_N")
+        for trial in extraction.trials
+    ]
+    return as_folder(folder).write(
+        {
+            "trials.csv": _text(trials),
+            "conditions.csv": _text([_rounded(condition.to_dict()) for condition in extraction.conditions]),
+            "problems.csv": _text(problems, columns=_PROBLEM_COLUMNS),
+        }
+    )
+
+
+def _rounded(row: Mapping[str, Any], *, known: str = "") -> dict[str, Any]:
+    """Return a row with what was measured to the digits that mean something; the force that was set is `known`."""
+    return {
+        key: significant(value, smallest=_RESIDUE)
+        if isinstance(value, float) and key not in _SETTINGS and key != known
+        else value
+        for key, value in row.items()
+    }
+
+
+def _text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> str:
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns or list(rows[0] if rows else ()), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
+    return stream.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list):
+        value = _NAME_SEPARATOR.join(value)
+    return to_spreadsheet(value) if isinstance(value, str) else value

@@ -1,29 +1,65 @@
-"""The trial list: rows of trials.csv as `TrialSpec`, with everything that is wrong in them."""
+"""The trial list: rows of trials.csv as `TrialSpec`, with everything that is wrong or doubtful in them."""
 
 import math
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
-from ropefric.errors import DataError, Problem
+import numpy as np
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import DataError, InputError, Problem
+from ropefric.files.plain_text import from_spreadsheet
+from ropefric.files.read import kind_of_file
+from ropefric.friction.condition import condition_groups, distinct
+from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
-from ropefric.trials.trial_cells import Row, decimal_mark, read_row
-from ropefric.trials.trial_columns import BoundColumn, bind_columns
-from ropefric.trials.trial_files import check_files, check_names
-from ropefric.trials.trial_spec import TrialSpec
-from ropefric.trials.trial_table import CellTable, read_cells
+from ropefric.trials.campaign_model import TrialSpec
+from ropefric.trials.cells import (
+    SETTINGS,
+    STANDARD_GRAVITY_M_S2,
+    CellTable,
+    Column,
+    bind_columns,
+    decimal_mark,
+    near_miss,
+    read_cells,
+    read_number,
+)
+
+MISSING_RECORDING = "RF124"
+"""Code of the problem that a recording is not there."""
+MAX_MISSING = 20
+"""Missing recordings that are listed one by one."""
+FEWEST_REPEATS = 6
 
 _SLIP = 0.75
+_TEXTS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note")
+_QUANTITIES = {
+    **SETTINGS,
+    "lift_force": ("lift_force_N", "N", 1.0),
+    "lift_mass": ("lift_force_N", "kg", STANDARD_GRAVITY_M_S2),
+    "dwell": ("dwell_s", "s", 1.0),
+    "from": ("start_s", "s", 1.0),
+    "until": ("stop_s", "s", 1.0),
+}
+_MEANINGS = {
+    "file": "the recording it was made of",
+    "wheel_radius_m": "a wheel radius",
+    "wrap_angle_rad": "a wrap angle",
+    "end_tension_N": "an end tension",
+    "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
+    "cell": "a force cell, for its recording is in counts",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialContext:
     """What the campaign file says that rows depend on; as far as it could be read."""
 
-    folder: Path
-    folder_exists: bool = True
+    folder: Path | None
     wheels: Mapping[str, float | None]
     cells: tuple[str, ...] = ()
     rope_radius_m: float | None = None
@@ -33,75 +69,80 @@ class TrialContext:
     stop_s: float | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Row:
+    """One row of the trial list as far as it can be read."""
+
+    line: int
+    cells: tuple[str, ...]
+    texts: dict[str, str] = field(default_factory=dict)
+    numbers: dict[str, float] = field(default_factory=dict)
+    unreadable: set[str] = field(default_factory=set)
+    problems: list[Problem] = field(default_factory=list)
+
+    @property
+    def file(self) -> str:
+        # Lists written on Windows name folders with backslashes.
+        return self.texts.get("file", "").replace("\\", "/")
+
+
 def read_trials(
-    path: str | os.PathLike[str], context: TrialContext
+    path: str | os.PathLike[str], folder: Path, context: TrialContext
 ) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
-    """Return the rows that can be used, and all problems of the table."""
+    """Return the rows that can be used, of recordings in a folder, and all problems of the table."""
     try:
         table, problems_of_rows = read_cells(path)
     except DataError as error:
         # A trial list is named by the campaign file, and looked for where that is.
-        in_campaign = "check the path, relative to the campaign file"
-        return (), tuple(
-            replace(one, fix=in_campaign) if "no such file" in one.message else one for one in error.problems
-        )
-    columns, own, problems_of_header = bind_columns(table.header, table.path, table.header_line)
-    problems = [*problems_of_rows, *problems_of_header]
-    reader = _Reader(
-        path=table.path,
-        columns=columns,
-        context=context,
-        header_line=table.header_line,
-        header_is_good=all(problem.severity == "warning" for problem in problems_of_header),
-        own=own,
-    )
+        fix = "check the path, relative to the campaign file"
+        return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
+    columns, others, found = bind_columns(table, _QUANTITIES, _TEXTS)
+    own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
+    reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)
     # A mistyped header says more than the consequence that its column is missing.
-    if reader.header_is_good:
-        missing = reader.missing_columns()
-        mistyped = {problem.key for problem in missing}
-        problems = [problem for problem in problems if problem.key not in mistyped] + missing
-    decimal = decimal_mark(table, columns)
-    rows = [read_row(cells, line, columns, table.path, decimal) for line, cells in table.rows]
-    problems += _unnamed_columns(table)
+    missing = [] if found else list(reader.missing_columns())
+    mistyped = {problem.key for problem in missing}
+    for name in others:
+        found += [] if name in mistyped else near_miss(table, name, _QUANTITIES, _TEXTS)
+    problems = [*problems_of_rows, *found, *missing, *_unnamed_columns(table)]
     if not table.rows and not problems_of_rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
-        problems.append(
-            Problem(code="RF101", message=message, path=table.path, line=table.header_line, fix=fix)
-        )
-    for row in rows:
-        row.problems.extend(reader.check(row))
-    problems += check_files(rows, context.folder if context.folder_exists else None, table.path)
-    names, problems_of_names = check_names(rows, table.path)
+        problems.append(table.problem(table.header_line, "", "RF101", message, fix))
+    decimal = decimal_mark(table, columns)
+    rows = [reader.row(line, cells, decimal) for line, cells in table.rows]
+    problems += _listed_twice(rows, table)
+    if context.folder is not None:
+        problems += _not_there(rows, context.folder, table)
+    names, problems_of_names = _names(rows, table)
     problems += problems_of_names
     problems += [problem for row in rows for problem in row.problems]
     trials = [
         trial
-        for row, name, (_, cells) in zip(rows, names, table.rows, strict=True)
-        if not row.problems and (trial := reader.trial(row, name, cells)) is not None
+        for row, name in zip(rows, names, strict=True)
+        if not row.problems and (trial := reader.trial(row, name, folder)) is not None
     ]
     return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
 
-def _unnamed_columns(table: CellTable) -> list[Problem]:
-    """Return a problem for every column without a name that holds something."""
-    problems = []
+def _unnamed_columns(table: CellTable) -> Iterator[Problem]:
+    """Yield a problem for every column without a name that holds something."""
     for index, name in enumerate(table.header):
         held = next((row for row in table.rows if not name and row[1][index]), None)
         if held is not None:
             message = f"column {index + 1} has no name, but holds '{held[1][index][:60]}'"
             fix = "name it; a column whose name starts with '_' is ignored"
-            problems.append(Problem(code="RF120", message=message, path=table.path, line=held[0], fix=fix))
-    return problems
+            yield table.problem(held[0], "", "RF120", message, fix)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Reader:
-    path: str
-    columns: dict[str, BoundColumn]
-    context: TrialContext
-    header_line: int
-    header_is_good: bool
+    """What the header and the campaign file say of every row."""
+
+    table: CellTable
+    columns: dict[str, Column]
     own: Mapping[str, int]
+    context: TrialContext
+    header_is_good: bool
 
     @property
     def tension(self) -> tuple[str, ...]:
@@ -109,54 +150,90 @@ class _Reader:
             return ()
         return ("lift_force_N",) if self.context.needs_lift_force else ("end_tension_N",)
 
-    def missing_columns(self) -> list[Problem]:
-        needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {
-            field: field for field in self.tension
-        }
+    def missing_columns(self) -> Iterator[Problem]:
+        """Yield that a column is missing, or that its name is mistyped."""
+        needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in self.tension}
         if not {"wheel", "wheel_radius_m"} & self.columns.keys():
             needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
         if self.context.needs_cell:
             needed["cell"] = "cell"
-        return [self._missing(field, header) for field, header in needed.items() if field not in self.columns]
-
-    def _missing(self, field: str, header: str) -> Problem:
-        """Return that a column is missing, or that its name is mistyped."""
-        known = header.split(maxsplit=1)[0]
-        near = get_close_matches(known, self.own, n=1, cutoff=_SLIP)
-        if near:
-            message, fix = "this column is not known", did_you_mean(near[0], [known])
-        else:
-            message = f"there is no column {header}; every trial needs {_MEANINGS[field]}"
+        for name, header in needed.items():
+            known = header.split(maxsplit=1)[0]
+            if name in self.columns:
+                continue
+            near = get_close_matches(known, self.own, n=1, cutoff=_SLIP)
+            key, code = (near[0], "RF120") if near else (known, "RF121")
+            message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
             fix = f"add the column {header}"
-        return Problem(
-            code="RF120" if near else "RF121",
-            message=message,
-            path=self.path,
-            line=self.header_line,
-            key=near[0] if near else known,
-            fix=fix,
-        )
+            if near:
+                message, fix = "this column is not known", did_you_mean(key, [known])
+            yield self.table.problem(self.table.header_line, key, code, message, fix)
 
-    def check(self, row: Row) -> list[Problem]:
-        """Return what is missing or contradictory in a row."""
-        problems = [self._empty(row, field) for field in ("file", "wrap_angle_rad", *self.tension)]
-        problems += [
-            self._name(row, "wheel", self.context.wheels),
-            self._name(row, "cell", self.context.cells),
-        ]
-        problems.append(self._wheel(row))
+    def row(self, line: int, cells: tuple[str, ...], decimal: str) -> _Row:
+        """Return a row's cells as texts and SI numbers, with what is wrong, missing or contradictory in it."""
+        row = _Row(line=line, cells=cells)
+        for name, column in self.columns.items():
+            cell = cells[column.index]
+            if not column.si_unit:
+                row.texts[name] = from_spreadsheet(cell)
+            elif cell:
+                try:
+                    row.numbers[name] = read_number(cell, column, decimal)
+                except InputError as error:
+                    row.unreadable.add(name)
+                    row.problems.append(self.table.refusal(line, column.header, error))
+        row.problems.extend(self._check(row))
+        return row
+
+    def _check(self, row: _Row) -> Iterator[Problem]:
+        for name in ("file", "wrap_angle_rad", *self.tension):
+            yield from self._empty(row, name)
+        yield from self._unknown(row, "wheel", self.context.wheels)
+        yield from self._unknown(row, "cell", self.context.cells)
+        wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
+        known_m = self.context.wheels.get(wheel)
+        if not wheel and radius_m is None and self.header_is_good:
+            yield from self._empty(row, "wheel_radius_m" if "wheel_radius_m" in self.columns else "wheel")
+        elif (
+            radius_m is not None and known_m is not None and not math.isclose(radius_m, known_m, rel_tol=1e-6)
+        ):
+            message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
+            fix = "correct one, or leave one of the two cells empty"
+            yield self._problem(row, "wheel_radius_m", "RF111", message, fix)
         if self.context.needs_cell:
-            problems.append(self._empty(row, "cell"))
+            yield from self._empty(row, "cell")
         start_s, stop_s = self._interval(row)
         if start_s is not None and stop_s is not None and not start_s < stop_s:
             message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
-            column = self.columns.get("stop_s") or self.columns["start_s"]
-            problems.append(
-                self._problem(row, "RF111", message, column.header, "give an end after the start")
-            )
-        return [problem for problem in problems if problem is not None]
+            place = "stop_s" if "stop_s" in self.columns else "start_s"
+            yield self._problem(row, place, "RF111", message, "give an end after the start")
 
-    def trial(self, row: Row, name: str, cells: tuple[str, ...]) -> TrialSpec | None:
+    def _interval(self, row: _Row) -> tuple[float | None, float | None]:
+        start_s = row.numbers.get("start_s", self.context.start_s)
+        return start_s, row.numbers.get("stop_s", self.context.stop_s)
+
+    def _problem(self, row: _Row, name: str, code: str, message: str, fix: str) -> Problem:
+        return self.table.problem(row.line, self.columns[name].header, code, message, fix)
+
+    def _empty(self, row: _Row, name: str) -> Iterator[Problem]:
+        if (
+            name in self.columns
+            and not row.texts.get(name)
+            and not (name in row.numbers or name in row.unreadable)
+        ):
+            meaning = _MEANINGS["wheel_radius_m" if name == "wheel" else name]
+            message = f"{self.columns[name].header} is empty; every trial needs {meaning}"
+            yield self._problem(row, name, "RF121", message, "fill the cell")
+
+    def _unknown(self, row: _Row, name: str, known: Collection[str]) -> Iterator[Problem]:
+        word = row.texts.get(name, "")
+        if word and word not in known:
+            fix = did_you_mean(word[:80], known)
+            if not known:
+                fix = f"describe it under [{name}s.{word}] in the campaign file"
+            yield self._problem(row, name, "RF120", f"unknown {name} '{word}'", fix)
+
+    def trial(self, row: _Row, name: str, folder: Path) -> TrialSpec | None:
         """Return a checked row in SI; None where the campaign file leaves something open."""
         texts, numbers, context = row.texts, row.numbers, self.context
         wheel_m = numbers.get("wheel_radius_m", context.wheels.get(texts.get("wheel", "")))
@@ -165,15 +242,9 @@ class _Reader:
         if wheel_m is None or rope_m is None or wrap_rad is None or not file:
             return None
         start_s, stop_s = self._interval(row)
-        given = {
-            key: texts[key]
-            for key in ("sample", "wheel", "cell", "rope_id", "exclude", "note")
-            if key in texts
-        }
         return TrialSpec(
             trial=name,
-            file=file,
-            path=context.folder / file.replace("\\", "/"),
+            path=folder / row.file,
             line=row.line,
             wheel_radius_m=wheel_m,
             rope_radius_m=rope_m,
@@ -183,56 +254,180 @@ class _Reader:
             dwell_s=numbers.get("dwell_s"),
             start_s=start_s,
             stop_s=stop_s,
-            own=tuple((header, cells[index]) for header, index in self.own.items()),
-            **given,
+            own=tuple((header, row.cells[index]) for header, index in self.own.items()),
+            **{key: text for key, text in texts.items() if key != "trial"},
         )
 
-    def _interval(self, row: Row) -> tuple[float | None, float | None]:
-        start_s = row.numbers.get("start_s", self.context.start_s)
-        return start_s, row.numbers.get("stop_s", self.context.stop_s)
 
-    def _problem(self, row: Row, code: str, message: str, key: str, fix: str) -> Problem:
-        return Problem(code=code, message=message, path=self.path, line=row.line, key=key, fix=fix)
+# --- recordings and names ---
 
-    def _empty(self, row: Row, field: str) -> Problem | None:
-        column = self.columns.get(field)
-        if column is None or row.texts.get(field) or field in row.numbers or field in row.unreadable:
-            return None
-        message = f"{column.header} is empty; every trial needs {_MEANINGS[field]}"
-        return self._problem(row, "RF121", message, column.header, "fill the cell")
 
-    def _name(self, row: Row, field: str, known: Mapping[str, object] | tuple[str, ...]) -> Problem | None:
-        name = row.texts.get(field, "")
-        if not name or name in known:
-            return None
-        fix = (
-            did_you_mean(name[:80], known)
-            if known
-            else f"describe it under [{field}s.{name}] in the campaign file"
+def _not_there(rows: Sequence[_Row], folder: Path, table: CellTable) -> Iterator[Problem]:
+    """Yield problems of recordings that are not there, or are no files; warnings where the trial is excluded."""
+    kinds = {file: kind_of_file(folder / file) for file in {row.file: 0 for row in rows} if file}
+    for row in rows:
+        if kinds.get(row.file) == "device or pipe":
+            message = f"the recording {row.texts['file']} is a device or pipe, not a file"
+            fix, excluded = "write its content to a file, and name that", bool(row.texts.get("exclude"))
+            yield table.problem(row.line, "file", MISSING_RECORDING, message, fix, warning=excluded)
+    missing = [row for row in rows if kinds.get(row.file, "file") in ("", "folder")]
+    for excluded in (False, True):
+        some = [row for row in missing if bool(row.texts.get("exclude")) == excluded]
+        for row in some[:MAX_MISSING]:
+            message = f"the recording {row.texts['file']} is not there"
+            fix = f"put it into {folder.as_posix()}, or correct the name"
+            yield table.problem(row.line, "file", MISSING_RECORDING, message, fix, warning=excluded)
+        if len(some) > MAX_MISSING:
+            message = f"{len(some) - MAX_MISSING} more recordings are not there, {len(some)} in all"
+            fix, line = "check the key 'data' of the campaign file", some[MAX_MISSING].line
+            yield table.problem(line, "file", MISSING_RECORDING, message, fix, warning=excluded)
+
+
+def _listed_twice(rows: Sequence[_Row], table: CellTable) -> Iterator[Problem]:
+    """Yield problems of recordings listed twice; parts that do not overlap in time are different trials."""
+    # '*' takes every block, so beside it no block is another recording.
+    whole = {row.file for row in rows if row.texts.get("sample") == "*"}
+    groups: dict[tuple[str, str], list[_Row]] = {}
+    for row in rows:
+        if row.file:
+            block = "*" if row.file in whole else row.texts.get("sample", "")
+            groups.setdefault((row.file, block), []).append(row)
+    for (file, _), group in groups.items():
+        latest_s, latest = -math.inf, group[0]
+        for row in sorted(group, key=lambda row: (row.numbers.get("start_s", -math.inf), row.line)):
+            stop_s = row.numbers.get("stop_s", math.inf)
+            if row.numbers.get("start_s", -math.inf) < latest_s:
+                first, second = sorted((latest, row), key=lambda item: item.line)
+                sample = second.texts.get("sample", "")
+                what = f"block '{sample}' of " if sample else ""
+                fix = "remove one row, or give each its own part of the recording with from_s and until_s"
+                if file in whole:
+                    fix = "remove one row; the sample '*' takes every block of the file"
+                message = f"{what}{second.texts['file']} is listed in line {first.line} already"
+                yield table.problem(second.line, "file", "RF122", message, fix)
+            if stop_s > latest_s:
+                latest_s, latest = stop_s, row
+
+
+def _names(rows: Sequence[_Row], table: CellTable) -> tuple[list[str], list[Problem]]:
+    """Return a unique name for every row, and problems of names given twice.
+
+    A row without a name is called after its file, with the block where there is one, and a number where that
+    name is taken.
+    """
+    taken = {row.texts.get("trial", "") for row in rows}
+    first: dict[str, int] = {}
+    names, problems = [], []
+    for row in rows:
+        name = row.texts.get("trial", "")
+        if name and name in first:
+            message = f"the name '{name}' is given in line {first[name]} already"
+            fix = "give every trial its own name, or leave the cell empty"
+            problems.append(table.problem(row.line, "trial", "RF122", message, fix))
+        elif name:
+            first[name] = row.line
+        else:
+            stem = PurePosixPath(PurePosixPath(row.file).name.removesuffix(".gz")).stem
+            sample = row.texts.get("sample", "")
+            stem = (f"{stem}#{sample}" if sample and sample != "*" else stem) or "trial"
+            name, number = stem, 1
+            while name in taken:
+                number += 1
+                name = f"{stem}-{number}"
+            taken.add(name)
+        names.append(name)
+    return names, problems
+
+
+# --- what is doubtful in a list without errors, or cannot be learned from it: said once for the whole list ---
+
+
+def radius_doubt(radius_m: float) -> str:
+    """Return why a wheel radius is probably in another unit; "" if it is plausible."""
+    if 1e-3 <= radius_m <= 10.0:
+        return ""
+    return f"a wheel radius of {radius_m:g} m is outside 1 mm to 10 m, probably in another unit"
+
+
+def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each: bool) -> tuple[Problem, ...]:
+    """Return warnings about a trial list without errors."""
+    used = [trial for trial in trials if not trial.exclude]
+    doubts = [*_doubts(trials), *_unseen_effects(used)]
+    if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):
+        doubts += _few_repeats(used)
+    doubts.sort(key=lambda doubt: (doubt[0] or 0, doubt[2], doubt[1]))
+    return tuple(
+        Problem(code=code, message=message, path=path, line=line, key=key, fix=fix, severity="warning")
+        for line, key, code, message, fix in doubts
+    )
+
+
+_Doubt = tuple[int | None, str, str, str, str]
+"""Line, key, code, message, remedy."""
+
+
+def _doubts(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
+    found: dict[tuple[str, str], list[tuple[str, int]]] = {}
+    for trial in trials:
+        for key, message, fix in _doubts_of(trial):
+            found.setdefault((key, fix), []).append((message, trial.line))
+    for (key, fix), hits in found.items():
+        more = f" (and {len(hits) - 1} more rows)" if len(hits) > 1 else ""
+        yield hits[0][1], key, "RF140", hits[0][0] + more, fix
+
+
+def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
+    """Yield column, what is doubtful about it in a row, remedy."""
+    wheel_m, rope_m, degrees = trial.wheel_radius_m, trial.rope_radius_m, math.degrees(trial.wrap_angle_rad)
+    if not trial.wheel and (said := radius_doubt(wheel_m)):
+        yield "wheel_radius", said, "check the unit in the header"
+    turns = trial.wrap_angle_rad / (2 * math.pi)
+    if turns > 100:
+        message = f"a wrap of {turns:g} turns is probably in another unit"
+        yield "wrap_angle", message, "check the unit in the header"
+    if degrees <= 90 * (1 - 1e-9):
+        message = (
+            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
         )
-        return self._problem(row, "RF120", f"unknown {field} '{name}'", self.columns[field].header, fix)
-
-    def _wheel(self, row: Row) -> Problem | None:
-        name, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
-        if not name and radius_m is None and self.header_is_good and "wheel_radius_m" not in row.unreadable:
-            column = self.columns.get("wheel_radius_m") or self.columns.get("wheel")
-            if column is None:
-                return None
-            message = f"{column.header} is empty; every trial needs {_MEANINGS['wheel_radius_m']}"
-            return self._problem(row, "RF121", message, column.header, "fill the cell")
-        known_m = self.context.wheels.get(name)
-        if radius_m is None or known_m is None or math.isclose(radius_m, known_m, rel_tol=1e-6):
-            return None
-        message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{name}' has {known_m * 1e3:g} mm"
-        fix = "correct one, or leave one of the two cells empty"
-        return self._problem(row, "RF111", message, self.columns["wheel_radius_m"].header, fix)
+        yield "wrap_angle", message, "wrap further where the rig allows it"
+    if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:
+        message = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
+        yield "exclude", message, "leave the cell empty to keep the trial"
+    if rope_m >= wheel_m:
+        message = f"the rope radius, {rope_m * 1e3:g} mm, is not below the wheel radius, {wheel_m * 1e3:g} mm"
+        yield "rope_diameter", message, "check both, and whether a diameter stands for a radius"
 
 
-_MEANINGS = {
-    "file": "the recording it was made of",
-    "wheel_radius_m": "a wheel radius",
-    "wrap_angle_rad": "a wrap angle",
-    "end_tension_N": "an end tension",
-    "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
-    "cell": "a force cell, for its recording is in counts",
-}
+def _few_repeats(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
+    group = condition_groups(*_settings(trials))
+    counts = np.bincount(group)
+    few, least = int(np.count_nonzero(counts < FEWEST_REPEATS)), int(counts.min())
+    if few:
+        message = (
+            f"{few} of {counted(counts.size, 'condition')} have fewer than {FEWEST_REPEATS} repeats, the smallest "
+            f"{counted(least, 'repeat')}; the ±2s rule cannot reject anything for n <= 5 "
+            "(largest possible |z| = (n-1)/sqrt(n))"
+        )
+        fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'
+        yield trials[int(np.argmax(counts[group] == least))].line, "", "RF310", message, fix
+
+
+def _settings(trials: Sequence[TrialSpec]) -> tuple[FloatArray, ...]:
+    """Return what repeats have in common: size ratio, wrap, load and wheel of each trial."""
+    size = [trial.wheel_radius_m / trial.rope_radius_m for trial in trials]
+    load_N = [t.end_tension_N if t.end_tension_N is not None else t.lift_force_N or 0.0 for t in trials]
+    columns = (size, [t.wrap_angle_rad for t in trials], load_N, [t.wheel_radius_m for t in trials])
+    return tuple(np.array(column) for column in columns)
+
+
+def _unseen_effects(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
+    names = (
+        ("wheel_radius", "ratio of wheel and rope radius", "size"),
+        ("wrap_angle", "wrap angle", "wrap angle"),
+        ("end_tension", "tension", "tension"),
+    )
+    for (key, name, effect), values in zip(names, _settings(trials), strict=False):
+        if len(trials) > 1 and distinct(values).size == 1:
+            message = f"all trials have one {name}, so the effect of the {effect} cannot be seen"
+            fix = f"measure at two or more values, or fit laws without an effect of the {effect}"
+            yield None, key, "RF311", message, fix

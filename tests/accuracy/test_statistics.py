@@ -102,6 +102,7 @@ def test_two_lines_err_to_one_side_and_the_study_says_so(peaks):
 
 
 def test_the_librarys_fit_ends_at_the_last_digits():
-    for case in ("wide", "narrow"):
-        (row,) = error_table("fit", case, method="ropefric, one by one")
-        assert row.error < 1e-13
+    """In the narrow case the parameters are hard to tell apart, and normal equations keep a digit or two less."""
+    for case, most in {"wide": 1e-14, "narrow": 2e-13}.items():
+        rows = {row.setting: row for row in error_table("fit", case, method="ropefric, batched")}
+        assert rows["tolerance 1e-12"].error < most

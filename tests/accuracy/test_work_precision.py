@@ -9,7 +9,7 @@ import pytest
 from ropefric.accuracy.measure import Machine, StudyResult
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import ROUNDING, Case, Measured, Study
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.cost_page import cost_markdown, cost_sections, write_cost
 

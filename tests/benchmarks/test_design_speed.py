@@ -6,9 +6,9 @@ import pytest
 from ropefric.fitting.design import design
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
 
 N = 1_000_000
 

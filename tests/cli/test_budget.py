@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ropefric.api.uncertainty import measured_budgets
-from ropefric.cli.commands.catalogue import find_commands
+from ropefric.cli.app import find_commands
 from ropefric.errors import InputError
 from ropefric.traces.budget import chain_quantities
 from ropefric.traces.calibration import Calibration, ForceCell

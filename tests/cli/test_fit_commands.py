@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.cli.commands.catalogue import find_commands
+from ropefric.cli.app import find_commands
 
 ROOT = Path(__file__).parents[2]
 TRIALS = ROOT / "fits" / "prth-trials.csv"

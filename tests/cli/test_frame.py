@@ -9,9 +9,9 @@ import pytest
 import typer
 
 from ropefric.cli import app
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.commands.catalogue import find_commands
-from ropefric.cli.jsontext import json_text
+from ropefric.cli.app import find_commands
+from ropefric.cli.options import Answer, Command
+from ropefric.cli.output import json_text
 from ropefric.errors import DataError, FitError, Problem
 from ropefric.registry import Registry
 
@@ -260,7 +260,7 @@ def test_a_reader_that_goes_away_is_no_failure():
     code = (
         "import os, sys\n"
         "from ropefric.cli import app\n"
-        "from ropefric.cli.command import Answer, Command\n"
+        "from ropefric.cli.options import Answer, Command\n"
         "from ropefric.registry import Registry\n"
         "def run(out):\n"
         "    'Say much.'\n"

@@ -5,8 +5,7 @@ import os
 import pytest
 import typer
 
-from ropefric.cli.assignments import parse_assignments
-from ropefric.cli.jobs import SERIAL_BELOW, parse_jobs
+from ropefric.cli.options import SERIAL_BELOW, parse_assignments, parse_jobs
 
 
 def test_a_small_campaign_runs_in_one_process_and_a_large_one_on_every_core():

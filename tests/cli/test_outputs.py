@@ -359,7 +359,7 @@ def program(code, *words, **options):
 STOPPED = """
 import os, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
-import ropefric.trials.tables as tables
+import ropefric.trials.result as tables
 def stop(*_):
     os.kill(os.getpid(), signal.{signal})
     raise AssertionError("went on")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.cli.commands.catalogue import find_commands
+from ropefric.cli.app import find_commands
 from ropefric.cli.commands.plan_tests import read_levels
 
 ROOT = Path(__file__).parents[2]

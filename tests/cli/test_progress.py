@@ -5,8 +5,7 @@ import sys
 
 import pytest
 
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
+from ropefric.cli.output import Output, Progress
 
 
 class Terminal(io.StringIO):

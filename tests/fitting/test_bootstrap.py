@@ -6,7 +6,7 @@ import pytest
 from ropefric.errors import FitError, InputError, UnknownNameError
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.scatter import TwoLevelScatter, two_level_scatter
+from ropefric.fitting.statistics import TwoLevelScatter, two_level_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 
@@ -23,10 +23,8 @@ def test_parametric_spread_is_the_covariance_of_a_linear_law(bench_problem):
     J = problem.law.jacobian(found.best, problem.conditions)
     exact = 0.01 * np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
     assert np.allclose(found.std, exact, rtol=0.05)  # 4000 draws know a standard deviation to 1.1 %
-    for interval in (found.ci95, found.ci95_basic):
-        assert np.allclose(
-            interval, found.best[:, None] + 1.96 * exact[:, None] * [-1, 1], atol=0.25 * exact.max()
-        )
+    expected = found.best[:, None] + 1.96 * exact[:, None] * [-1, 1]
+    assert np.allclose(found.interval(), expected, atol=0.25 * exact.max())
     assert found.n_failed == 0
     assert found.notes == ()
 
@@ -87,8 +85,8 @@ def test_every_law_is_bootstrapped_without_a_failure(bench_problem, law):
         assert np.isfinite(found.theta).all()
         assert (found.std[problem.vary] > 0).all()
         assert (found.std[~problem.vary] == 0).all()
-        assert (found.ci95[:, 0] <= found.ci95[:, 1]).all()
-        assert (found.ci95_basic >= problem.lower[:, None])[problem.vary].all()
+        assert (found.interval()[:, 0] <= found.interval()[:, 1]).all()
+        assert (found.interval() >= problem.lower[:, None])[problem.vary].all()
 
 
 def test_the_seed_decides_and_nothing_else(bench_problem):
@@ -125,20 +123,17 @@ def test_resamples_that_cannot_hold_the_parameters_are_counted(bench_problem):
 def test_a_bound_in_reach_is_said(bench_problem):
     problem = bench_problem(LAWS["constant-offset"], [0.2, 0.0], lower=np.array([0.0, 0.0]))
     found = bootstrap(problem, [0.2, 0.0], n=300)
-    assert found.ci95[1, 0] == 0.0
+    assert found.interval()[1, 0] == 0.0
     assert any(note.startswith("k is at a bound in") for note in found.notes)
 
 
-def test_levels_and_methods(bench_problem):
+def test_levels(bench_problem):
     problem = bench_problem(LAWS["constant"])
     found = bootstrap(problem, solved(problem), n=500)
-    assert found.interval(0.95).tolist() == found.ci95.tolist()
-    assert found.interval(0.95, "basic").tolist() == found.ci95_basic.tolist()
-    assert np.ptp(found.interval(0.5)) < np.ptp(found.ci95)
+    assert found.interval(0.95).tolist() == found.interval().tolist()
+    assert np.ptp(found.interval(0.5)) < np.ptp(found.interval())
     with pytest.raises(InputError, match="level is 95"):
         found.interval(95)
-    with pytest.raises(UnknownNameError, match="did you mean 'basic'"):
-        found.interval(0.95, "basics")
 
 
 @pytest.mark.parametrize(

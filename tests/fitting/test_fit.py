@@ -11,13 +11,15 @@ from hypothesis import strategies as st
 from scipy import optimize
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting import reduced, search
+from ropefric.fitting import fit as fitting
+from ropefric.fitting import problem as problems
 from ropefric.fitting.bootstrap import bootstrap
-from ropefric.fitting.fit import fit_law
-from ropefric.fitting.table import TrialTable
-from ropefric.fitting.weights import pooled_scatter, trial_std
+from ropefric.fitting.fit import fit_law, trial_std
+from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.statistics import pooled_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
 
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench" / "truth.toml"
 
@@ -271,7 +273,7 @@ def test_repeats_put_together_before_the_search_change_nothing(monkeypatch, law,
     unequal = {} if std_N is None else {"peak_std_N": std_N, "wrap_std_rad": 0.01}
     table = table_of(law, theta, repeats=7, **unequal)
     apart = fit_law(table, law)
-    monkeypatch.setattr(search, "MANY", 1)
+    monkeypatch.setattr(fitting, "MANY", 1)
     together = fit_law(table, law)
     np.testing.assert_allclose(together.theta, apart.theta, rtol=1e-7)
     np.testing.assert_allclose(together.covariance, apart.covariance, rtol=1e-5)
@@ -282,10 +284,9 @@ def test_repeats_put_together_before_the_search_change_nothing(monkeypatch, law,
 
 def test_a_law_is_searched_for_on_the_conditions_of_a_large_table(monkeypatch):
     sizes = []
-    minimise = search.least_squares
     monkeypatch.setattr(
-        search, "least_squares", lambda residual, jacobian, start, **more: (
-            sizes.append(residual(start).size) or minimise(residual, jacobian, start, **more)
+        fitting, "batched_fit", lambda problem, **more: (
+            sizes.append(problem.n_points) or batched_fit(problem, **more)
         )
     )  # fmt: skip
     found = fit_law(table_of("wrap-power", [0.2, -0.5, 0.1], repeats=400), "wrap-power")
@@ -298,7 +299,7 @@ def test_a_bootstrap_of_a_large_table_draws_condition_means():
     theta = [0.2, -0.5, 0.1]
     fits = [fit_law(table_of("wrap-power", theta, repeats=repeats), "wrap-power") for repeats in (100, 150)]
     small, large = (bootstrap(fit.problem, fit.theta, n=400, scatter=(0.01, 0.005)) for fit in fits)
-    assert fits[1].problem.n_points > reduced.MANY > fits[0].problem.n_points
+    assert fits[1].problem.n_points > problems.MANY > fits[0].problem.n_points
     # The scatter between conditions rules: half as many repeats more change little.
     np.testing.assert_allclose(large.std, small.std, rtol=0.15)
     assert bootstrap(fits[1].problem, fits[1].theta, n=50, kind="clustered").n_failed == 0

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
 
 TRUTH = {
     "constant": [0.2],

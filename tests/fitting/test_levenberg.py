@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from ropefric.errors import InputError
-from ropefric.fitting.bounded_step import bounded_steps
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.reduced import reduced
+from ropefric.fitting.levenberg import batched_fit, bounded_steps
+from ropefric.fitting.problem import reduced
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.friction.start import guess

@@ -12,11 +12,10 @@ import pytest
 
 from ropefric.errors import DataError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.store import fit_text, load_fit, save_fit
-from ropefric.fitting.table import read_trial_table
-from ropefric.fitting.verify import verify_fit, verify_fits
+from ropefric.fitting.store import fit_text, load_fit, save_fit, verify_fit, verify_fits
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import read_trial_table
 
 
 @pytest.fixture
@@ -233,7 +232,7 @@ def test_verify_needs_fits(tmp_path):
 
 def test_fit_of_a_table_in_memory_cannot_be_verified_and_says_so(campaign):
     table = read_trial_table(campaign / "data" / "trials.csv")
-    from ropefric.fitting.table import table_from_frame
+    from ropefric.trials.table import table_from_frame
 
     save_fit(fit_law(table_from_frame(table.to_frame()), "constant"), campaign / "memory.json")
     assert "names no data file" in verify_fit(campaign / "memory.json").message

@@ -9,13 +9,14 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
+from ropefric.fitting import fit as fitting
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.identifiability import identify
-from ropefric.fitting.status import ADVICE, FitStatus
-from ropefric.fitting.structure import find_trends
-from ropefric.fitting.table import TrialTable
+from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.statistics import find_trends, identify
+from ropefric.fitting.verdict import ADVICE, FitStatus
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.trials.table import TrialTable
 
 TWELVE_WRAPS = np.linspace(np.pi / 2, 4 * np.pi, 12)
 
@@ -227,16 +228,13 @@ def test_extreme_scatter():
 
 
 def test_search_that_stops_early_is_not_a_success(monkeypatch):
-    from ropefric.fitting import search
-
-    original = search._minimum
     monkeypatch.setattr(
-        search, "_minimum",
-        lambda *args: dataclasses.replace(original(*args), converged=False, message="out of evaluations"),
-    )  # fmt: skip
-    fit = fit_law(pulled("constant", [0.2], wraps=(3, 6)), "constant")
+        fitting, "batched_fit", lambda problem, **more: batched_fit(problem, **(more | {"max_iterations": 1}))
+    )
+    table = pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, loads=(2, 20, 200))
+    fit = fit_law(table, "wrap-power", start={"a": 3.0, "b": -0.9, "c": 0.5}, n_starts=1)
     assert fit.status == "not-converged"
-    assert "out of evaluations" in fit.advice[0]
+    assert "did not reach a minimum" in fit.advice[0]
     assert not fit.trustworthy
 
 

@@ -1,4 +1,4 @@
-"""Campaign files with lines moved, doubled and given each other's values; tests/campaign does the rest."""
+"""Campaign files with lines moved, doubled and given each other's values; tests/trials does the rest."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from ropefric.errors import DataError
 from ropefric.trials.campaign import check_campaign, load_campaign
 
-GOOD = Path(__file__).parents[1] / "campaign" / "good"
+GOOD = Path(__file__).parents[1] / "trials" / "good"
 LINES = GOOD.joinpath("campaign.toml").read_text(encoding="utf-8").splitlines()
 TRIALS = GOOD.joinpath("trials.csv").read_bytes()
 KEYS = [number for number, line in enumerate(LINES) if " = " in line]

@@ -10,12 +10,11 @@ from hypothesis import strategies as st
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
-from ropefric.fitting.status import FitStatus
-from ropefric.fitting.store import fit_text, load_fit
-from ropefric.fitting.table import TrialTable
-from ropefric.fitting.verify import verify_fit
+from ropefric.fitting.store import fit_text, load_fit, verify_fit
+from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 FOLDER = scratch()
 EXTREME = (5e-324, 1e-310, 1e-300, 1e-160, 1e-16, 1e16, 1e160, 1e300)

@@ -4,7 +4,7 @@ import numpy as np
 from fuzz_kit import answered, fuzzed, scratch
 from hypothesis import strategies as st
 
-from ropefric.fitting.table import read_trial_table, table_from_frame
+from ropefric.trials.table import read_trial_table, table_from_frame
 
 FOLDER = scratch()
 HEADERS = (

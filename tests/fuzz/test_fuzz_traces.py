@@ -6,10 +6,9 @@ import numpy as np
 from fuzz_kit import answered, fuzzed
 from hypothesis import strategies as st
 
-from ropefric.traces.breakaway import Status
+from ropefric.traces.breakaway import ENDINGS, PEAKS, PickSettings, Status
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.protocols import PROTOCOLS
-from ropefric.traces.settings import ENDINGS, PEAKS, PickSettings
 from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth
 from ropefric.traces.trace import ForceTrace
 

@@ -25,19 +25,18 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from fuzz_kit import answered, limit
 
-from ropefric.cli.assignments import parse_assignments
 from ropefric.cli.commands.plan_tests import read_levels
+from ropefric.cli.options import parse_assignments
 from ropefric.errors import RopefricError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.store import load_fit
-from ropefric.fitting.table import read_trial_table
-from ropefric.fitting.verify import verify_fit
+from ropefric.fitting.store import load_fit, verify_fit
 from ropefric.quantities import parse_any_quantity, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis
 from ropefric.trials.campaign import check_campaign, load_campaign
 from ropefric.trials.recording import extract_recording
+from ropefric.trials.table import read_trial_table
 
 ROOT = Path(__file__).parents[2]
 N_INPUTS = 3000
@@ -324,7 +323,7 @@ def garbled(rng, text, mark):
 @cache
 def good_campaign():
     folder = Path(tempfile.mkdtemp(prefix="ropefric-three-thousand-"))
-    source = ROOT / "tests" / "campaign" / "good"
+    source = ROOT / "tests" / "trials" / "good"
     for path in source.rglob("*"):
         target = folder / path.relative_to(source)
         if path.is_dir():
@@ -336,7 +335,7 @@ def good_campaign():
 
 def campaign(rng, number):
 
-    folder, source = good_campaign(), ROOT / "tests" / "campaign" / "good"
+    folder, source = good_campaign(), ROOT / "tests" / "trials" / "good"
     spoilt = ("campaign.toml", "trials.csv")[number % 2]
     for name, mark in (("campaign.toml", "="), ("trials.csv", ",")):
         text = (source / name).read_text(encoding="utf-8")

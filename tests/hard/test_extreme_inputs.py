@@ -6,8 +6,7 @@ from hard_hoist import lifted
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.status import FitStatus
-from ropefric.fitting.table import TrialTable
+from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
@@ -18,12 +17,13 @@ from ropefric.systems.bandsaw.span import Span
 from ropefric.systems.bandsaw.string import string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.problem import HoistProblem
+from ropefric.traces.breakaway import PickSettings
 from ropefric.traces.noise import noise_std, remove_spikes
+from ropefric.traces.peak import choose_window, peak_uncertainty_N, window_bias_N
 from ropefric.traces.protocols import PROTOCOLS
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth
 from ropefric.traces.trace import ForceTrace
-from ropefric.traces.window import choose_window, peak_uncertainty_N, window_bias_N
+from ropefric.trials.table import TrialTable
 
 REGIME = Regime(
     name="1e-310 and 1e300",

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hard_regime import EPS, Regime, once
 
+from ropefric.traces.breakaway import PickSettings
+from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.noise import noise_std
-from ropefric.traces.protocols.breakaway import pick_breakaway
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.smoothing import average_over_samples, average_over_time
 from ropefric.traces.trace import ForceTrace
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hard_regime import Regime, once
 
+from ropefric.traces.breakaway import PickSettings
 from ropefric.traces.protocols import PROTOCOLS
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth, window_samples
 from ropefric.traces.trace import ForceTrace
 

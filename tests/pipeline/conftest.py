@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.laws import LAWS
 from ropefric.pipeline.run import run_campaign
 from ropefric.trials.campaign import load_campaign
+from ropefric.trials.table import TrialTable
 
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 

@@ -5,13 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ropefric.fitting.bootstrap import with_intervals
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.predict import predict
-from ropefric.fitting.store import load_fit
-from ropefric.fitting.table import read_trial_table
-from ropefric.fitting.verify import verify_fits
+from ropefric.fitting.store import load_fit, verify_fits
 from ropefric.friction.condition import Conditions, one_condition
+from ropefric.trials.table import read_trial_table
 
 pytestmark = pytest.mark.slow  # the run of all 432 recordings
 FITS = Path(__file__).parents[2] / "fits"

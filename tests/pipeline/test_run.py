@@ -12,15 +12,15 @@ from ropefric.errors import DataError, FitError, UnknownNameError
 from ropefric.files.folder import OutputFolder
 from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.status import FitStatus
+from ropefric.fitting.verdict import FitStatus
 from ropefric.pipeline.answer import answer_trials
 from ropefric.pipeline.run import run_campaign, write_answer
-from ropefric.pipeline.usable import REASON, set_aside_impossible
 from ropefric.trials.campaign import load_campaign
-from ropefric.trials.campaign_model import DesignSpec
+from ropefric.trials.campaign_model import DesignWheel
+from ropefric.trials.conditions import NOT_ABOVE, set_aside_impossible
 from ropefric.trials.result import count_trials
 
-WHEEL = DesignSpec(wheel_radius_m=0.05, wrap_angle_rad=6.0, end_tension_N=40.0)
+WHEEL = DesignWheel.model_construct(wheel_radius_m=0.05, wrap_angle_rad=6.0, end_tension_N=40.0)
 
 
 def tree(folder):
@@ -103,7 +103,7 @@ def test_a_law_without_an_answer_cannot_be_asked_for(pulls):
 
 
 def test_a_design_without_an_answer_is_a_doubt_and_no_number(pulls):
-    wild = replace(WHEEL, wrap_angle_rad=1e6)
+    wild = WHEEL.model_copy(update={"wrap_angle_rad": 1e6})
     answer = answer_trials(pulls("constant", 0.2), design=wild)
     assert answer.prediction is None
     assert any("no lift force for the design" in doubt and "overflows" in doubt for doubt in answer.doubts)
@@ -174,7 +174,7 @@ def test_a_pull_below_its_end_tension_is_set_aside_and_ends_nothing(lab, tmp_pat
     campaign = lab(lambda rows: [row.replace("p5,p5.csv,40,360,20", "p5,p5.csv,40,360,2000") for row in rows])
     run = run_campaign(campaign, tmp_path / "out")
     (odd,) = [trial for trial in run.extraction.trials if trial.trial == "p5"]
-    assert (odd.kept, odd.excluded) == (False, REASON)
+    assert (odd.kept, odd.excluded) == (False, NOT_ABOVE)
     assert count_trials(run.extraction)["n_kept"] == 11
     assert any(problem.code == "RF240" for problem in run.extraction.problems)
     assert run.answer.fit["mu"].value == pytest.approx(0.2, rel=0.02)

@@ -7,12 +7,12 @@ import pytest
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.table import TrialTable
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.svg import svg_text
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.trials.conditions import summarise_conditions
 from ropefric.trials.result import Extraction, Outline, TrialResult
+from ropefric.trials.table import TrialTable
 
 
 def _make_trial(

@@ -7,13 +7,18 @@ from concurrent.futures import ThreadPoolExecutor
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.plotting.campaign import write_condition_figures
-from ropefric.plotting.condition import draw_condition
-from ropefric.plotting.labels import name_condition, typeset
-from ropefric.plotting.repeatability import draw_repeatability
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.conditions import (
+    condition_stem,
+    condition_title,
+    draw_condition,
+    draw_repeatability,
+    write_condition_figures,
+)
+from ropefric.plotting.figure import save_figure
+from ropefric.plotting.labels import typeset
 from ropefric.traces.breakaway import Status
 
 
@@ -42,8 +47,21 @@ def legend(axes):
     return [text.get_text() for text in axes.get_legend().get_texts()]
 
 
-def lines_of(axes, label):
-    return [line for line in axes.lines if line.get_label() == label]
+def collection_of(axes, label):
+    (found,) = [one for one in axes.collections if one.get_label() == label]
+    return found
+
+
+def picked(axes):
+    """The forces picked from the recordings, as points."""
+    (found,) = [one for one in axes.collections if one.get_label().startswith(("break-away", "plateau"))]
+    return found.get_offsets()
+
+
+def bars_of(axes):
+    """Both ends of each error bar."""
+    (found,) = [one for one in axes.collections if isinstance(one, LineCollection)]
+    return [segment[:, 1].tolist() for segment in found.get_segments()]
 
 
 def test_axes_say_what_they_show_with_units(drawn):
@@ -56,8 +74,9 @@ def test_axes_say_what_they_show_with_units(drawn):
 
 def test_every_recording_is_drawn_and_every_peak_marked(drawn, trials):
     left, _ = drawn.figure.axes
-    assert len(left.collections) == 10  # all but the unreadable one
-    peaks = [line.get_xydata()[0] for line in left.lines if line.get_marker() == "o"]
+    for label in ("recorded, min to max", "recorded, mean"):
+        assert len(collection_of(left, label).get_paths()) == 10  # all but the unreadable one
+    peaks = picked(left)
     expected = [(8.0, t.breakaway.peak_N) for t in trials if t.breakaway.status == Status.OK]
     np.testing.assert_allclose(peaks, expected)
     (band,) = [patch for patch in left.patches if "sliding" in patch.get_label()]
@@ -66,7 +85,8 @@ def test_every_recording_is_drawn_and_every_peak_marked(drawn, trials):
 
 def test_the_strip_shows_each_trial_in_order_with_the_two_sigma_band_of_all(drawn, trials):
     _, right = drawn.figure.axes
-    points = {tuple(bars[0].get_xydata()[0]) for bars in right.containers}
+    points = {tuple(at) for label in ("kept", "rejected") for at in collection_of(right, label).get_offsets()}
+    points |= {tuple(at) for at in collection_of(right, "excluded").get_offsets()}
     usable = {(i + 1.0, t.breakaway.peak_N) for i, t in enumerate(trials) if t.breakaway.status == Status.OK}
     assert points == usable
     values_N = [*(320.0 + i for i in range(7)), 360.0]  # all that are usable, the rejected one too
@@ -78,11 +98,15 @@ def test_the_strip_shows_each_trial_in_order_with_the_two_sigma_band_of_all(draw
 
 def test_rejected_is_hollow_excluded_a_diamond_flagged_a_cross_with_its_status(drawn):
     _, right = drawn.figure.axes
-    faces = {bars[0].get_xdata()[0]: bars[0] for bars in right.containers}
-    assert faces[8].get_markerfacecolor() == "white"
-    assert faces[9].get_marker() == "D"
-    assert faces[1].get_markerfacecolor() != "white"
-    assert [line.get_xdata()[0] for line in lines_of(right, "flagged")] == [10, 11]
+    kept, rejected, excluded = (collection_of(right, label) for label in ("kept", "rejected", "excluded"))
+    assert kept.get_offsets()[:, 0].tolist() == [1, 2, 3, 4, 5, 6, 7]
+    assert (kept.get_facecolors()[:, :3] < 1.0).any(axis=1).all()
+    for hollow, order, corners in ((rejected, 8, 26), (excluded, 9, 5)):
+        assert hollow.get_offsets()[:, 0].tolist() == [order]
+        assert hollow.get_facecolors().tolist() == [[1.0] * 4]
+        assert len(hollow.get_paths()[0].vertices) == corners  # a circle, and a diamond
+    (flags,) = [line for line in right.lines if line.get_label() == "flagged"]
+    assert (flags.get_xdata().tolist(), flags.get_marker()) == ([10, 11], "x")
     assert words(right) == ["the ±2s rule", "knot in the rope", "no-breakaway", "unreadable"]
     assert {"kept", "rejected", "excluded", "flagged"} <= set(legend(right))
 
@@ -167,8 +191,8 @@ def test_a_recording_with_several_trials_is_drawn_once_with_all_its_forces(draw,
     trials = [make_trial(f"r#{i}", 300.0 + i, file="r.csv", peak_time_s=4.0 * i) for i in range(1, 5)]
     made = draw(trials)
     left = made.figure.axes[0]
-    assert len(left.collections) == 1
-    assert [line.get_xdata()[0] for line in left.lines if line.get_marker() == "o"] == [4.0, 8.0, 12.0, 16.0]
+    assert len(collection_of(left, "recorded, mean").get_paths()) == 1
+    assert picked(left)[:, 0].tolist() == [4.0, 8.0, 12.0, 16.0]
     assert len(made.tables[1].rows) == 60
 
 
@@ -177,7 +201,8 @@ def test_where_the_slack_side_is_measured_the_end_tension_is_what_repeats(draw, 
     left, right = made.figure.axes
     assert right.get_ylabel() == r"End tension $F_{\mathrm{B}}$ [N]"
     assert r"$F_{\mathrm{A}}$ = 900 N" in made.figure.get_suptitle()
-    assert [bars[0].get_ydata()[0] for bars in right.containers] == [30.0, 31.0, 32.0, 33.0, 34.0, 35.0]
+    assert collection_of(right, "kept").get_offsets()[:, 1].tolist() == [30.0, 31.0, 32.0, 33.0, 34.0, 35.0]
+    np.testing.assert_allclose(bars_of(right), [(30.0 + i - 1.2, 30.0 + i + 1.2) for i in range(6)])
     assert any("plateau" in text for text in legend(left))
 
 
@@ -253,9 +278,8 @@ def test_a_campaign_in_parallel_is_the_same_as_one_after_the_other(
 )
 def test_a_condition_is_named_by_the_tension_that_is_known(extraction_of, make_trial, slack, stem):
     (summary,) = extraction_of([make_trial("a", 30.0, slack=slack)]).conditions
-    name = name_condition(summary, measures_slack=slack)
-    assert name.stem == stem
-    assert "nan" not in name.title
+    assert condition_stem(summary, measures_slack=slack) == stem
+    assert "nan" not in condition_title(summary, measures_slack=slack)
 
 
 def test_typesetting_leaves_plain_words_alone():

@@ -7,15 +7,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, save_figure
 from ropefric.plotting.style import house_style
 
 SCRIPT = """
 import sys
 from pathlib import Path
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, save_figure
 from ropefric.plotting.style import house_style
 
 with house_style():

@@ -10,15 +10,10 @@ from scipy.stats import norm
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
-from ropefric.fitting.profile import profile_intervals
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
-from ropefric.plotting.capstan_plot import draw_capstan
-from ropefric.plotting.condition_points import condition_points
-from ropefric.plotting.fit_band import draw_fit_band
-from ropefric.plotting.mu_facets import FACETS, draw_mu_facets
-from ropefric.plotting.profiles import draw_correlation, draw_profiles
-from ropefric.plotting.residuals import draw_residuals
+from ropefric.plotting.fits import FACETS, draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
+from ropefric.plotting.points import condition_points
+from ropefric.trials.table import TrialTable
 
 
 def by_condition(pulls):
@@ -192,58 +187,11 @@ def test_residuals_of_a_stored_fit_are_those_of_its_means(fitted, stored):
     assert "7 condition means" in made.alt
 
 
-def test_profiles_show_the_curves_and_their_intervals(fitted, assert_repeats, assert_readable):
-    fit = fitted["wrap-power"]
-    profile = profile_intervals(fit.problem, fit.theta)
-    made = assert_repeats(lambda: draw_profiles(profile, fit))
-    assert_readable(made)
-    intervals = {row[0]: row for row in made.tables[1].rows}
-    for j, name in enumerate(fit.friction_law.parameter_names):
-        np.testing.assert_allclose(intervals[name][2:4], profile.ci[j])
-        assert intervals[name][4] == fit[name].std
-    for curve, axes in zip(profile.curves, made.figure.axes, strict=True):
-        assert axes.get_xlabel().startswith(f"{curve.name} [")
-        np.testing.assert_array_equal(axes.lines[0].get_xdata(), curve.value)
-        values = [row[2] for row in made.tables[0].rows if row[0] == curve.name]
-        np.testing.assert_array_equal(values, curve.delta_chi2)
-        assert len(set(styles(axes)[:3])) == 3
-
-
-def test_the_profile_of_one_parameter_is_its_parabola():
-    table = TrialTable(
-        trial=tuple("abcdef"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[3, 3, 6, 6, 9, 9],
-        end_tension_N=20, peak_N=[36.0, 36.8, 66.0, 66.7, 121.0, 122.5],
-    )  # fmt: skip
-    fit = fit_law(table, "constant")
-    made = draw_profiles(profile_intervals(fit.problem, fit.theta), fit)
-    (axes,) = made.figure.axes
-    (parabola,) = [line for line in axes.lines if "parabola" in str(line.get_label())]
-    curve = axes.lines[0]
-    # ln F_A is straight in μ, so profile and parabola are one.
-    at = np.interp(curve.get_xdata(), parabola.get_xdata(), parabola.get_ydata())
-    inside = curve.get_ydata() < 1.9 * made.tables[1].rows[0][5]
-    np.testing.assert_allclose(at[inside], curve.get_ydata()[inside], atol=0.02 * curve.get_ydata().max())
-
-
-def test_correlations_are_the_covariance_over_the_errors(fitted, assert_repeats, assert_readable):
-    fit = fitted["wrap-power"]
-    made = assert_repeats(lambda: draw_correlation(fit))
-    assert_readable(made)
-    names = list(fit.friction_law.parameter_names)
-    free = [name for name in names if fit[name].std > 0]
-    assert len(made.tables[0].rows) == len(free) ** 2
-    for one, other, r in made.tables[0].rows:
-        i, j = names.index(one), names.index(other)
-        assert r == pytest.approx(fit.covariance[i, j] / (fit[one].std * fit[other].std))
-    shown = [text.get_text() for text in made.figure.axes[0].texts]
-    assert shown == [f"{row[2]:+.2f}" for row in made.tables[0].rows]  # signs can be read without colour
-
-
 def test_one_pull_a_condition_and_no_known_uncertainty_is_drawn(lone):
     rows = draw_mu_facets([lone]).tables[0].rows
     assert [row[4] for row in rows] == [1, 1]
     assert all(math.isnan(row[6]) for row in rows)
-    for draw in (draw_fit_band, draw_residuals, draw_correlation):
+    for draw in (draw_fit_band, draw_residuals):
         assert "nan" not in draw(lone).alt
     assert "2 conditions" in draw_capstan([lone]).alt
 
@@ -260,14 +208,6 @@ def test_a_fit_without_its_trials_says_so(fitted):
 def test_no_fit_at_all_is_refused(draw):
     with pytest.raises(InputError, match="no fit"):
         draw([])
-
-
-def test_a_parameter_at_its_bound_stays_out_of_the_map(fitted):
-    fit = fitted["constant"]
-    bound = dataclasses.replace(fit, covariance=np.zeros_like(fit.covariance))
-    made = draw_correlation(bound)
-    assert made.tables[0].rows == ()
-    assert "0 parameters" in made.alt
 
 
 @pytest.mark.parametrize("wrap_deg", [60.0, 90.0, 120.0, 180.0, 630.0, 720.0, 810.0, 900.0, 1080.0])

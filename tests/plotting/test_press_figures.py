@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.press import (
     MEASURE_LABELS,
     draw_press_map,
@@ -15,7 +16,6 @@ from ropefric.plotting.press import (
     draw_tension_maps,
     name_lines,
 )
-from ropefric.plotting.save import save_figure
 from ropefric.systems.press.critical import sweep_press
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES

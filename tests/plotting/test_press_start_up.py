@@ -5,8 +5,8 @@ import csv
 import numpy as np
 import pytest
 
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.press import draw_press_start_up
-from ropefric.plotting.save import save_figure
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.start_up import start_up

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ropefric.plotting.save import save_figure
+from ropefric.plotting.figure import save_figure
 from ropefric.plotting.saw_chart import draw_saw_chart
 from ropefric.systems.bandsaw.campbell import saw_chart
 from ropefric.systems.bandsaw.resonance import fixed_frequency, tooth_passing, wheel_rotation

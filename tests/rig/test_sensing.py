@@ -5,8 +5,7 @@ import pytest
 
 from ropefric.rig.bench import Bench, Sensor
 from ropefric.rig.recording import simulate_recording
-from ropefric.traces.calibration import Calibration
-from ropefric.traces.chain import Adc, ForceCell
+from ropefric.traces.calibration import Adc, Calibration, ForceCell
 
 K1 = ForceCell(name="K1", full_scale_N=1000.0)
 
@@ -64,7 +63,7 @@ def test_the_idle_rig_reads_its_zero_offset_and_never_the_floor():
         assert recording.counts.max() < 1023
         assert np.array_equal(recording.counts, np.rint(recording.counts))
         # Tared and calibrated, the recording follows the true force to noise and quantisation.
-        calibration = Calibration(cell=K1).with_tare(recording.counts, recording.time_s < 0.25)
+        calibration, _ = Calibration(cell=K1).with_tare(recording.counts[recording.time_s < 0.25])
         read_N, _ = calibration.apply(recording.counts)
         assert abs((read_N - recording.true_force_N).mean()) < 0.25
         assert np.abs(read_N - recording.true_force_N).max() < 7.0

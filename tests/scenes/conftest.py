@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
+from ropefric.files.toml import TomlDocument
 from ropefric.scenes.scene import load_scene, read_scene
-from ropefric.trials.toml_document import TomlDocument
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 

@@ -6,7 +6,7 @@ from ropefric.rig.bench import Bench
 from ropefric.rig.recording import simulate_recording
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.clock import mend_clock
-from ropefric.traces.prepare import MIN_SAMPLES
+from ropefric.traces.segments import MIN_SAMPLES
 from ropefric.traces.trace import ForceTrace
 
 IDLE_S = 0.25
@@ -28,7 +28,7 @@ def rigged_trace(
     counts = np.where(np.isnan(recording.counts), -1, recording.counts).astype(np.int64)
     calibration = Calibration(cell=bench.cell_named(recording.truth.cell), adc=bench.adc)
     if counts.size >= MIN_SAMPLES and protocol != "held":
-        calibration = calibration.with_tare(counts, recording.time_s <= IDLE_S)
+        calibration, _ = calibration.with_tare(counts[recording.time_s <= IDLE_S])
     force_N, saturation = calibration.apply(counts)
     if protocol == "held":
         force_N = force_N - np.median(force_N[:10])

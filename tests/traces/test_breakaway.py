@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 from rigged import rigged_trace
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.traces.breakaway import ADVICE, Status
+from ropefric.traces.breakaway import ADVICE, PickSettings, Status
+from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.protocols import PROTOCOLS
-from ropefric.traces.protocols.breakaway import pick_breakaway
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 
 AUTO = PickSettings()

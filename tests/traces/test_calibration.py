@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from ropefric.errors import DataError, InputError, RopefricError, UnknownNameError
 from ropefric.traces.calibration import Adc, Calibration, ForceCell, Saturation, as_counts
-from ropefric.traces.recalibration import recalibrate
-from ropefric.traces.trace import ForceTrace
+from ropefric.traces.trace import ForceTrace, recalibrate
 
 SMALL = ForceCell(name="small", full_scale_N=1000.0)
 LARGE = ForceCell(name="large", full_scale_N=5000.0)
@@ -43,7 +42,7 @@ def test_ends_of_the_range():
     force_N, saturation = calibration.apply([0, 1023])
     assert force_N.tolist() == pytest.approx([-12.5, 4987.5])
     assert (calibration.floor_N, calibration.ceiling_N) == pytest.approx((-12.5, 4987.5))
-    assert (saturation.n_low, saturation.n_high, saturation.first_high) == (1, 1, 1)
+    assert (saturation.n_low, saturation.high_runs.tolist()) == (1, [[1, 2]])
 
 
 def test_input_is_not_changed_and_counts_stay_whole():
@@ -101,37 +100,19 @@ def test_saturation_runs_are_those_a_plain_loop_finds(counts):
     assert saturation.low == (0 in counts)
 
 
-def test_length_of_saturation_as_the_conventions_print_it():
+def test_length_of_saturation():
     counts = np.full(3000, 500)
     counts[100:314] = 1023
     counts[2999] = 1023
-    time_s = np.arange(3000) / 3000.0
-    calibration = Calibration(cell=SMALL)
-    _, saturation = calibration.apply(counts)
-    assert (saturation.n_high, saturation.longest_high, saturation.first_high) == (215, 214, 100)
-    assert saturation.longest_high_s(time_s) == pytest.approx(214 / 3000)
-    text = saturation.describe(time_s, ceiling_N=calibration.ceiling_N)
-    assert "214 (71.3 ms)" in text
-    assert "1000 N or more" in text
-
-
-def test_the_longest_run_is_judged_by_time_not_by_samples():
-    _, saturation = Calibration(cell=SMALL).apply([1023, 1023, 1023, 5, 1023, 1023])
-    assert saturation.longest_high_s(np.array([0.0, 0.1, 0.2, 0.3, 0.4, 1.4])) == pytest.approx(1.1)
+    _, saturation = Calibration(cell=SMALL).apply(counts)
+    assert (saturation.n_high, saturation.longest_high) == (215, 214)
 
 
 def test_a_clean_recording_has_no_saturation():
     _, saturation = Calibration(cell=SMALL).apply([1, 500])
     assert not saturation.high
     assert not saturation.low
-    assert saturation.longest_high_s(np.array([0.0, 1.0])) == 0.0
-    assert saturation.describe(np.array([0.0, 1.0]), ceiling_N=1.0) == ""
-    assert saturation.first_high is None
-
-
-def test_a_single_saturated_sample_lasts_no_known_time():
-    _, saturation = Calibration(cell=SMALL).apply([1023])
-    assert saturation.longest_high_s(np.array([3.0])) == 0.0
+    assert saturation.longest_high == saturation.n_high == 0
 
 
 @given(

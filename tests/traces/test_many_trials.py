@@ -7,10 +7,8 @@ import pytest
 from rigged import rigged_trace
 
 from ropefric.rig.bench import HELD_BENCH
-from ropefric.traces.breakaway import Status
-from ropefric.traces.protocols.held import pick_plateaus
-from ropefric.traces.protocols.stick_slip import pick_teeth
-from ropefric.traces.settings import PickSettings
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.protocols import pick_plateaus, pick_teeth
 from ropefric.traces.trace import ForceTrace
 
 AUTO = PickSettings()

@@ -5,9 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from ropefric.traces.breakaway import Status
-from ropefric.traces.protocols.breakaway import pick_breakaway
-from ropefric.traces.settings import PickSettings
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.trace import ForceTrace
 
 PEAK_N = 15.0

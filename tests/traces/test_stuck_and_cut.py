@@ -9,13 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropefric.traces.breakaway import Status
-from ropefric.traces.noise import noise_std, resolution
-from ropefric.traces.protocols.breakaway import pick_breakaway
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.noise import find_stuck, noise_std, resolution
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.saturation import find_stuck
-from ropefric.traces.settings import PickSettings
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.recording import extract_recording

@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError
-from ropefric.traces.peak import Neighbourhood, measure_peak
-from ropefric.traces.window import choose_window, peak_uncertainty_N, window_bias_N
+from ropefric.traces.peak import Neighbourhood, choose_window, measure_peak, peak_uncertainty_N, window_bias_N
 
 STEP_S = 1 / 3000
 
@@ -50,7 +49,7 @@ def errors(n=300, **settings):
         time_s, force_N, where = signal(np.random.default_rng(seed), **settings)
         peak = measure_peak(time_s, force_N, where, noise_std_N=noise, window_s=window_s)
         rows.append(
-            (peak.peak_N - 320, peak.two_line_N - 320, peak.bias_N, peak.std_N, peak.peak_raw_N - 320)
+            (peak.peak_N - 320, peak.two_line_N - 320, peak.bias_N, peak.peak_std_N, peak.peak_raw_N - 320)
         )
     return np.array(rows)
 

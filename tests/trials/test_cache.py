@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ropefric.plotting.campaign import write_condition_figures
+from ropefric.plotting.conditions import write_condition_figures
 from ropefric.trials import cache as cache_module
 from ropefric.trials.cache import ResultCache
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.tables import write_tables
+from ropefric.trials.result import write_tables
 from ropefric.trials.workers import AHEAD
 
 
@@ -297,6 +297,6 @@ def test_an_interrupted_run_keeps_what_is_done(campaign, store, tmp_path, jobs, 
 
 def test_a_recording_without_a_hash_is_neither_stored_nor_found(store, bench_extraction):
     results = ResultCache(store, "settings")
-    results.store((), "", [bench_extraction.trials[:1]])
+    results.store((), "", (bench_extraction.trials[:1],))
     assert not store.exists()
     assert results.load((), "") is None

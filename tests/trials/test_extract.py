@@ -17,7 +17,7 @@ from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import CHUNK, extract_campaign
-from ropefric.trials.tables import write_tables
+from ropefric.trials.result import write_tables
 
 BIAS = 3e-3
 

@@ -18,7 +18,7 @@ from ropefric.cli.app import main
 from ropefric.files import read
 from ropefric.trials import recording
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.tables import write_tables
+from ropefric.trials.result import write_tables
 
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
 

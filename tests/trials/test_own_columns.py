@@ -5,9 +5,9 @@ import csv
 import pytest
 
 from ropefric.errors import DataError
-from ropefric.fitting.table import read_trial_table
 from ropefric.trials.campaign import check_campaign
-from ropefric.trials.tables import write_tables
+from ropefric.trials.result import write_tables
+from ropefric.trials.table import read_trial_table
 
 OWN = {"note": "rope jumped; later", "weather": "wet, 8 °C", "operator": "A"}
 

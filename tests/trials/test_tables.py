@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 
 from ropefric.errors import Problem
-from ropefric.trials.result import Extraction
-from ropefric.trials.tables import write_tables
+from ropefric.trials.result import Extraction, write_tables
 
 # The hand-over to fitting and the JSON of the command: these names may not change.
 TRIAL_COLUMNS = {

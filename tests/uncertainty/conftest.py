@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.table import TrialTable
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration, ForceCell
 from ropefric.trials.conditions import summarise_conditions
 from ropefric.trials.result import Extraction, TrialResult
+from ropefric.trials.table import TrialTable
 
 
 def central_slopes(model):

@@ -10,9 +10,9 @@ from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.lift_budget import WheelUncertainty, lift_model
 from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import linear_budget
 from ropefric.uncertainty.quantity import directions
 from ropefric.uncertainty.statement import propagate, state_uncertainty

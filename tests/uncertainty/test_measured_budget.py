@@ -16,7 +16,7 @@ from ropefric.fitting.measured_budget import (
     weights,
     with_measured_end,
 )
-from ropefric.fitting.table import TrialTable
+from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import linear_budget
 from ropefric.uncertainty.quantity import limit_of_error, normal, repeats
 from ropefric.uncertainty.statement import BudgetStatus, improvements, propagate, state_uncertainty

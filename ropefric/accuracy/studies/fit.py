@@ -8,7 +8,6 @@ from scipy.optimize import least_squares
 
 from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, largest_error
 from ropefric.arrays import FloatArray
-from ropefric.fitting import nonlinear
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions
@@ -78,10 +77,6 @@ def _settings(case: str) -> tuple[Setting, ...]:
             "ropefric, batched", f"tolerance {tolerance:g}", call, assess, tolerance in _QUICK_TOLERANCES
         )
 
-    def one_by_one(residuals: Any, slopes: Any) -> FloatArray:
-        start, lower, upper = problem.start, problem.lower, problem.upper
-        return nonlinear.least_squares(residuals, slopes, start, lower=lower, upper=upper).theta
-
     ways = {"2-point": (problem.residuals,), "3-point": (problem.residuals,),
             "analytic": (problem.residuals, problem.jacobian)}  # fmt: skip
     judged = partial(against, exact, work="calls")
@@ -93,7 +88,6 @@ def _settings(case: str) -> tuple[Setting, ...]:
             for tolerance in _TOLERANCES
         ),
         *(batched(tolerance) for tolerance in _TOLERANCES),
-        judged("ropefric, one by one", "", one_by_one, problem.residuals, problem.jacobian),
     )  # fmt: skip
 
 
@@ -103,7 +97,7 @@ STUDY = Study(
     question="What does an analytic Jacobian save, and how tight must the tolerance be for the digits wanted?",
     reference="minimiser of the same sum of squares in 50-digit arithmetic (mpmath)",
     counted="evaluations of the law or of its slopes at all pulls",
-    used="analytic Jacobian, one fit by one or batched",
+    used="analytic Jacobian, batched",
     cases=(
         Case("wide", "wraps from 0.5 to 25 rad, which see all three parameters", partial(_settings, "wide")),
         Case(

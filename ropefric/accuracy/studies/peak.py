@@ -8,9 +8,9 @@ import numpy as np
 from ropefric.accuracy.study import Case, Measured, Setting, Study, in_case, over_seeds
 from ropefric.rig.bench import Bench
 from ropefric.rig.recording import simulate_recording
+from ropefric.traces.breakaway import PickSettings
 from ropefric.traces.calibration import Calibration
-from ropefric.traces.protocols.breakaway import pick_breakaway
-from ropefric.traces.settings import PickSettings
+from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.smoothing import average_over_samples
 from ropefric.traces.trace import ForceTrace
 
@@ -37,7 +37,7 @@ def _recording(bench: Bench, seed: int) -> ForceTrace:
     )
     counts = made.counts.astype(np.int64)
     calibration = Calibration(cell=bench.cell_named(made.truth.cell), adc=bench.adc)
-    force_N, saturation = calibration.with_tare(counts, made.time_s <= IDLE_S).apply(counts)
+    force_N, saturation = calibration.with_tare(counts[made.time_s <= IDLE_S])[0].apply(counts)
     return ForceTrace(time_s=made.time_s, force_N=force_N, saturation=saturation, name=f"seed {seed}")
 
 

@@ -13,10 +13,10 @@ from scipy.special import ndtri
 from ropefric.accuracy.study import Case, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
 from ropefric.fitting.bootstrap import bootstrap
-from ropefric.fitting.covariance import bread
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.profile import profile_intervals
 from ropefric.fitting.propagation import drawn_range
+from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import LAWS
@@ -94,7 +94,7 @@ def _settings(law: str) -> tuple[Setting, ...]:
         return np.array([estimate - below, above - estimate])
 
     def by_covariance() -> FloatArray:
-        reach = float(ndtri(0.5 + 0.5 * LEVEL)) * np.sqrt(bread(problem.jacobian(theta))[0, 0])
+        reach = float(ndtri(0.5 + 0.5 * LEVEL)) * np.sqrt(plain_covariance(problem.jacobian(theta))[0, 0])
         return np.array([reach, reach])
 
     def by_profile() -> FloatArray:
@@ -104,7 +104,7 @@ def _settings(law: str) -> tuple[Setting, ...]:
         scatter = (_SCATTER[law], 0.0)
         return arms(bootstrap(problem, theta, n=n, seed=seed, scatter=scatter).interval(LEVEL)[0])
 
-    covariance = bread(problem.jacobian(theta))
+    covariance = plain_covariance(problem.jacobian(theta))
     pull = problem.conditions.select(np.array([2]))
     wrap, log_end = float(pull.wrap_angle_rad[0]), float(np.log(pull.end_tension_N[0]))
 

@@ -5,17 +5,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ropefric.cli.campaign_file import campaign_file
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import NOT_TRUSTED, read_fit, read_table, rope_radius, show_sections
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
-from ropefric.cli.quantity_option import read_quantity
+from ropefric.cli.options import (
+    NOT_TRUSTED,
+    Answer,
+    Command,
+    campaign_file,
+    quantity_option,
+    read_fit,
+    read_table,
+    rope_radius,
+)
+from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 
 if TYPE_CHECKING:
     from ropefric.fitting.measured_budget import MeasuredCondition
-    from ropefric.uncertainty.statement import Statement
 
 
 Source = Annotated[
@@ -25,29 +29,35 @@ Source = Annotated[
 Fit = Annotated[Path | None, typer.Option("--fit", metavar="FIT.json", help="Of a lift force by this fit.")]
 What = Annotated[str, typer.Option("--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ.")]
 Number = Annotated[int | None, typer.Option("--condition", min=1, help="Only this condition, in full.")]
-WheelRadius = Annotated[str, typer.Option("--wheel-radius", metavar="LENGTH", help="R_w, with --fit.")]
-Wrap = Annotated[str, typer.Option("--wrap", metavar="ANGLE", help="φ, with --fit.")]
-EndTension = Annotated[str, typer.Option("--end-tension", metavar="FORCE", help="F_B, with --fit.")]
-RopeDiameter = Annotated[str, typer.Option("--rope-diameter", metavar="LENGTH", help="Of another rope.")]
-UWheel = Annotated[
-    str, typer.Option("--u-wheel-radius", metavar="LENGTH", help="Standard uncertainty of R_w.")
+WheelRadius = Annotated[float | None, quantity_option("--wheel-radius", "m", "LENGTH", "R_w, with --fit.")]
+Wrap = Annotated[float | None, quantity_option("--wrap", "rad", "ANGLE", "φ, with --fit.")]
+EndTension = Annotated[float | None, quantity_option("--end-tension", "N", "FORCE", "F_B, with --fit.")]
+RopeDiameter = Annotated[
+    float | None, quantity_option("--rope-diameter", "m", "LENGTH", "Of another rope.", factor=0.5)
 ]
-URope = Annotated[str, typer.Option("--u-rope-diameter", metavar="LENGTH", help="Of the rope's diameter.")]
-UWrap = Annotated[str, typer.Option("--u-wrap", metavar="ANGLE", help='Of the wrap, such as "2 deg".')]
-UEnd = Annotated[str, typer.Option("--u-end-tension", metavar="FORCE", help='Of F_B, such as "0.5 N".')]
+UWheel = Annotated[
+    float | None, quantity_option("--u-wheel-radius", "m", "LENGTH", "Standard uncertainty of R_w.")
+]
+URope = Annotated[
+    float | None, quantity_option("--u-rope-diameter", "m", "LENGTH", "Of the rope's diameter.", factor=0.5)
+]
+UWrap = Annotated[float | None, quantity_option("--u-wrap", "rad", "ANGLE", 'Of the wrap, such as "2 deg".')]
+UEnd = Annotated[float | None, quantity_option("--u-end-tension", "N", "FORCE", 'Of F_B, such as "0.5 N".')]
 Measured = Annotated[
     bool,
     typer.Option("--end-tension-measured", help="F_B is read by a second channel, no weights hang there."),
 ]
 Gain = Annotated[
-    str,
-    typer.Option(
-        metavar="PART", help='Limit of error of the gain, such as "0.1 %"; common to both channels.'
+    float | None,
+    quantity_option(
+        "--gain", "", "PART", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
     ),
 ]
 Gravity = Annotated[
-    str,
-    typer.Option(metavar="PART", help='Limit of error of g of the weights, such as "0 %" where it is known.'),
+    float | None,
+    quantity_option(
+        "--gravity", "", "PART", 'Limit of error of g of the weights, such as "0 %" where it is known.'
+    ),
 ]
 OnePull = Annotated[
     bool, typer.Option("--one-pull", help="Of one pull with a new rope, not of the mean law.")
@@ -64,17 +74,17 @@ def budget(
     fit: Fit = None,
     quantity: What = "force",
     condition: Number = None,
-    wheel_radius: WheelRadius = "",
-    wrap: Wrap = "",
-    end_tension: EndTension = "",
-    rope_diameter: RopeDiameter = "",
-    u_wheel_radius: UWheel = "",
-    u_rope_diameter: URope = "",
-    u_wrap: UWrap = "",
-    u_end_tension: UEnd = "",
+    wheel_radius: WheelRadius = None,
+    wrap: Wrap = None,
+    end_tension: EndTension = None,
+    rope_diameter: RopeDiameter = None,
+    u_wheel_radius: UWheel = None,
+    u_rope_diameter: URope = None,
+    u_wrap: UWrap = None,
+    u_end_tension: UEnd = None,
     end_tension_measured: Measured = False,
-    gain: Gain = "",
-    gravity: Gravity = "",
+    gain: Gain = None,
+    gravity: Gravity = None,
     one_pull: OnePull = False,
     level: Level = 0.95,
     draws: Draws = 200_000,
@@ -85,54 +95,54 @@ def budget(
     Of the conditions of a campaign or trial table, or, with --fit, of the lift force of a wheel that is known only so
     well. Exits with 4 when a statement is not to be trusted.
     """
+    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
     if (source is None) == (fit is None):
         raise typer.BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
-    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
-    u_wrap_rad = _read(u_wrap, "rad", "--u-wrap")
-    u_end_N = _read(u_end_tension, "N", "--u-end-tension")
     if fit is not None:
-        _need({"--wheel-radius": wheel_radius, "--wrap": wrap, "--end-tension": end_tension})
-        wheel = {
-            "wheel_radius_m": read_quantity(wheel_radius, "m", "--wheel-radius"),
-            "wrap_angle_rad": read_quantity(wrap, "rad", "--wrap"),
-            "end_tension_N": read_quantity(end_tension, "N", "--end-tension"),
-        }
-        rope_m = _read(rope_diameter, "m", "--rope-diameter")
+        wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
         uncertainty = {
-            "wheel_radius_m": _read(u_wheel_radius, "m", "--u-wheel-radius") or 0.0,
-            "rope_radius_m": 0.5 * (_read(u_rope_diameter, "m", "--u-rope-diameter") or 0.0),
-            "wrap_angle_rad": u_wrap_rad or 0.0,
-            "end_tension_N": u_end_N or 0.0,
+            "wheel_radius_m": u_wheel_radius or 0.0,
+            "rope_radius_m": u_rope_diameter or 0.0,
+            "wrap_angle_rad": u_wrap or 0.0,
+            "end_tension_N": u_end_tension or 0.0,
         }
-        half = None if rope_m is None else 0.5 * rope_m
-        return _of_fit(out, fit, wheel, half, uncertainty, one_pull=one_pull, check=check)
-    from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (quick start-up)
+        return _of_fit(out, fit, wheel, rope_diameter, uncertainty, one_pull=one_pull, check=check)
+    from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.report.uncertainty import budgets_section, uncertainty_sections  # noqa: PLC0415
 
     if quantity not in {"force", "mu"}:
         raise typer.BadParameter(f"{quantity!r} is neither force nor mu", param_hint="--quantity")
-    parts = {"gain": _read(gain, "", "--gain") or 0.0, "gravity": _read(gravity, "", "--gravity")}
-    found = _conditions(out, Path(str(source)), parts["gravity"])
+    found = _conditions(out, Path(str(source)), gravity)
     if condition is not None:
         found = (measured.condition_numbered(found, condition),)
     if end_tension_measured:
-        found = tuple(measured.with_measured_end(item, u_end_N) for item in found)
-    told = check | {"quantity": quantity, "u_wrap_angle_rad": u_wrap_rad, "gain_limit": parts["gain"] or 0.0}
-    stated = [(item, measured.state_condition(item, **told)) for item in found]
-    return _answer(stated, str(source))
-
-
-def _need(options: dict[str, str]) -> None:
-    """Refuse a fit without the wheel it is asked about."""
-    missing = [name for name, text in options.items() if not text]
-    if missing:
-        raise typer.BadParameter(
-            f"a budget of a fit is of one wheel: {' and '.join(missing)} missing", param_hint=missing[0]
-        )
-
-
-def _read(text: str, unit: str, option: str) -> float | None:
-    """Return an option's quantity; None where it is not given."""
-    return read_quantity(text, unit, option) if text else None
+        found = tuple(measured.with_measured_end(item, u_end_tension) for item in found)
+    check |= {"quantity": quantity, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
+    stated = [(item, measured.state_condition(item, **check)) for item in found]
+    if len(stated) == 1:
+        sections = uncertainty_sections(stated[0][1], f"Uncertainty budget, {found[0].describe()}")
+    else:
+        rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
+        title = f"Uncertainty of {stated[0][1].model.symbol}; --condition N shows one in full"
+        sections = (budgets_section(rows, title),)
+    trees = [
+        each.to_dict()
+        | {
+            "condition": item.number,
+            "wheel_radius_m": item.wheel_radius_m,
+            "rope_radius_m": item.rope_radius_m,
+            "wrap_angle_rad": item.wrap_angle_rad,
+            "lift_force_N": item.lift.force_N,
+            "end_tension_N": item.end.force_N,
+            "n": item.n,
+        }
+        for item, each in stated
+    ]
+    return Answer(
+        data={"source": str(source), "budgets": trees},
+        show=lambda _: sections,
+        exit_code=0 if all(each.trustworthy for _, each in stated) else NOT_TRUSTED,
+    )
 
 
 def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[MeasuredCondition, ...]":
@@ -153,19 +163,15 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[Measur
         extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
     )
     if not found:
-        raise InputError(
-            "no recording gave a usable force",
-            code="RF301",
-            path=file,
-            fix="`ropefric extract` says why for each",
-        )
+        fix = "`ropefric extract` says why for each"
+        raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)
     return found
 
 
 def _of_fit(
     out: Output,
     path: Path,
-    wheel: dict[str, float],
+    wheel: dict[str, float | None],
     rope_m: float | None,
     uncertainty: dict[str, float],
     *,
@@ -176,54 +182,21 @@ def _of_fit(
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.uncertainty import uncertainty_sections  # noqa: PLC0415
 
+    options = ("--wheel-radius", "--wrap", "--end-tension")
+    missing = [name for name, value in zip(options, wheel.values(), strict=True) if value is None]
+    if missing:
+        text = f"a budget of a fit is of one wheel: {' and '.join(missing)} missing"
+        raise typer.BadParameter(text, param_hint=missing[0])
+    known = {name: float(value or 0.0) for name, value in wheel.items()}
     stored = read_fit(path, out)
-    at = one_condition(
-        wheel["wheel_radius_m"], rope_radius(stored, rope_m), wheel["wrap_angle_rad"], wheel["end_tension_N"]
-    )
+    at = one_condition(rope_radius_m=rope_radius(stored, rope_m), **known)
     stated = state_lift(stored, at, WheelUncertainty(**uncertainty), one_pull=one_pull, **check)
-    more = wheel | {
-        "rope_radius_m": float(at.rope_radius_m[0]),
-        "fit": path,
-        "fit_status": stored.status.value,
-    }
-    sections = uncertainty_sections(stated, f"Uncertainty budget of the {stated.model.name} by {stored.law}")
+    more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
+    title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
     return Answer(
-        data=stated.to_dict() | more,
-        show=lambda console: show_sections(sections, console),
+        data=stated.to_dict() | known | more,
+        show=lambda _: uncertainty_sections(stated, title),
         exit_code=0 if stated.trustworthy else NOT_TRUSTED,
-    )
-
-
-def _answer(stated: "list[tuple[MeasuredCondition, Statement]]", source: str) -> Answer:
-    from ropefric.report.uncertainty import budgets_section, uncertainty_sections  # noqa: PLC0415  (quick start-up)
-
-    sections: list[Any] = []
-    if len(stated) == 1:
-        (item, only), *_ = stated
-        sections += uncertainty_sections(only, f"Uncertainty budget, {item.describe()}")
-    else:
-        rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
-        name = stated[0][1].model
-        sections.append(
-            budgets_section(rows, f"Uncertainty of {name.symbol}; --condition N shows one in full")
-        )
-    trees = [
-        each.to_dict()
-        | {
-            "condition": item.number,
-            "wheel_radius_m": item.wheel_radius_m,
-            "rope_radius_m": item.rope_radius_m,
-            "wrap_angle_rad": item.wrap_angle_rad,
-            "lift_force_N": item.lift.force_N,
-            "end_tension_N": item.end.force_N,
-            "n": item.n,
-        }
-        for item, each in stated
-    ]
-    return Answer(
-        data={"source": source, "budgets": trees},
-        show=lambda console: show_sections(sections, console),
-        exit_code=0 if all(each.trustworthy for _, each in stated) else NOT_TRUSTED,
     )
 
 

@@ -1,20 +1,22 @@
 """`ropefric check`: everything that is wrong with a campaign or a scene, before an hour of work."""
 
+import math
+from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ropefric.cli.campaign_file import campaign_file
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.holdings import count_holdings, show_holdings
-from ropefric.cli.output import Output
+from ropefric.cli.options import Answer, Command, campaign_file
+from ropefric.cli.output import Output, make_table, number
 from ropefric.errors import DataError, raise_problems
+from ropefric.glossary import counted
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ropefric.errors import Problem
+    from ropefric.trials.campaign_model import Campaign
 
 
 CheckedFile = Annotated[
@@ -31,41 +33,37 @@ def check(out: Output, campaign: CheckedFile) -> Answer:
     A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
     leave it at 0.
     """
-    from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415  (quick start-up)
+    from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
     scene = _is_scene(campaign)
-    problems = _scene_problems(campaign) if scene else check_campaign(campaign)
+    problems = check_scene(campaign) if scene else check_campaign(campaign)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
-    tally = f"{_count(n_errors, 'error')}, {_count(len(problems) - n_errors, 'warning')}"
-    data: dict[str, Any] = {"ok": n_errors == 0, "problems": [_problem_dict(problem) for problem in problems]}
+    tally = f"{campaign}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
+    keys = ("code", "severity", "message", "where", "fix")
+    listed = [{key: getattr(problem, key) for key in keys} for problem in problems]
+    data: dict[str, Any] = {"ok": n_errors == 0, "problems": listed}
     try:
         raise_problems(problems)
     except DataError as failure:
-        data |= failure.to_dict()
-        return Answer(
-            data=data,
-            show=lambda console: _say(console, f"{campaign}: {tally}"),
-            exit_code=DataError.exit_code,
-        )
+        return Answer(data=data | failure.to_dict(), show=lambda _: tally, exit_code=DataError.exit_code)
     if scene:
-        return Answer(data=data, show=lambda console: _say(console, f"{campaign}: {tally}"))
-    holdings = count_holdings(load_campaign(campaign))
-    data["campaign"] = holdings
+        return Answer(data=data, show=lambda _: tally)
+    content = _content(load_campaign(campaign))
 
     def show(console: "Console") -> None:
-        _say(console, f"{campaign}: {tally}")
-        show_holdings(holdings, console)
+        console.print(tally, markup=False, soft_wrap=True)
+        _show_content(content, console)
 
-    return Answer(data=data, show=show)
+    return Answer(data=data | {"campaign": content}, show=show)
 
 
 def _is_scene(path: Path) -> bool:
     """Return whether a file is a scene; one that cannot be read is for the check of campaigns to tell of."""
-    from ropefric.trials.file_kind import is_scene  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.toml_document import read_toml  # noqa: PLC0415
+    from ropefric.files.toml import is_scene, read_toml  # noqa: PLC0415  (quick start-up)
 
     try:
         return is_scene(read_toml(path).data)
@@ -73,28 +71,56 @@ def _is_scene(path: Path) -> bool:
         return False
 
 
-def _scene_problems(path: Path) -> "tuple[Problem, ...]":
-    from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (quick start-up)
+def _content(campaign: "Campaign") -> dict[str, Any]:
+    """Return what a campaign holds, in SI: trials, conditions, radii, wraps, end tensions, repeats."""
+    from ropefric.friction.condition import condition_groups  # noqa: PLC0415  (quick start-up)
 
-    return check_scene(path)
-
-
-def _say(console: "Console", text: str) -> None:
-    console.print(text, markup=False, soft_wrap=True)
-
-
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}" if n == 1 else f"{n} {what}s"
-
-
-def _problem_dict(problem: "Problem") -> dict[str, str]:
+    trials = campaign.trials
+    settings = [
+        (t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad, t.end_tension_N or 0.0, t.lift_force_N or 0.0)
+        for t in trials
+    ]
+    repeats = Counter(condition_groups(*zip(*settings, strict=True)).tolist() if settings else ())
+    keys = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "lift_force_N")
     return {
-        "code": problem.code,
-        "severity": problem.severity,
-        "message": problem.message,
-        "where": problem.where,
-        "fix": problem.fix,
+        "name": campaign.name,
+        "n_trials": len(trials),
+        "n_files": len({t.path for t in trials}),
+        "n_excluded": sum(bool(t.exclude) for t in trials),
+        "n_conditions": len(repeats),
+        "repeats": {"fewest": min(repeats.values(), default=0), "most": max(repeats.values(), default=0)},
+        **{key: sorted({value for t in trials if (value := getattr(t, key)) is not None}) for key in keys},
+        "rejection": campaign.rejection,
     }
+
+
+def _show_content(content: dict[str, Any], console: "Console") -> None:
+    """Print what a campaign holds in the units people use at the rig."""
+    fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
+    excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
+    rows = [
+        ("campaign", content["name"] or "(no name)"),
+        ("trials", f"{content['n_trials']} in {content['n_files']} files{excluded}"),
+        ("conditions", f"{content['n_conditions']}"),
+        ("repeats", f"{fewest}" if fewest == most else f"{fewest} to {most} per condition"),
+        ("wheel radius R_w", _listed(content["wheel_radius_m"], 1e3, "mm")),
+        ("rope radius R_r", _listed(content["rope_radius_m"], 1e3, "mm")),
+        ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
+        ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
+        ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
+        ("rejection", content["rejection"]),
+    ]
+    table = make_table(("", " "), [row for row in rows if row[1]])
+    table.show_header = False
+    console.print(table)
+
+
+def _listed(values: Iterable[float], factor: float, unit: str) -> str:
+    """Return values as a list with their unit; of very many only how many and their limits."""
+    texts = list(dict.fromkeys(number(value * factor, ".6g") for value in values))
+    if len(texts) > 12:
+        return f"{len(texts)} values from {texts[0]} to {texts[-1]} {unit}"
+    return f"{', '.join(texts)} {unit}" if texts else ""
 
 
 COMMAND = Command(name="check", run=check, example="ropefric check data/prth-bench/campaign.toml", order=30)

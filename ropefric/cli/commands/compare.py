@@ -4,10 +4,8 @@ from typing import Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
+from ropefric.cli.options import Answer, Command, TableArgument, exit_code_of, read_table
+from ropefric.cli.output import Output, Progress
 
 Laws = Annotated[
     list[str] | None,
@@ -32,10 +30,10 @@ def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
         )
     choice = choose_law(found)
-    sections = [comparison_section(found), verdict_section(choice.verdict, f"The law: {choice.fit.law}")]
+    verdict = verdict_section(choice.verdict, f"The law: {choice.fit.law}")
     return Answer(
         data=found.to_dict() | choice.to_dict(),
-        show=lambda console: show_sections(sections, console),
+        show=lambda _: [comparison_section(found), verdict],
         exit_code=exit_code_of(choice.verdict),
     )
 

@@ -1,19 +1,12 @@
 """`ropefric cost`: error and time of every numerical choice, measured here and now."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import show_sections
-from ropefric.cli.out_folder import Force, folder_option, open_folder
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
+from ropefric.cli.options import Answer, Command, Force, folder_option, open_folder, written_to
+from ropefric.cli.output import Output, Progress
 
 Names = Annotated[
     list[str] | None, typer.Argument(metavar="[STUDY …]", help="Studies to measure, all by default.")
@@ -42,13 +35,9 @@ def cost(
     from ropefric.report.cost_page import cost_sections, write_cost  # noqa: PLC0415
 
     chosen = [STUDIES[name] for name in dict.fromkeys(studies or STUDIES)]
-    names = [
-        "cost.md",
-        "cost.html",
-        *(f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")),
-    ]
+    pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
-    with open_folder(folder, family="cost", names=names, force=force) as target:
+    with open_folder(folder, family="cost", names=["cost.md", "cost.html", *pairs], force=force) as target:
         machine = this_machine()
         out.note(f"measuring on {machine.line}")
         with Progress(out, "cost") as progress:
@@ -60,12 +49,8 @@ def cost(
         "studies": [result.to_dict() for result in results],
         "written": list(written),
     }
-
-    def show(console: "Console") -> None:
-        show_sections(cost_sections(results, machine), console)
-        console.print(f"\nwritten to {folder}: cost.html, cost.md, …", markup=False, soft_wrap=True)
-
-    return Answer(data=data, show=show)
+    said = written_to(folder, "cost.html, cost.md, …")
+    return Answer(data=data, show=lambda _: [*cost_sections(results, machine), said])
 
 
 COMMAND = Command(name="cost", run=cost, example="ropefric cost integral --out cost --quick", order=180)

@@ -7,18 +7,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import (
+from ropefric.cli.options import (
     NOT_TRUSTED,
+    Answer,
+    Command,
     FitOption,
+    Force,
+    RopeDiameter,
     exit_code_of,
+    figure_names,
+    folder_option,
+    open_folder,
+    quantity_option,
     read_fit,
     rope_radius,
-    show_sections,
 )
-from ropefric.cli.out_folder import Force, figure_names, folder_option, open_folder
 from ropefric.cli.output import Output
-from ropefric.cli.quantity_option import read_quantity
 
 if TYPE_CHECKING:
     from ropefric.files.folder import Folder
@@ -27,15 +31,16 @@ if TYPE_CHECKING:
     from ropefric.report.section import Section
 
 
-Lift = Annotated[str, typer.Option("--lift", metavar="FORCE", help='The load, such as "900 N".')]
+Lift = Annotated[float, quantity_option("--lift", "N", "FORCE", 'The load, such as "900 N".', needed=True)]
 SolveFor = Annotated[
     str, typer.Option("--solve-for", metavar="wrap|radius|end-tension", help="What is looked for.")
 ]
-WheelRadius = Annotated[str, typer.Option("--wheel-radius", metavar="LENGTH", help="R_w, unless looked for.")]
-Wrap = Annotated[str, typer.Option("--wrap", metavar="ANGLE", help="φ, unless looked for.")]
-EndTension = Annotated[str, typer.Option("--end-tension", metavar="FORCE", help="F_B, unless looked for.")]
-RopeDiameter = Annotated[
-    str, typer.Option("--rope-diameter", metavar="LENGTH", help="Of another rope than that of the trials.")
+WheelRadius = Annotated[
+    float | None, quantity_option("--wheel-radius", "m", "LENGTH", "R_w, unless looked for.")
+]
+Wrap = Annotated[float | None, quantity_option("--wrap", "rad", "ANGLE", "φ, unless looked for.")]
+EndTension = Annotated[
+    float | None, quantity_option("--end-tension", "N", "FORCE", "F_B, unless looked for.")
 ]
 Probability = Annotated[
     float, typer.Option(help="Probability, 0.5 or more, that one pull with a new rope lifts the load.")
@@ -58,10 +63,10 @@ def design(
     fit: FitOption,
     lift: Lift,
     solve_for: SolveFor = "wrap",
-    wheel_radius: WheelRadius = "",
-    wrap: Wrap = "",
-    end_tension: EndTension = "",
-    rope_diameter: RopeDiameter = "",
+    wheel_radius: WheelRadius = None,
+    wrap: Wrap = None,
+    end_tension: EndTension = None,
+    rope_diameter: RopeDiameter = None,
     probability: Probability = 0.95,
     on_average: OnAverage = False,
     chart: Chart = None,
@@ -71,11 +76,6 @@ def design(
 
     Exits with 4 when there is none, or the law is not supported by its fit.
     """
-    R_w = read_quantity(wheel_radius, "m", "--wheel-radius") if wheel_radius else None
-    phi = read_quantity(wrap, "rad", "--wrap") if wrap else None
-    F_B = read_quantity(end_tension, "N", "--end-tension") if end_tension else None
-    load_N = read_quantity(lift, "N", "--lift")
-    rope_m = 0.5 * read_quantity(rope_diameter, "m", "--rope-diameter") if rope_diameter else None
     from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (quick start-up)
 
     stored = read_fit(fit, out)
@@ -88,13 +88,13 @@ def design(
             )
         found = find_design(
             stored,
-            lift_N=load_N,
-            rope_radius_m=rope_radius(stored, rope_m),
+            lift_N=lift,
+            rope_radius_m=rope_radius(stored, rope_diameter),
             solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
             probability=None if on_average else probability,
-            wheel_radius_m=R_w,
-            wrap_angle_rad=phi,
-            end_tension_N=F_B,
+            wheel_radius_m=wheel_radius,
+            wrap_angle_rad=wrap,
+            end_tension_N=end_tension,
         )
         reached = bool(found.reached[0])
         files = _write_chart(stored, found, target, probability) if chart is not None and reached else ()
@@ -103,7 +103,7 @@ def design(
     return Answer(
         data=found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
-        show=lambda console: show_sections([_section(found)], console),
+        show=lambda _: [_section(found)],
         exit_code=exit_code_of(stored.verdict) if reached else NOT_TRUSTED,
     )
 
@@ -114,7 +114,7 @@ def _write_chart(fit: "FitResult", found: "Design", folder: "Folder", probabilit
 
     from ropefric.fitting.design import design_chart  # noqa: PLC0415
     from ropefric.plotting.design_chart import draw_design_chart  # noqa: PLC0415
-    from ropefric.plotting.save import save_figure  # noqa: PLC0415
+    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
 
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     radii_m = np.unique(np.append(np.linspace(small_m, large_m, 4), found.wheel_radius_m[0]))

@@ -1,7 +1,6 @@
 """`ropefric diagnose`: why a rope does not obey the capstan equation."""
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
+from ropefric.cli.options import Answer, Command, TableArgument, exit_code_of, read_table
 from ropefric.cli.output import Output
 
 
@@ -14,10 +13,9 @@ def diagnose(out: Output, trials: TableArgument) -> Answer:
     from ropefric.report.parts import diagnosis_section  # noqa: PLC0415
 
     found = find_causes(read_table(trials, out))
-    section = diagnosis_section(found, full=True)
     return Answer(
         data=found.to_dict(),
-        show=lambda console: show_sections([section], console),
+        show=lambda _: [diagnosis_section(found, full=True)],
         exit_code=exit_code_of(found.verdict),
     )
 

@@ -1,31 +1,45 @@
 """`ropefric extract`: every recording of a campaign -> break-away forces, tables and figures."""
 
+import logging
+import math
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropefric.cli.campaign_file import CampaignArgument, campaign_file, what_was_kept
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.figures import draw_figures
-from ropefric.cli.jobs import parse_jobs
-from ropefric.cli.out_folder import Force, folder_option, open_campaign_folder
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
-from ropefric.cli.summary import end_line, other_problems, show_extraction
-from ropefric.errors import DataError
-from ropefric.traces.breakaway import Status
+from ropefric.cli.options import (
+    Answer,
+    Cache,
+    CampaignArgument,
+    Command,
+    Force,
+    Jobs,
+    campaign_file,
+    folder_option,
+    lend_fonts_a_place,
+    parse_jobs,
+)
+from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.errors import DataError, Problem
+from ropefric.glossary import counted
 
 if TYPE_CHECKING:
-    from ropefric.trials.result import Extraction
+    from rich.console import Console
+
+    from ropefric.files.folder import Folder
+    from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
 
 
 OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where tables and figures go.")]
-Jobs = Annotated[
-    str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
-]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw one figure per condition.")]
-Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
+
+SERIAL_FIGURES = 8
+"""Figures below which starting worker processes costs more than it saves."""
+MAX_ALIKE = 3
+"""Problems of one code that are said in full; the others are counted."""
+# The advice for these says something about the measurement; an unreadable file has advice of its own.
+_ADVISED = ("no-breakaway", "no-peak", "saturated", "too-short")
 
 
 def extract(
@@ -43,16 +57,18 @@ def extract(
     Writes trials.csv (a row a recording), conditions.csv (a row a condition), problems.csv and, in figures/,
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.pipeline.folder import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
     from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
-    from ropefric.trials.tables import write_tables  # noqa: PLC0415
+    from ropefric.trials.result import write_tables  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
     loaded = load_campaign(campaign, missing_recordings="flag")
     n_jobs = parse_jobs(jobs, len(loaded.trials))
     cache_folder = folder / ".cache" if cache else None
     # Before the work, so that a folder that cannot be used costs nothing.
-    target = open_campaign_folder(loaded, folder, answers=False, force=force)
+    lend_fonts_a_place(folder)
+    target = campaign_folder(loaded, folder, answers=False, force=force)
     try:
         with target:
             with Progress(out, "extract") as progress:
@@ -66,16 +82,10 @@ def extract(
     except KeyboardInterrupt:
         out.note(what_was_kept(cache_folder))
         raise
-    out.problems(other_problems(extraction))
-    out.note(end_line(extraction, folder / "problems.csv"))
-    return _verdict(extraction, campaign, out)
-
-
-def _verdict(extraction: "Extraction", campaign: Path, out: Output) -> Answer:
-    """Return the answer; a campaign without a single usable force is an error, though its tables are there."""
-    data = extraction.to_dict()
-    exit_code = 0
-    if not any(trial.breakaway.status == Status.OK for trial in extraction.trials):
+    say_problems(extraction, folder, out)
+    data, exit_code = extraction.to_dict(), 0
+    # A campaign without a single usable force is an error, though its tables are there.
+    if not any(trial.breakaway.status == "ok" for trial in extraction.trials):
         error = DataError(
             f"none of the {len(extraction.trials)} recordings gave a usable force",
             code="RF301",
@@ -84,9 +94,123 @@ def _verdict(extraction: "Extraction", campaign: Path, out: Output) -> Answer:
         )
         if not out.json:
             out.problems(error.problems)
-        data |= error.to_dict()
-        exit_code = error.exit_code
-    return Answer(data=data, show=lambda console: show_extraction(extraction, console), exit_code=exit_code)
+        data, exit_code = data | error.to_dict(), error.exit_code
+    return Answer(data=data, show=lambda console: _show(extraction, console), exit_code=exit_code)
+
+
+def what_was_kept(cache_folder: Path | None) -> str:
+    """Return what an interrupted run leaves for the next one."""
+    if cache_folder is None:
+        return "nothing is kept (--no-cache)"
+    return f"finished recordings are kept in {cache_folder}; the same command goes on from there"
+
+
+def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output) -> None:
+    """Draw one figure per condition into figures/ of a folder and publish them, telling how far it is."""
+    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
+
+    from ropefric.plotting.conditions import write_condition_figures  # noqa: PLC0415
+
+    with Progress(out, "figures") as progress, ExitStack() as stack:
+        executor = None
+        if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
+            # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
+            executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
+            stack.callback(executor.shutdown, cancel_futures=True)
+        write_condition_figures(
+            extraction, folder, under="figures/", executor=executor, progress=progress.update
+        )
+    folder.publish("figures")
+
+
+def _work_quietly() -> None:
+    from ropefric.trials.workers import become_expendable  # noqa: PLC0415  (quick start-up)
+
+    become_expendable()
+    # What matplotlib tells of its fonts and folders is for no reader of ours.
+    logging.getLogger().addHandler(logging.NullHandler())
+
+
+def say_problems(extraction: "Extraction", folder: Path, out: Output) -> None:
+    """Say what was wrong or doubtful beside the recordings that the summary lists, and what became of the trials.
+
+    Many problems of one kind are said a few times and then counted.
+    """
+    from ropefric.trials.result import count_trials, outcome_words  # noqa: PLC0415  (quick start-up)
+
+    listed = {problem for trial in _without_force(extraction) for problem in trial.problems}
+    by_code: dict[str, list[Problem]] = {}
+    for problem in extraction.problems:
+        if problem not in listed:
+            by_code.setdefault(problem.code, []).append(problem)
+    for alike in by_code.values():
+        out.problems(alike[:MAX_ALIKE])
+        rest = alike[MAX_ALIKE:]
+        if rest:
+            worst = next((problem for problem in rest if problem.severity == "error"), rest[0])
+            text = f"{len(rest)} more like these"
+            out.problems([Problem(code=worst.code, message=text, severity=worst.severity)])
+    trials = extraction.trials
+    n_recordings = len({(trial.file, trial.sample) for trial in trials})
+    what = counted(len(trials), "trial")
+    if n_recordings != len(trials):
+        what += f" in {counted(n_recordings, 'recording')}"
+    tally = outcome_words(count_trials(extraction))
+    reused = f" ({extraction.n_reused} unchanged, not extracted again)" if extraction.n_reused else ""
+    out.note(f"{what}: {tally}{reused} → {folder / 'problems.csv'}")
+
+
+def _show(extraction: "Extraction", console: "Console") -> None:
+    """Print a row a condition, then the recordings without a usable force and what to do about them."""
+    from ropefric.traces.breakaway import ADVICE  # noqa: PLC0415  (quick start-up)
+
+    slack = any(trial.measures_slack for trial in extraction.trials)
+    known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    headings = (
+        "R_w [mm]",
+        "φ [deg]",
+        f"{known} [N]",
+        "trials",
+        "kept",
+        f"mean {measured} [N]",
+        "s [N]",
+        "rejected ",
+    )
+    rows = [_condition_row(condition, slack=slack) for condition in extraction.conditions]
+    console.print(make_table(headings, rows, left=0))
+    flagged = _without_force(extraction)
+    if not flagged:
+        return
+    console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials are without a force:\n")
+    console.print(make_table(("trial", "status", "why "), [_flagged_row(trial) for trial in flagged], left=3))
+    console.print()
+    for status in dict.fromkeys(trial.breakaway.status for trial in flagged):
+        if status in _ADVISED:
+            console.print(f"{status}: {ADVICE[status]}", markup=False)
+
+
+def _without_force(extraction: "Extraction") -> "list[TrialResult]":
+    return [trial for trial in extraction.trials if trial.outcome == "without a force"]
+
+
+def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, ...]:
+    return (
+        number(1e3 * condition.wheel_radius_m),
+        number(math.degrees(condition.wrap_angle_rad)),
+        number(condition.lift_force_N if slack else condition.end_tension_N),
+        str(condition.n_recorded),
+        str(condition.n_kept),
+        number(condition.mean_kept_N),
+        number(condition.std_kept_N, ".2g"),
+        ", ".join(condition.rejected),
+    )
+
+
+def _flagged_row(trial: "TrialResult") -> tuple[str, str, str]:
+    why = trial.breakaway.detail
+    if trial.breakaway.status not in _ADVISED:
+        why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
+    return trial.trial, str(trial.breakaway.status), why
 
 
 COMMAND = Command(

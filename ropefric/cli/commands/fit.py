@@ -7,12 +7,16 @@ from typing import Annotated
 
 import typer
 
-from ropefric.cli.assignments import parse_assignments
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import TableArgument, exit_code_of, read_table, show_sections
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
-from ropefric.cli.spans import parse_spans
+from ropefric.cli.options import (
+    Answer,
+    Command,
+    TableArgument,
+    exit_code_of,
+    parse_assignments,
+    parse_spans,
+    read_table,
+)
+from ropefric.cli.output import Output, Progress
 
 _LARGE = 5_000_000
 """Bytes of a table that takes seconds."""
@@ -59,8 +63,8 @@ def fit(
 
     Exits with 4 when the law is not supported by its fit: undecided, or not judged; the status says more.
     """
+    from ropefric.fitting.bootstrap import with_intervals  # noqa: PLC0415
     from ropefric.fitting.fit import fit_law  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.intervals import with_intervals  # noqa: PLC0415
     from ropefric.fitting.store import check_target, save_fit  # noqa: PLC0415
     from ropefric.report.parts import fit_section, notes_sections, verdict_section  # noqa: PLC0415
 
@@ -85,7 +89,7 @@ def fit(
     sections = [fit_section(result), verdict, *notes_sections(result)]
     return Answer(
         data=result.to_dict() | {"verdict": result.verdict.to_dict()},
-        show=lambda console: show_sections(sections, console),
+        show=lambda _: sections,
         exit_code=exit_code_of(result.verdict),
     )
 

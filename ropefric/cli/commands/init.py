@@ -1,16 +1,12 @@
 """`ropefric init`: a commented campaign, or commented scenes, to fill in."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
+from ropefric.cli.options import Answer, Command
 from ropefric.cli.output import Output
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
 
 Folder = Annotated[Path, typer.Argument(help="Where to write them; made where it is missing.")]
 Scenes = Annotated[bool, typer.Option("--scenes", help="Write all scenes instead of a campaign.")]
@@ -41,16 +37,11 @@ def init(
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {first if first in written else written[0]}")
     else:
-        from ropefric.trials.campaign_templates import write_templates  # noqa: PLC0415  (quick start-up)
+        from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
 
         written = write_templates(folder, overwrite=force)
         out.note(f"next: fill them in, then  ropefric check {written[0]}")
-
-    def show(console: "Console") -> None:
-        for path in written:
-            console.print(f"wrote {path}", markup=False, soft_wrap=True)
-
-    return Answer(data={"written": written}, show=show)
+    return Answer(data={"written": written}, show=lambda _: "\n".join(f"wrote {path}" for path in written))
 
 
 COMMAND = Command(name="init", run=init, example="ropefric init my-scenes --scene hoist", order=10)

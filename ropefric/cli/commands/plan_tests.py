@@ -2,34 +2,38 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from ropefric.cli.assignments import parse_assignments
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import exit_code_of, read_fit, rope_radius, show_sections
+from ropefric.cli.options import (
+    Answer,
+    Command,
+    Level,
+    exit_code_of,
+    parse_assignments,
+    quantity_option,
+    read_fit,
+    read_quantity,
+    rope_radius,
+)
 from ropefric.cli.output import Output
-from ropefric.cli.quantity_option import read_quantity
 from ropefric.errors import InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
-
-if TYPE_CHECKING:
-    from ropefric.fitting.next_tests import PlannedLaw
-    from ropefric.fitting.plan_search import Criterion
-
 
 Wheels = Annotated[str, typer.Option(metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".')]
 Wraps = Annotated[str, typer.Option(metavar="ANGLES", help='A list, or a range: "90 deg .. 1080 deg".')]
 EndTensions = Annotated[str, typer.Option(metavar="FORCES", help='A list, or a range: "5 N .. 200 N".')]
 MaxForce = Annotated[
-    str, typer.Option("--max-force", metavar="FORCE", help="The largest F_A the cell takes.")
+    float, quantity_option("--max-force", "N", "FORCE", "The largest F_A the cell takes.", needed=True)
 ]
 WheelRadius = Annotated[
-    str, typer.Option("--wheel-radius", metavar="LENGTH", help="R_w of the wanted wheel.")
+    float, quantity_option("--wheel-radius", "m", "LENGTH", "R_w of the wanted wheel.", needed=True)
 ]
-Wrap = Annotated[str, typer.Option("--wrap", metavar="ANGLE", help="φ of the wanted wheel.")]
-EndTension = Annotated[str, typer.Option("--end-tension", metavar="FORCE", help="F_B of the wanted wheel.")]
+Wrap = Annotated[float, quantity_option("--wrap", "rad", "ANGLE", "φ of the wanted wheel.", needed=True)]
+EndTension = Annotated[
+    float, quantity_option("--end-tension", "N", "FORCE", "F_B of the wanted wheel.", needed=True)
+]
 Fit = Annotated[Path | None, typer.Option("--fit", metavar="FIT.json", help="What is known already.")]
 Law = Annotated[str, typer.Option(help="Without a fit: the law.")]
 Guess = Annotated[
@@ -40,7 +44,9 @@ Hold = Annotated[
     list[str] | None,
     typer.Option("--hold", metavar="NAME", help="A guessed parameter taken as known; repeatable."),
 ]
-RopeDiameter = Annotated[str, typer.Option("--rope-diameter", metavar="LENGTH", help="Needed with --law.")]
+RopeDiameter = Annotated[
+    float | None, quantity_option("--rope-diameter", "m", "LENGTH", "Needed with --law.", factor=0.5)
+]
 NConditions = Annotated[int, typer.Option("--conditions", min=1, help="Conditions to plan.")]
 Repeats = Annotated[int, typer.Option(min=1, help="Pulls of each.")]
 By = Annotated[
@@ -50,14 +56,13 @@ By = Annotated[
     ),
 ]
 Within = Annotated[
-    str, typer.Option("--scatter-within", metavar="PART", help='Between repeats, such as "1.7 %".')
+    float | None, quantity_option("--scatter-within", "", "PART", 'Between repeats, such as "1.7 %".')
 ]
-Between = Annotated[str, typer.Option("--scatter-between", metavar="PART", help="Between conditions.")]
+Between = Annotated[float | None, quantity_option("--scatter-between", "", "PART", "Between conditions.")]
 UForce = Annotated[
-    str, typer.Option("--u-force", metavar="FORCE", help="Of a force, by the measuring chain.")
+    float | None, quantity_option("--u-force", "N", "FORCE", "Of a force, by the measuring chain.")
 ]
 Levels = Annotated[int, typer.Option(min=2, help="Settings a range is divided into.")]
-Level = Annotated[float, typer.Option(help="Level of the intervals, between 0 and 1.")]
 Starts = Annotated[int, typer.Option(min=1, help="Starts of the search.")]
 Seed = Annotated[int, typer.Option(min=0, help="Of those drawn at random.")]
 OutFile = Annotated[
@@ -82,13 +87,13 @@ def plan_tests(
     law: Law = "",
     guess: Guess = None,
     hold: Hold = None,
-    rope_diameter: RopeDiameter = "",
+    rope_diameter: RopeDiameter = None,
     conditions: NConditions = 12,
     repeats: Repeats = 12,
     criterion: By = "v",
-    scatter_within: Within = "",
-    scatter_between: Between = "",
-    u_force: UForce = "",
+    scatter_within: Within = None,
+    scatter_between: Between = None,
+    u_force: UForce = None,
     levels: Levels = 12,
     level: Level = 0.95,
     starts: Starts = 10,
@@ -113,32 +118,28 @@ def plan_tests(
     radii_m = read_levels(wheels, "m", "--wheels", levels)
     wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
     loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
-    largest_N = read_quantity(max_force, "N", "--max-force")
-    R_w = read_quantity(wheel_radius, "m", "--wheel-radius")
-    phi = read_quantity(wrap, "rad", "--wrap")
-    F_B = read_quantity(end_tension, "N", "--end-tension")
-    rope_m = 0.5 * read_quantity(rope_diameter, "m", "--rope-diameter") if rope_diameter else None
-    within = read_quantity(scatter_within, "", "--scatter-within") if scatter_within else None
-    between = read_quantity(scatter_between, "", "--scatter-between") if scatter_between else None
-    u_N = read_quantity(u_force, "N", "--u-force") if u_force else None
-    how: Criterion = criterion  # type: ignore[assignment]  # the library says what it may be
+    from ropefric.fitting.next_tests import MeanScatter, planned_fit, planned_guess  # noqa: PLC0415
     from ropefric.fitting.next_tests import plan_tests as find_plan  # noqa: PLC0415
-    from ropefric.fitting.next_tests import planned_fit  # noqa: PLC0415
     from ropefric.fitting.plan_search import RigLimits  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
+    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415
     from ropefric.report.lab_plan import plan_sections  # noqa: PLC0415
 
-    exit_code = 0
+    exit_code, rope_m = 0, rope_diameter
     known: dict[str, object] = {}
+    scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
     if fit is not None:
         stored = read_fit(fit, out)
-        rope_m, exit_code = rope_radius(stored, rope_m), exit_code_of(stored.verdict)
-        planned = planned_fit(stored, within=within, between=between, instrument_N=u_N)
+        rope_m, exit_code = rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
+        planned = planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
-        planned = _guessed(
-            law, guess or [], tuple(hold or ()), within=within, between=between, instrument_N=u_N
-        )
+        if scatter_within is None:
+            text = 'how far do repeats scatter? Write it like "1.7 %"'
+            raise typer.BadParameter(text, param_hint="--scatter-within")
+        spread = MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+        at = parse_assignments(guess or [], option="--guess")
+        planned = planned_guess(ALL_LAWS[law], at, spread, fixed=tuple(hold or ()))
     if rope_m is None:
         raise typer.BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
     found = find_plan(
@@ -148,12 +149,12 @@ def plan_tests(
             wrap_angle_rad=wraps_rad,
             end_tension_N=loads_N,
             rope_radius_m=rope_m,
-            largest_force_N=largest_N,
+            largest_force_N=max_force,
         ),
-        one_condition(R_w, rope_m, phi, F_B),
+        one_condition(wheel_radius, rope_m, wrap, end_tension),
         n_conditions=conditions,
         repeats=repeats,
-        criterion=how,
+        criterion=criterion,  # type: ignore[arg-type]  # the library says what it may be
         level=level,
         starts=starts,
         seed=seed,
@@ -163,10 +164,9 @@ def plan_tests(
             raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
-    sections = plan_sections(found)
     return Answer(
         data=found.to_dict() | known | {"written": file},
-        show=lambda console: show_sections(sections, console),
+        show=lambda _: plan_sections(found),
         exit_code=exit_code,
     )
 
@@ -203,19 +203,6 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
     step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
     return tuple(math.radians(degrees) for degrees in linear_levels(first, last, n, step=step))
-
-
-def _guessed(name: str, guess: list[str], hold: tuple[str, ...], **scatter: float | None) -> "PlannedLaw":
-    """Return a law at guessed parameters; `scatter` holds the fields of `MeanScatter`, None where not given."""
-    from ropefric.fitting.next_tests import MeanScatter, planned_guess  # noqa: PLC0415  (quick start-up)
-    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415
-
-    if scatter["within"] is None:
-        raise typer.BadParameter(
-            'how far do repeats scatter? Write it like "1.7 %"', param_hint="--scatter-within"
-        )
-    known = MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
-    return planned_guess(ALL_LAWS[name], parse_assignments(guess, option="--guess"), known, fixed=hold)
 
 
 COMMAND = Command(

@@ -4,26 +4,39 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import FitOption, exit_code_of, read_fit, rope_radius, show_sections
+from ropefric.cli.options import (
+    Answer,
+    Command,
+    FitOption,
+    Level,
+    RopeDiameter,
+    exit_code_of,
+    quantity_option,
+    read_fit,
+    rope_radius,
+)
 from ropefric.cli.output import Output
-from ropefric.cli.quantity_option import read_quantity
 
 if TYPE_CHECKING:
-    from ropefric.fitting.prediction import Method
+    from ropefric.fitting.predict import Method
 
 
-WheelRadius = Annotated[str, typer.Option("--wheel-radius", metavar="LENGTH", help='R_w, such as "35 mm".')]
-Wrap = Annotated[str, typer.Option("--wrap", metavar="ANGLE", help='φ, such as "400 deg" or "1.5 turn".')]
-EndTension = Annotated[str, typer.Option("--end-tension", metavar="FORCE", help='F_B, such as "60 N".')]
-RopeDiameter = Annotated[
-    str, typer.Option("--rope-diameter", metavar="LENGTH", help="Of another rope than that of the trials.")
+WheelRadius = Annotated[
+    float, quantity_option("--wheel-radius", "m", "LENGTH", 'R_w, such as "35 mm".', needed=True)
 ]
-Speed = Annotated[str, typer.Option("--speed", metavar="SPEED", help='Of a running rope, such as "0.3 m/s".')]
+Wrap = Annotated[
+    float, quantity_option("--wrap", "rad", "ANGLE", 'φ, such as "400 deg" or "1.5 turn".', needed=True)
+]
+EndTension = Annotated[
+    float, quantity_option("--end-tension", "N", "FORCE", 'F_B, such as "60 N".', needed=True)
+]
+Speed = Annotated[
+    float | None, quantity_option("--speed", "m/s", "SPEED", 'Of a running rope, such as "0.3 m/s".')
+]
 Density = Annotated[
-    str, typer.Option("--linear-density", metavar="DENSITY", help='Of a running rope, such as "62 g/m".')
+    float | None,
+    quantity_option("--linear-density", "kg/m", "DENSITY", 'Of a running rope, such as "62 g/m".'),
 ]
-Level = Annotated[float, typer.Option(help="Level of the intervals, between 0 and 1.")]
 HowCarried = Annotated[
     str, typer.Option("--method", metavar="linear|monte-carlo", help="How the uncertainty is carried over.")
 ]
@@ -37,9 +50,9 @@ def predict(
     wheel_radius: WheelRadius,
     wrap: Wrap,
     end_tension: EndTension,
-    rope_diameter: RopeDiameter = "",
-    speed: Speed = "",
-    linear_density: Density = "",
+    rope_diameter: RopeDiameter = None,
+    speed: Speed = None,
+    linear_density: Density = None,
     level: Level = 0.95,
     method: HowCarried = "linear",
     hand: Hand = False,
@@ -48,38 +61,29 @@ def predict(
 
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
-    R_w = read_quantity(wheel_radius, "m", "--wheel-radius")
-    phi = read_quantity(wrap, "rad", "--wrap")
-    F_B = read_quantity(end_tension, "N", "--end-tension")
-    rope_m = 0.5 * read_quantity(rope_diameter, "m", "--rope-diameter") if rope_diameter else None
-    speed_m_s = read_quantity(speed, "m/s", "--speed") if speed else None
-    density_kg_m = read_quantity(linear_density, "kg/m", "--linear-density") if linear_density else None
     from ropefric.fitting.predict import predict as predict_lift  # noqa: PLC0415
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.parts import prediction_section  # noqa: PLC0415
     from ropefric.report.section import Section  # noqa: PLC0415
 
     stored = read_fit(fit, out)
-    wheel = one_condition(R_w, rope_radius(stored, rope_m), phi, F_B)
+    wheel = one_condition(wheel_radius, rope_radius(stored, rope_diameter), wrap, end_tension)
     how: Method = method  # type: ignore[assignment]  # the library says what it may be
     found = predict_lift(
-        stored, wheel, level=level, method=how, speed_m_s=speed_m_s, linear_density_kg_m=density_kg_m
+        stored, wheel, level=level, method=how, speed_m_s=speed, linear_density_kg_m=linear_density
     )
     data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
     sections = [prediction_section(found)]
     if hand:
-        lines = _by_hand(stored.friction_law.calculation(stored.theta, wheel), running=speed_m_s is not None)
+        running = ("for the rope at rest, without the centrifugal term:",) if speed is not None else ()
+        lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(lines)
         sections.append(Section(title="By hand", lines=lines, verbatim=True))
     return Answer(
         data=data,
-        show=lambda console: show_sections(sections, console),
+        show=lambda _: sections,
         exit_code=exit_code_of(found.verdict()),
     )
-
-
-def _by_hand(lines: tuple[str, ...], *, running: bool) -> tuple[str, ...]:
-    return ("for the rope at rest, without the centrifugal term:", *lines) if running else lines
 
 
 COMMAND = Command(

@@ -5,10 +5,8 @@ from typing import Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
 from ropefric.cli.commands.run import work_through
-from ropefric.cli.jobs import parse_jobs
-from ropefric.cli.out_folder import Force, folder_option
+from ropefric.cli.options import Answer, Command, Force, Jobs, campaign_file, folder_option, parse_jobs
 from ropefric.cli.output import Output
 
 Source = Annotated[
@@ -23,9 +21,6 @@ OutFolder = Annotated[
     folder_option("--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."),
 ]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins; by default as in the run before.")]
-Jobs = Annotated[
-    str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
-]
 Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures of the report.")]
 
 
@@ -53,22 +48,15 @@ def report(
         folder, (campaign, law_before) = source, recorded_run(source)
         law = law or law_before
     else:
-        campaign = source / "campaign.toml" if source.is_dir() else source
+        campaign = campaign_file(source)
         folder = folder or Path("out")
         if not law and (folder / MANIFEST).is_file():
             before, law_before = recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = load_campaign(campaign)
+    n_jobs = parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
-    return work_through(
-        out,
-        loaded,
-        folder,
-        law=law,
-        n_jobs=parse_jobs(jobs, len(loaded.trials)),
-        drawing=drawing,
-        force=force,
-    )
+    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, force=force)
 
 
 COMMAND = Command(name="report", run=report, example="ropefric report out", order=70)

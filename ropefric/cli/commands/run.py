@@ -5,34 +5,34 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropefric.cli.campaign_file import CampaignArgument, campaign_file, what_was_kept
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.figures import draw_figures
-from ropefric.cli.fitting_options import exit_code_of, show_sections
-from ropefric.cli.jobs import parse_jobs
-from ropefric.cli.out_folder import Force, folder_option, open_campaign_folder
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
-from ropefric.cli.summary import end_line, other_problems
+from ropefric.cli.commands.extract import draw_figures, say_problems, what_was_kept
+from ropefric.cli.options import (
+    Answer,
+    Cache,
+    CampaignArgument,
+    Command,
+    Force,
+    Jobs,
+    campaign_file,
+    exit_code_of,
+    folder_option,
+    lend_fonts_a_place,
+    parse_jobs,
+    written_to,
+)
+from ropefric.cli.output import Output, Progress
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
-    from ropefric.pipeline.run import CampaignRun
     from ropefric.trials.campaign_model import Campaign
     from ropefric.trials.result import Extraction
 
 
 OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where everything is written.")]
 Law = Annotated[str, typer.Option(help="Use this law, whichever wins.")]
-Jobs = Annotated[
-    str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
-]
 Figures = Annotated[
     bool,
     typer.Option("--figures/--no-figures", help="Draw figures: one per condition, and those of the report."),
 ]
-Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
 
 
 def run(
@@ -76,36 +76,23 @@ def work_through(
 ) -> Answer:
     """Return the answer to a campaign, and write everything into a folder.
 
-    Parameters
-    ----------
-    out : Output
-        Where progress is told.
-    campaign : Campaign
-        From `load_campaign`.
-    folder : Path
-        Where to write.
-    law : str
-        The law to use; "" for the best.
-    n_jobs : int
-        Processes.
-    cache : bool
-        Whether recordings that have not changed are skipped.
-    drawing : frozenset of str
-        Which figures are drawn: those of the "report", and one of each of the "conditions".
-    force : bool
-        Replace files that ropefric did not write.
+    `law` is the one to use, "" for the best; `drawing` names the figures: those of the "report", those of "conditions".
     """
-    from ropefric.pipeline.run import run_campaign  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.pipeline.folder import campaign_folder  # noqa: PLC0415
+    from ropefric.pipeline.run import run_campaign  # noqa: PLC0415
+    from ropefric.report.summary import summary_sections  # noqa: PLC0415
     from ropefric.report.write import write_report  # noqa: PLC0415
 
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
-    _check_law(law)
+    if law:
+        ALL_LAWS[law]
     cache_dir = folder / ".cache" if cache else None
-    target = open_campaign_folder(campaign, folder, force=force)
+    lend_fonts_a_place(folder)
+    target = campaign_folder(campaign, folder, force=force)
 
     def draw(extraction: "Extraction") -> None:
-        out.problems(other_problems(extraction))
-        out.note(end_line(extraction, folder / "problems.csv"))
+        say_problems(extraction, folder, out)
         if "conditions" in drawing:
             draw_figures(extraction, target, n_jobs, out)
 
@@ -128,26 +115,12 @@ def work_through(
     except KeyboardInterrupt:
         out.note(what_was_kept(cache_dir))
         raise
+    said = written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
     return Answer(
         data=result.to_dict() | {"written": [*result.written, *pages]},
-        show=lambda console: _show(result, folder, console),
+        show=lambda _: [*summary_sections(result), said],
         exit_code=exit_code_of(result.answer.verdict),
     )
-
-
-def _check_law(law: str) -> None:
-    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (quick start-up)
-
-    if law:
-        ALL_LAWS[law]
-
-
-def _show(result: "CampaignRun", folder: Path, console: "Console") -> None:
-    from ropefric.report.summary import summary_sections  # noqa: PLC0415  (quick start-up)
-
-    show_sections(summary_sections(result), console)
-    console.print(f"\nwritten to {folder}: report.html, trials.csv, fits/, comparison.csv, …", markup=False,
-                  soft_wrap=True)  # fmt: skip
 
 
 COMMAND = Command(

@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import exit_code_of, read_fit, show_sections
+from ropefric.cli.options import Answer, Command, exit_code_of, read_fit
 from ropefric.cli.output import Output
 
 FitFile = Annotated[Path, typer.Argument(metavar="FIT.json", help="A stored fit.")]
@@ -23,7 +22,7 @@ def show(out: Output, file: FitFile) -> Answer:
     sections = [fit_section(fit, short=True), *notes_sections(fit), origin_section(fit)]
     return Answer(
         data=fit.to_dict() | {"verdict": fit.verdict.to_dict()},
-        show=lambda console: show_sections(sections, console),
+        show=lambda _: sections,
         exit_code=exit_code_of(fit.verdict),
     )
 

@@ -2,21 +2,15 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from ropefric.cli.assignments import parse_assignments
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
+from ropefric.cli.options import Answer, Command, parse_assignments
+from ropefric.cli.output import Output, Progress
+from ropefric.errors import UnknownNameError
 from ropefric.glossary import counted
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from ropefric.rig.campaign import CampaignPlan
-
+from ropefric.registry import did_you_mean
 
 Folder = Annotated[Path, typer.Argument(help="A new or empty folder.")]
 Seed = Annotated[
@@ -55,13 +49,26 @@ def simulate(
     Rope and cell stiffness, motor ramp, scatter, stick-slip, noise, converter and the usual faults are simulated.
     Without options it writes data/prth-bench again, byte for byte.
     """
-    from ropefric.rig.campaign import simulate_campaign  # noqa: PLC0415  (quick start-up)
+    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415  (quick start-up)
 
-    plan, own_seed = _bench_plan(bench)
-    faults = [] if no_faults and fault is None else fault
-    plan = _changed(
-        plan, law=law, parameters=parameter, repeats=repeats, conditions=conditions, faults=faults
-    )
+    benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
+    if bench not in benches:
+        raise UnknownNameError(f"unknown bench {bench!r}", fix=did_you_mean(bench, benches))
+    make, own_seed = benches[bench]
+    plan = make()
+    given = parse_assignments(parameter or (), option="--parameter")
+    changes: dict[str, Any] = {}
+    if law and law != plan.law:
+        changes |= {"law": law, "parameters": given}
+    elif given:
+        changes["parameters"] = {**plan.parameters, **given}
+    if repeats is not None:
+        changes["repeats"] = repeats
+    if conditions is not None:
+        changes["conditions"] = plan.conditions[:conditions]
+    if fault is not None or no_faults:
+        changes["faults"] = parse_assignments(fault or (), option="--fault")
+    plan = replace(plan, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
         written = simulate_campaign(folder, plan, seed=seed, progress=progress.update)
@@ -77,48 +84,8 @@ def simulate(
         "n_conditions": len(plan.conditions),
         "n_trials": plan.n_trials,
     }
-
-    def show(console: "Console") -> None:
-        made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
-        text = f"{made}, law {plan.law}, seed {seed}"
-        console.print(f"{text} → {campaign}", markup=False, soft_wrap=True)
-
-    return Answer(data=data, show=show)
-
-
-def _bench_plan(name: str) -> tuple["CampaignPlan", int]:
-    from ropefric.errors import UnknownNameError  # noqa: PLC0415
-    from ropefric.registry import did_you_mean  # noqa: PLC0415
-    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan  # noqa: PLC0415
-
-    benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
-    if name not in benches:
-        raise UnknownNameError(f"unknown bench {name!r}", fix=did_you_mean(name, benches))
-    make, seed = benches[name]
-    return make(), seed
-
-
-def _changed(
-    plan: "CampaignPlan",
-    *,
-    law: str,
-    parameters: list[str] | None,
-    repeats: int | None,
-    conditions: int | None,
-    faults: list[str] | None,
-) -> "CampaignPlan":
-    changes: dict[str, Any] = {}
-    if law and law != plan.law:
-        changes |= {"law": law, "parameters": parse_assignments(parameters or (), option="--parameter")}
-    elif parameters:
-        changes["parameters"] = {**plan.parameters, **parse_assignments(parameters, option="--parameter")}
-    if repeats is not None:
-        changes["repeats"] = repeats
-    if conditions is not None:
-        changes["conditions"] = plan.conditions[:conditions]
-    if faults is not None:
-        changes["faults"] = parse_assignments(faults, option="--fault")
-    return replace(plan, **changes) if changes else plan
+    made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
+    return Answer(data=data, show=lambda _: f"{made}, law {plan.law}, seed {seed} → {campaign}")
 
 
 COMMAND = Command(

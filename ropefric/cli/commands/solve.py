@@ -6,11 +6,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import NOT_TRUSTED, show_sections
-from ropefric.cli.out_folder import Force, figure_names, folder_option, open_folder
-from ropefric.cli.output import Output
-from ropefric.cli.progress import Progress
+from ropefric.cli.options import (
+    NOT_TRUSTED,
+    Answer,
+    Command,
+    Force,
+    SceneArgument,
+    figure_names,
+    folder_option,
+    open_folder,
+)
+from ropefric.cli.output import Output, Progress, json_text
 
 if TYPE_CHECKING:
     from ropefric.files.folder import Folder
@@ -19,7 +25,6 @@ if TYPE_CHECKING:
     from ropefric.scenes.sweep import Sweep
 
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="What to solve.")]
 SweepOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -40,7 +45,7 @@ _SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
 
 def solve(
     out: Output,
-    scene: SceneFile,
+    scene: SceneArgument,
     *,
     sweep: SweepOption = None,
     level: Level = 0.95,
@@ -94,15 +99,14 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
     files = [] if folder is None else _write(out, solution, tree, folder)
     return Answer(
         data=tree | {"files": files},
-        show=lambda console: show_sections(solution_sections(solution, tree), console),
+        show=lambda _: solution_sections(solution, tree),
         exit_code=0 if solution.stands else NOT_TRUSTED,
     )
 
 
 def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> list[Path]:
-    from ropefric.cli.jsontext import json_text  # noqa: PLC0415
     from ropefric.plotting.chart import scene_figures  # noqa: PLC0415
-    from ropefric.plotting.save import save_figure  # noqa: PLC0415
+    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
     from ropefric.scenes.sweep import columns_text  # noqa: PLC0415
 
     files = [*folder.write({"answer.json": json_text(tree)})]
@@ -128,7 +132,7 @@ def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None
     files = [] if folder is None else _write_sweep(out, found, folder, plot)
     return Answer(
         data=_tree(found) | {"files": files},
-        show=lambda console: show_sections(sweep_sections(found), console),
+        show=lambda _: sweep_sections(found),
         exit_code=0 if found.keeps_accuracy else NOT_TRUSTED,
     )
 
@@ -138,7 +142,7 @@ def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> li
 
     files = [write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
-        from ropefric.plotting.save import save_figure  # noqa: PLC0415
+        from ropefric.plotting.figure import save_figure  # noqa: PLC0415
         from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
 
         files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")

@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropefric.cli.command import Answer, Command
-from ropefric.cli.fitting_options import NOT_TRUSTED
-from ropefric.cli.output import Output
-from ropefric.cli.tables import make_table, number
+from ropefric.cli.options import NOT_TRUSTED, Answer, Command
+from ropefric.cli.output import Output, make_table, number
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,21 +21,16 @@ def verify(out: Output, folder: FitFolder = Path("fits")) -> Answer:
 
     Exits with 4 when one does not come out again.
     """
-    from ropefric.fitting.verify import verify_fits  # noqa: PLC0415  (quick start-up)
+    from ropefric.fitting.store import verify_fits  # noqa: PLC0415  (quick start-up)
 
     found = verify_fits(folder)
     n_ok = sum(item.ok for item in found)
     out.note(f"{n_ok} of {len(found)} fits come out of their data again")
 
     def show(console: "Console") -> None:
+        words = {True: "ok", False: "FAILED"}
         rows = [
-            (
-                Path(item.path).name,
-                "ok" if item.ok else "FAILED",
-                number(item.difference, ".1g"),
-                item.message,
-            )
-            for item in found
+            (Path(one.path).name, words[one.ok], number(one.difference, ".1g"), one.message) for one in found
         ]
         console.print(make_table(("fit", "", "change [standard errors]", "found "), rows, left=2))
 

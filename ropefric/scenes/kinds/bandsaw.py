@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
+from ropefric.files.toml_model import StrictTable, choice, got, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Figure,
@@ -42,7 +43,6 @@ from ropefric.systems.bandsaw.saw import Saw, Side
 from ropefric.systems.bandsaw.section import Section
 from ropefric.systems.bandsaw.strain import recommend_preload
 from ropefric.systems.friction import WrapFriction
-from ropefric.trials.toml_fields import StrictTable, choice, got, reject, whole_number
 
 _SIDES = tuple(side.value for side in Side)
 

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import BoolArray, FloatArray
+from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Failure,
@@ -43,7 +44,6 @@ from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import Parts, drive_power_W, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
-from ropefric.trials.toml_fields import StrictTable, choice, got, quantity, reject, whole_number
 
 _ROLES = ("driver", "driven", "tensioner")
 

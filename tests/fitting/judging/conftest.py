@@ -5,9 +5,9 @@ import pytest
 
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 # F_hold [N] per trial at seven measured wraps [rad], load 7.8816 N: phy_mini_ia_capstan, student-grade rig.
 WEIGHT_N = 7.8816

@@ -7,9 +7,8 @@ import pytest
 from scipy import optimize, stats
 
 from ropefric.errors import InputError, RopefricError, UnknownNameError
-from ropefric.fitting.average import averaged_prediction
 from ropefric.fitting.compare import compare_laws
-from ropefric.fitting.criteria import (
+from ropefric.fitting.statistics import (
     aicc,
     akaike_weights,
     bic,
@@ -18,11 +17,9 @@ from ropefric.fitting.criteria import (
     least_squares_deviance,
     scatter_fit,
 )
-from ropefric.fitting.measured import measured_force
-from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.trials.table import TrialTable
 
 
 def _average_form_rss(wrap, y, shape, rates):
@@ -70,9 +67,9 @@ def test_comparison_itself_gives_the_printed_values_and_constant_wins(cylinder_c
     assert conditions.best.fit["mu"].value == pytest.approx(0.181, abs=0.006)
 
 
-def test_measured_force(cylinder_table, campaign):
-    assert measured_force(cylinder_table) == "end-tension"
-    assert measured_force(campaign("constant", [0.2])) == "lift"
+def test_which_force_was_measured(cylinder_table, campaign):
+    assert cylinder_table.measures_slack
+    assert not campaign("constant", [0.2]).measures_slack
 
 
 def test_a_law_that_ignores_the_measured_end_tension_has_no_weight(cylinder_comparisons):
@@ -265,18 +262,3 @@ def test_scatter_between_conditions_is_the_likeliest(campaign):
     direct = optimize.minimize_scalar(deviance, bounds=(0, 0.3), method="bounded", options={"xatol": 1e-10})
     assert found.between == pytest.approx(direct.x, rel=1e-4)
     assert found.deviance == pytest.approx(direct.fun, abs=1e-8)
-
-
-def test_average_lies_between_the_laws_and_knows_their_disagreement(campaign):
-    table = campaign("wrap-power", [0.2, -0.5, 0.1], loads=(5.0, 20.0), between=0.02)
-    comparison = compare_laws(table, ["wrap-exponential", "howell", "wrap-power-from-zero"])
-    far = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=[6, 40], end_tension_N=20)
-    mean = averaged_prediction(comparison, far)
-    assert sum(mean.weights.values()) == pytest.approx(1.0)
-    parts = np.stack([predict(comparison[law].fit, far).log_lift for law in mean.weights])
-    assert (mean.log_lift >= parts.min(axis=0)).all()
-    assert (mean.log_lift <= parts.max(axis=0)).all()
-    assert mean.std_between_laws[1] > mean.std_between_laws[0]
-    assert (mean.std_log >= mean.std_between_laws).all()
-    assert mean.extrapolated.tolist() == [False, True]
-    mean.to_dict()

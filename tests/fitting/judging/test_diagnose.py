@@ -8,8 +8,8 @@ import pytest
 from ropefric.errors import InputError
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.diagnose import diagnose
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.trials.table import TrialTable
 
 
 @pytest.mark.slow

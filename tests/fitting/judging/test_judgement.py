@@ -11,11 +11,11 @@ from ropefric.cli.app import main
 from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.pipeline.answer import answer_trials
-from ropefric.trials.campaign_model import DesignSpec
+from ropefric.trials.campaign_model import DesignWheel
+from ropefric.trials.table import TrialTable
 
 NOT_TRUSTED = 4
 WHEEL = ("--wheel-radius", "40 mm", "--wrap", "200 deg", "--end-tension", "20 N")
@@ -118,7 +118,7 @@ def one_wheel():
 
 
 def test_laws_that_answer_differently_show_their_spread(one_wheel, tmp_path, capfd):
-    design = DesignSpec(wheel_radius_m=0.12, wrap_angle_rad=7.0, end_tension_N=40.0)
+    design = DesignWheel.model_construct(wheel_radius_m=0.12, wrap_angle_rad=7.0, end_tension_N=40.0)
     answer = answer_trials(one_wheel, design=design)
     found = answer.prediction
     assert answer.verdict.word == "undecided"

@@ -5,11 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from ropefric.errors import InputError
-from ropefric.fitting.average import averaged_prediction
 from ropefric.fitting.compare import ALWAYS, compare_laws
-from ropefric.fitting.table import TrialTable
-from ropefric.friction.condition import one_condition
+from ropefric.trials.table import TrialTable
 
 
 def pulls(wraps, log_lift, repeats=6, within=0.01):
@@ -69,8 +66,3 @@ def test_the_constant_laws_are_weighed_where_nothing_else_was_asked_for():
     found = compare_laws(pulls(wraps, 0.2 * wraps + 0.02 * (-1.0) ** np.arange(5)), ["constant"])
     assert found.conclusive
     assert sum(entry.weight for entry in found.ranking) == pytest.approx(1.0)
-
-
-def test_nothing_is_averaged_without_weights(four_with_an_offset):
-    with pytest.raises(InputError, match="could not be weighed"):
-        averaged_prediction(four_with_an_offset, one_condition(0.04, 0.005, 7.0, 20.0))

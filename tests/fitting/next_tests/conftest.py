@@ -17,9 +17,9 @@ from ropefric.fitting.plan_search import (
     one_factor_plan,
 )
 from ropefric.fitting.predict import predict
-from ropefric.fitting.table import TrialTable
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
 
 LAW_GUESSES = {
     "constant": {"mu": 0.15},

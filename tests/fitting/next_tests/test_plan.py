@@ -76,7 +76,7 @@ def test_a_plan_keeps_to_the_rig(bench, guessed, wanted):
 
 def test_the_errors_expected_of_parameters_are_those_of_a_fit(bench, guessed, wanted):
     from ropefric.fitting.fit import fit_law
-    from ropefric.fitting.table import TrialTable
+    from ropefric.trials.table import TrialTable
 
     planned = guessed("size-exponential", MeanScatter(within=0.017))
     plan = plan_tests(planned, bench, wanted("large wheel"), repeats=8, starts=2)

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, RopefricError
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
-from ropefric.traces.trace import FloatArray
 
 CHANNELS = {"time": Channel(column=1, unit="s"), "force": Channel(column=2, unit="N")}
 HEADS = {

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
-from ropefric.traces.readers.inspection import inspect_file, profile_to_toml
-from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.traces.readers.inspection import inspect_file
+from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
 
 
 def test_a_german_file_is_understood(write):

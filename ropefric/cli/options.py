@@ -1,0 +1,252 @@
+"""What commands share: their answer, and the options that name files, folders, quantities and processes."""
+
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+import typer
+
+from ropefric.cli.output import Output
+from ropefric.errors import InputError, RopefricError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ropefric.files.folder import OutputFolder
+    from ropefric.fitting.result import FitResult
+    from ropefric.fitting.verdict import Verdict
+    from ropefric.report.section import Section
+    from ropefric.trials.table import TrialTable
+
+T = TypeVar("T")
+
+NOT_TRUSTED = 4
+"""Exit code of a result that is not supported: undecided, or not judged."""
+SERIAL_BELOW = 20
+"""Recordings below which starting worker processes costs more than it saves."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """The result of one command: data for programs, what people see of it, an exit code.
+
+    `show` gives text or sections to be printed, or prints on the console itself.
+    """
+
+    data: Mapping[str, Any]
+    show: "Callable[[Console], Sequence[Section] | str | None]"
+    exit_code: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Command:
+    """One verb of the command line, declared by one file in `cli/commands/`."""
+
+    name: str
+    run: Callable[..., Answer]
+    example: str
+    order: int
+
+
+# Files and folders.
+
+
+def folder_option(*names: str, help: str) -> Any:  # noqa: A002  (as typer calls it)
+    """Return an option that names a folder; an empty name, such as an unset variable gives, is none."""
+
+    def named(text: str) -> Path:
+        if not str(text):
+            fix = 'write "." for this folder'
+            raise RopefricError("the folder has no name", code="RF110", key="--out", fix=fix)
+        return Path(text)
+
+    return typer.Option(*names, parser=named, metavar="FOLDER", help=help)
+
+
+CampaignArgument = Annotated[
+    Path,
+    typer.Argument(
+        metavar="CAMPAIGN.toml", help="The campaign: its TOML file, or the folder with a campaign.toml."
+    ),
+]
+TableArgument = Annotated[
+    Path,
+    typer.Argument(metavar="TRIALS.csv", help="A trial table: what `extract` writes, or one of your own."),
+]
+SceneArgument = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
+FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A stored fit.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace files there that ropefric did not write.")]
+Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
+Jobs = Annotated[
+    str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
+]
+Level = Annotated[float, typer.Option(help="Level of the intervals, between 0 and 1.")]
+
+
+def campaign_file(path: Path) -> Path:
+    """Return the campaign file that `path` names, which need not exist."""
+    return path / "campaign.toml" if path.is_dir() else path
+
+
+def read_table(path: Path, out: Output) -> "TrialTable":
+    """Return a trial table, and say on stderr what is doubtful about it."""
+    from ropefric.trials.table import read_trial_table  # noqa: PLC0415  (quick start-up)
+
+    table = read_trial_table(path)
+    out.problems(table.warnings)
+    return table
+
+
+def read_fit(path: Path, out: Output) -> "FitResult":
+    """Return a stored fit, and say on stderr if its law is not supported."""
+    from ropefric.fitting.store import load_fit  # noqa: PLC0415  (quick start-up)
+
+    fit = load_fit(path)
+    if not fit.trustworthy:
+        out.note(f"{path}: the law is {fit.verdict.word}: {fit.verdict.reason}")
+    return fit
+
+
+def rope_radius(fit: "FitResult", given_m: float | None) -> float:
+    """Return the rope radius [m] that is meant: the one given, or that of the trials if they had one only."""
+    if given_m is not None:
+        return given_m
+    try:
+        return fit.only_rope_radius_m()
+    except InputError as error:
+        raise typer.BadParameter(str(error), param_hint="--rope-diameter") from error
+
+
+def exit_code_of(verdict: "Verdict") -> int:
+    """Return 0 for what is supported, 4 for what is undecided or not judged."""
+    return 0 if verdict.supported else NOT_TRUSTED
+
+
+def open_folder(
+    path: Path, *, family: str, names: Iterable[str], inputs: Iterable[Path] = (), force: bool
+) -> "OutputFolder":
+    """Return a command's folder, to be used as a context; see `OutputFolder`."""
+    from ropefric.files.folder import OutputFolder  # noqa: PLC0415  (quick start-up)
+
+    lend_fonts_a_place(path)
+    return OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
+
+
+def figure_names(*stems: str) -> tuple[str, ...]:
+    """Return the files that figures may be written to: pictures, and tables with endings of their own."""
+    return tuple(f"{stem}{end}" for stem in stems for end in (".png", ".csv", "_*.csv"))
+
+
+def lend_fonts_a_place(folder: Path) -> None:
+    """Let matplotlib keep its list of fonts with the results where the machine has no place for such things."""
+    import tempfile  # noqa: PLC0415  (these: quick start-up)
+
+    from ropefric.files.folder import CACHE  # noqa: PLC0415
+
+    try:
+        tempfile.gettempdir()
+    except OSError:
+        wished = os.environ.get("MPLCONFIGDIR")
+        if not wished or not os.access(wished, os.W_OK):
+            os.environ["MPLCONFIGDIR"] = str((folder / CACHE / "matplotlib").absolute())
+
+
+def written_to(folder: Path, files: str) -> "Section":
+    """Return the line that says where results are."""
+    from ropefric.report.section import Section  # noqa: PLC0415  (quick start-up)
+
+    return Section(title="", lines=(f"written to {folder}: {files}",), verbatim=True)
+
+
+# Quantities and numbers.
+
+
+def read_quantity(text: str, si_unit: str, option: str) -> float:
+    """Return an option's quantity, written with its unit as in a campaign file, in SI."""
+    from ropefric.quantities import parse_quantity  # noqa: PLC0415  (quick start-up)
+
+    try:
+        return parse_quantity(text, si_unit, name=option)
+    except InputError as error:
+        raise typer.BadParameter(str(error), param_hint=option) from error
+
+
+def quantity_option(
+    option: str,
+    si_unit: str,
+    metavar: str,
+    help: str,  # noqa: A002  (as typer calls it)
+    *,
+    needed: bool = False,
+    factor: float = 1.0,
+) -> Any:
+    """Return an option that is a quantity, times a factor (a radius given by its diameter); no text is none."""
+
+    def read(text: str) -> float | None:
+        return factor * read_quantity(text, si_unit, option) if text or needed else None
+
+    return typer.Option(option, parser=read, metavar=metavar, help=help)
+
+
+RopeDiameter = Annotated[
+    float | None,
+    quantity_option("--rope-diameter", "m", "LENGTH", "Of another rope than that of the trials.", factor=0.5),
+]
+"""Given as a diameter, used as a radius [m]."""
+
+
+def parse_assignments(texts: Iterable[str], *, option: str) -> dict[str, float]:
+    """Return options that set numbers by name, `--parameter mu=0.2`, as a mapping."""
+    return _by_name(texts, option, "mu=0.2", _finite)
+
+
+def parse_spans(texts: Iterable[str], *, option: str) -> dict[str, tuple[float, float]]:
+    """Return options that set bounds by name, `--bound d=0:0.2`, as a mapping."""
+
+    def read(text: str) -> tuple[float, float]:
+        low, high = map(_finite, text.split(":"))
+        if low >= high:
+            raise ValueError
+        return low, high
+
+    return _by_name(texts, option, "d=0:0.2", read)
+
+
+def _finite(text: str) -> float:
+    if not math.isfinite(value := float(text)):
+        raise ValueError
+    return value
+
+
+def _by_name(texts: Iterable[str], option: str, like: str, read: Callable[[str], T]) -> dict[str, T]:
+    values: dict[str, T] = {}
+    for text in texts:
+        name, equals, written = (part.strip() for part in text.partition("="))
+        try:
+            value = read(written)
+        except ValueError:
+            equals = ""
+        if not name or not equals:
+            raise typer.BadParameter(f"{text!r} is not like {like}", param_hint=option)
+        if name in values:
+            raise typer.BadParameter(f"{name!r} is given twice", param_hint=option)
+        values[name] = value
+    return values
+
+
+def parse_jobs(text: str, n_items: int) -> int:
+    """Return the number of processes for `n_items` recordings: what the user says, or what pays.
+
+    No more than there are recordings and cores.
+    """
+    if text != "auto" and (not text.isdecimal() or len(text) > 9 or int(text) < 1):
+        raise typer.BadParameter(f"{text!r} is neither 'auto' nor a number of processes", param_hint="--jobs")
+    if text == "auto" and n_items < SERIAL_BELOW:
+        return 1
+    from ropefric.trials.workers import usable_cores  # noqa: PLC0415  (quick start-up)
+
+    wanted = n_items if text == "auto" else int(text)
+    return max(1, min(wanted, n_items, usable_cores()))

@@ -1,0 +1,325 @@
+"""A TOML file as read: its tree, and the line of every key in it, which tomllib does not tell."""
+
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ropefric.errors import DataError, Problem
+from ropefric.files.read import kind_of_file, read_file
+
+KeyPath = tuple[str | int, ...]
+"""A place in a TOML tree: names of keys and 0-based numbers of array elements."""
+
+MOST_BYTES = 1_000_000
+"""A TOML file larger than this was not written by hand."""
+
+_MAX_PARTS = 32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TomlDocument:
+    """What a TOML file says, and where."""
+
+    path: str
+    data: Mapping[str, Any]
+    lines: Mapping[KeyPath, int]
+
+    def line_of(self, key: KeyPath) -> int | None:
+        """Return the line of a key; of the table it is missing from where there is no such key."""
+        for size in range(len(key), 0, -1):
+            if key[:size] in self.lines:
+                return self.lines[key[:size]]
+        return None
+
+    def table(self, *names: str) -> Mapping[str, Any]:
+        """Return a table of the tree; an empty one where there is none of this name."""
+        table: Any = self.data
+        for name in names:
+            table = table.get(name) if isinstance(table, dict) else None
+        return table if isinstance(table, dict) else {}
+
+    def problem(
+        self, key: KeyPath, code: str, message: str, *, fix: str = "", warning: bool = False
+    ) -> Problem:
+        """Return a problem that points at a key of this file."""
+        return Problem(
+            code=code,
+            message=message,
+            path=self.path,
+            line=self.line_of(key),
+            key=key_text(key),
+            fix=fix,
+            severity="warning" if warning else "error",
+        )
+
+
+def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
+    r"""Return a TOML file's tree with the line of every key."""
+    name = _shown(path)
+    try:
+        content = read_file(path, what, shown=name, limit=MOST_BYTES)
+    except DataError:
+        if kind_of_file(path) != "folder":
+            raise
+        fix = _file_in(Path(path), what)
+        raise DataError(f"this is a folder, not a {what}", path=name, fix=fix) from None
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        fix = "save the file as UTF-8; TOML knows no other encoding"
+        raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
+    text = text.replace("\r\n", "\n")
+    endless = endless_key(text, _MAX_PARTS)
+    if endless is not None:
+        raise DataError(
+            f"a key has more than {_MAX_PARTS} parts", path=name, line=endless, fix="shorten the key"
+        )
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise _syntax_error(text, str(error), name) from None
+    except RecursionError:
+        raise DataError(f"the {what} is nested too deeply", path=name) from None
+    except ValueError:
+        # tomllib lets Python's own limits through: thousands of digits, dates that do not exist.
+        raise DataError(f"the {what} holds a number or date that cannot be read", path=name) from None
+    return TomlDocument(path=name, data=data, lines=toml_lines(text))
+
+
+def _file_in(folder: Path, what: str) -> str:
+    """Return which TOML file of a folder may be meant."""
+    names = sorted(path.name for path in folder.glob("*.toml"))
+    if "campaign.toml" in names and what != "campaign file":
+        return f"it holds a campaign: `ropefric run {_shown(folder)}`"
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    if not names:
+        return "name a file; this folder holds no *.toml"
+    return f"name a file of it: {', '.join(names[:3])}{more}"
+
+
+def _shown(path: str | os.PathLike[str]) -> str:
+    return Path(path).as_posix()
+
+
+_MEANINGS = (
+    ("Cannot overwrite a value", "this key is given a second time", "remove one of the two"),
+    ("Cannot declare", "this table is given a second time", "join both under one heading"),
+    (
+        "Cannot mutate immutable",
+        "this table is complete where it was first written",
+        "join both in one place",
+    ),
+    ("Invalid value", "the value is not TOML", 'put text and quantities in quotes: "40 mm"'),
+    ("Expected newline or end", "something follows the value", 'put text and quantities in quotes: "40 mm"'),
+    ("Expected '='", "there is no '=' after the key", 'write key = "value"'),
+    ("Illegal character", "a character is not allowed here, or a quote is not closed", "close the quote"),
+    ("Unterminated string", "a quote is not closed", "close the quote"),
+    ('Expected \'"""\'', "a quote is not closed", "close the quote"),
+    ("Unclosed array", "a bracket is not closed", "close it with ]"),
+    ("Unescaped '\\'", "a lone backslash stands in the text", "use / in paths, or single quotes"),
+)
+
+
+_PLACE = re.compile(r"\(at line (\d++), column \d++\)$")
+_BARE_QUANTITY = re.compile(
+    r"([\w.-]++)\s*+=\s*+([+-]?\d[\d.,]*+\s*+[A-Za-z%/°µ*^][A-Za-z%/°µ*^\d]*+)\s*+(?:#.*+)?"
+)
+
+
+def _syntax_error(text: str, message: str, name: str) -> DataError:
+    place = _PLACE.search(message)
+    line = int(place[1]) if place else text.count("\n") + (not text.endswith("\n"))
+    rows = text.split("\n")
+    # tomllib points behind a line break where a value or key is missing at the end of the line before.
+    written = rows[line - 1].strip() if line <= len(rows) else ""
+    said = message[: place.start()].strip() if place else message.removesuffix("(at end of document)").strip()
+    meaning, fix = next(((m, f) for start, m, f in _MEANINGS if said.startswith(start)), ("", ""))
+    bare = _BARE_QUANTITY.fullmatch(written)
+    if bare:
+        fix = f'write {bare[1]} = "{bare[2].strip().replace(",", ".")}"'
+    shown = f": {written[:80]}" if written else ""
+    return DataError(f"not valid TOML, {meaning or said}{shown}", path=name, line=max(line, 1), fix=fix)
+
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]++")
+# Strings first, so that no '#', bracket or line break inside one is taken for TOML's own.
+_TOKEN = re.compile(
+    r'''(?P<string>"""(?:\\.|(?!""")[^\\])*+(?:"""(?:"{0,2}))?|\'\'\'(?:(?!\'\'\').)*+(?:\'\'\'(?:'{0,2}))?'''
+    r"""|"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?)"""
+    r"""|(?P<comment>\#[^\n]*+)|(?P<newline>\n)|(?P<space>[ \t\r]++)|(?P<mark>[\[\]{},=.])"""
+    r"""|(?P<bare>[^\s"'\#,=\[\]{}.]++)|(?P<other>.)""",
+    re.DOTALL,
+)
+
+
+def toml_lines(text: str) -> dict[KeyPath, int]:
+    r"""Return the 1-based line of every key, table and array element of a TOML text."""
+    locator = _Locator([token for token in _tokens(text) if token.kind not in ("comment", "space")])
+    locator.run()
+    return locator.lines
+
+
+def endless_key(text: str, most: int) -> int | None:
+    r"""Return the line of the first key with more than `most` dotted parts, whose cost grows with their square."""
+    dots = 0
+    for token in _tokens(text):
+        if token.is_mark("."):
+            dots += 1
+            if dots >= most:
+                return token.line
+        elif token.kind not in ("bare", "string", "space"):
+            dots = 0
+    return None
+
+
+def key_text(path: KeyPath) -> str:
+    """Return a place as people write it."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            name = part if _BARE_KEY.fullmatch(part) else f'"{part}"'
+            text += f".{name}" if text else name
+    return text
+
+
+@dataclass(frozen=True, slots=True)
+class _Token:
+    kind: str
+    text: str
+    line: int
+
+    def is_mark(self, mark: str) -> bool:
+        return self.kind == "mark" and self.text == mark
+
+
+def _tokens(text: str) -> Iterator[_Token]:
+    line = 1
+    for match in _TOKEN.finditer(text):
+        yield _Token(match.lastgroup or "other", match[0], line)
+        line += match[0].count("\n")
+
+
+def _key_name(token: _Token) -> str:
+    if token.kind != "string":
+        return token.text
+    if "\\" not in token.text:
+        return token.text[1:-1]
+    try:
+        return str(tomllib.loads(f"key = {token.text}")["key"])
+    except tomllib.TOMLDecodeError:
+        return token.text
+
+
+class _Locator:
+    """One pass over the tokens; nesting is kept on a stack of its own, so depth costs no recursion."""
+
+    def __init__(self, tokens: list[_Token]) -> None:
+        self.tokens = tokens
+        self.at = 0
+        self.lines: dict[KeyPath, int] = {}
+        self.repeats: dict[KeyPath, int] = {}  # arrays of tables: how many elements so far
+
+    def run(self) -> None:
+        table: KeyPath = ()
+        while self.at < len(self.tokens):
+            before = self.at
+            token = self.tokens[self.at]
+            if token.kind == "newline":
+                self.at += 1
+            elif token.is_mark("["):
+                table = self._header()
+            else:
+                self._value(self._key(table))
+            if self.at == before:
+                self.at += 1
+
+    def _note(self, path: KeyPath, line: int) -> None:
+        self.lines.setdefault(path, line)
+
+    def _key(self, base: KeyPath) -> KeyPath:
+        """Read `a."b".c` and return the place it names below `base`."""
+        path = base
+        while self.at < len(self.tokens):
+            token = self.tokens[self.at]
+            if token.kind in ("bare", "string"):
+                path = (*path, _key_name(token))
+                self._note(path, token.line)
+            elif not token.is_mark("."):
+                break
+            self.at += 1
+        return path
+
+    def _header(self) -> KeyPath:
+        """Read `[a.b]` or `[[a.b]]`; names on the way mean the latest element of an array of tables."""
+        self.at += 1
+        is_array = self.at < len(self.tokens) and self.tokens[self.at].is_mark("[")
+        self.at += is_array
+        parts: list[_Token] = []
+        while self.at < len(self.tokens):
+            token = self.tokens[self.at]
+            if token.kind in ("bare", "string"):
+                parts.append(token)
+            elif not token.is_mark("."):
+                break
+            self.at += 1
+        path: KeyPath = ()
+        for place, token in enumerate(parts):
+            path = (*path, _key_name(token))
+            self._note(path, token.line)
+            if is_array and place == len(parts) - 1:
+                self.repeats[path] = self.repeats.get(path, 0) + 1
+            if path in self.repeats:
+                path = (*path, self.repeats[path] - 1)
+                self._note(path, token.line)
+        while self.at < len(self.tokens) and self.tokens[self.at].kind != "newline":
+            self.at += 1
+        return path
+
+    def _value(self, path: KeyPath) -> None:
+        """Read the rest of a statement; note keys of inline tables and elements of arrays."""
+        slot = path
+        stack: list[tuple[KeyPath, int | None]] = []  # container and element number, None in a table
+        while self.at < len(self.tokens):
+            token = self.tokens[self.at]
+            if token.kind == "newline" and not stack:
+                return
+            self.at += 1
+            if token.is_mark("["):
+                self._note(slot, token.line)
+                stack.append((slot, 0))
+                slot = (*slot, 0)
+            elif token.is_mark("{"):
+                self._note(slot, token.line)
+                stack.append((slot, None))
+                slot = self._key(slot)
+            elif (token.is_mark("]") or token.is_mark("}")) and stack:
+                slot = stack.pop()[0]
+            elif token.is_mark(",") and stack:
+                base, number = stack.pop()
+                stack.append((base, None if number is None else number + 1))
+                slot = self._key(base) if number is None else (*base, number + 1)
+            elif token.kind not in ("newline", "mark"):
+                self._note(slot, token.line)
+
+
+# None of these is a key of any scene.
+_OF_CAMPAIGNS = ("trials", "wheels", "cells", "protocol", "rejection", "import")
+
+
+def is_scene(data: Mapping[str, Any]) -> bool:
+    """Return whether a TOML tree says of which system it is, as every scene does and no campaign."""
+    return "system" in data
+
+
+def is_campaign(data: Mapping[str, Any]) -> bool:
+    """Return whether a TOML tree has what only campaigns have, and names no system."""
+    schema = str(data.get("schema", ""))
+    named = schema.startswith("ropefric.campaign") or any(key in data for key in _OF_CAMPAIGNS)
+    return named and not is_scene(data)

@@ -1,0 +1,213 @@
+"""TOML tables as pydantic models: readers of single values, and every mistake at once, in plain words, with its line."""
+
+import datetime as dt
+import types
+from collections.abc import Callable, Collection
+from typing import Any, NoReturn, TypeVar, Union, get_args, get_origin
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import PydanticCustomError
+
+from ropefric.errors import InputError, Problem
+from ropefric.files.toml import KeyPath, TomlDocument, key_text
+from ropefric.quantities import parse_any_quantity, parse_fraction, parse_quantity
+from ropefric.registry import did_you_mean
+
+M = TypeVar("M", bound=BaseModel)
+
+CUSTOM = "ropefric"
+"""The pydantic error type under which `reject` carries code, message, fix and key."""
+
+
+class StrictTable(BaseModel):
+    """A TOML table that refuses keys it does not know."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Return the fields that the file gives."""
+        return {
+            name: getattr(self, name) for name in type(self).model_fields if name in self.model_fields_set
+        }
+
+
+def reject(code: str, message: str, *, fix: str = "", key: str = "") -> NoReturn:
+    """Refuse a value inside a pydantic validator."""
+    raise PydanticCustomError(CUSTOM, "{message}", {"code": code, "message": message, "fix": fix, "key": key})
+
+
+def got(value: object) -> str:
+    """Return a TOML value as its writer would recognise it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list):
+        return "a list"
+    if isinstance(value, int) and value.bit_length() > 100:
+        return "a huge number"
+    shown = f'"{value}"' if isinstance(value, str) else str(value)
+    return shown if len(shown) <= 60 else f"{shown[:57]}..."
+
+
+def quantity(si_unit: str, like: str, *, above: float | None = None) -> Callable[[object], float]:
+    """Return a reader of quantities written with their unit."""
+    unit = like.partition(" ")[2]  # of the example, for a bare number's remedy
+
+    def read(value: object) -> float:
+        if not isinstance(value, str):
+            bare = isinstance(value, int | float) and not isinstance(value, bool)
+            fix = f'write it with its unit: "{got(value)} {unit}"' if bare else f'write "{like}"'
+            reject("RF130" if bare else "RF110", f'expected text like "{like}", got {got(value)}', fix=fix)
+        number = _converted(lambda: parse_quantity(value, si_unit), like)
+        if above is not None and not number > above:
+            reject("RF110", f"{got(value)} is not more than {above:g}", fix=f'write it like "{like}"')
+        return number
+
+    return read
+
+
+def fraction(like: str) -> Callable[[object], float]:
+    """Return a reader of shares written in per cent, from 0 to below 10 %."""
+
+    def read(value: object) -> float:
+        if not isinstance(value, str):
+            reject("RF130", f'expected text like "{like}", got {got(value)}', fix=f'write it as "{like}"')
+        number = _converted(lambda: parse_fraction(value), like)
+        if not 0 <= number < 0.1:
+            reject("RF110", f"{got(value)} is not between 0 % and 10 %", fix=f'write it like "{like}"')
+        return number
+
+    return read
+
+
+def any_quantity(value: object) -> float:
+    """Return a quantity of any unit, or a bare number, in SI."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        reject("RF110", f'expected a number or text like "490.9 mm^2", got {got(value)}')
+    return _converted(lambda: parse_any_quantity(got(value).strip('"')), "490.9 mm^2")
+
+
+def text(value: object) -> str:
+    """Return a text, if it is one."""
+    if not isinstance(value, str):
+        reject("RF110", f"expected text in quotes, got {got(value)}", fix="put it in quotes")
+    return value
+
+
+def date_text(value: object) -> str:
+    """Return a TOML date as ISO text."""
+    if isinstance(value, dt.datetime):
+        return value.date().isoformat()
+    if not isinstance(value, dt.date):
+        reject(
+            "RF110",
+            f"expected a date, got {got(value)}",
+            fix="write it without quotes, for example 2026-01-15",
+        )
+    return value.isoformat()
+
+
+def choice(names: Callable[[], Collection[str]]) -> Callable[[object], str]:
+    """Return a reader of one word out of `names()`, which is asked only when it is needed."""
+
+    def read(value: object) -> str:
+        known = names()
+        if not isinstance(value, str) or value not in known:
+            reject("RF120", f"{got(value)} is not known here", fix=did_you_mean(_plain(value), known))
+        return value
+
+    return read
+
+
+def whole_number(lowest: int, highest: int = 2**31 - 1) -> Callable[[object], int]:
+    """Return a reader of whole numbers from `lowest` to `highest`."""
+
+    def read(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:
+            limit = f"from {lowest} to {highest}" if highest < 2**31 - 1 else f"of at least {lowest}"
+            reject("RF110", f"expected a whole number {limit}, got {got(value)}")
+        return value
+
+    return read
+
+
+def _plain(value: Any) -> str:
+    return value if isinstance(value, str) else got(value)
+
+
+def _converted(read: Callable[[], float], like: str) -> float:
+    try:
+        return read()
+    except InputError as error:
+        message = error.problem.message.removeprefix("quantity: ")
+        reject(error.code, message, fix=error.fix or f'write it like "{like}"')
+
+
+def validate_document(model: type[M], document: TomlDocument) -> tuple[M | None, tuple[Problem, ...]]:
+    """Return a document as a model, or what is wrong with it."""
+    try:
+        return model.model_validate(dict(document.data)), ()
+    except ValidationError as error:
+        problems = [
+            _problem(model, document, item) for item in error.errors(include_url=False, include_input=True)
+        ]
+    return None, tuple(sorted(problems, key=lambda p: (p.line or 0, p.key, p.message)))
+
+
+def _problem(model: type[BaseModel], document: TomlDocument, item: Any) -> Problem:
+    key: KeyPath = tuple(item["loc"])
+    kind, value, context = item["type"], item["input"], item.get("ctx", {})
+    if kind == CUSTOM:
+        place = (*key, *context["key"].split(".")) if context["key"] else key
+        return document.problem(place, context["code"], context["message"], fix=context["fix"])
+    if kind == "missing":
+        return _missing(document, key)
+    if kind == "extra_forbidden":
+        return _unknown(model, document, key)
+    expected = {
+        "model_type": "a table",
+        "model_attributes_type": "a table",
+        "dict_type": "a table",
+        "list_type": "a list",
+        "tuple_type": "a list",
+    }.get(kind, "something else")
+    return document.problem(
+        key,
+        "RF110",
+        f"expected {expected}, got {got(value)}",
+        fix=_table_fix(key) if "table" in expected else "",
+    )
+
+
+def _table_fix(key: KeyPath) -> str:
+    return f"open a table with [{key_text(key)}] on a line of its own"
+
+
+def _missing(document: TomlDocument, key: KeyPath) -> Problem:
+    table = key_text(key[:-1])
+    where = f"the table [{table}]" if table else "the file"
+    name = key[-1]
+    return document.problem(key, "RF121", f"'{name}' is missing in {where}", fix=f"add {name} to {where}")
+
+
+def _unknown(model: type[BaseModel], document: TomlDocument, key: KeyPath) -> Problem:
+    owner = _model_at(model, key[:-1])
+    known = [] if owner is None else [field.alias or name for name, field in owner.model_fields.items()]
+    message = f"unknown key '{key[-1]}'" + (f" in [{key_text(key[:-1])}]" if key[:-1] else "")
+    return document.problem(key, "RF120", message, fix=did_you_mean(str(key[-1]), known))
+
+
+def _model_at(model: type[BaseModel], key: KeyPath) -> type[BaseModel] | None:
+    """Follow a key down the model's annotations: tables, mappings of tables, optional ones."""
+    found: Any = model
+    for part in key:
+        if isinstance(found, type) and issubclass(found, BaseModel):
+            fields = {field.alias or name: field for name, field in found.model_fields.items()}
+            found = fields[str(part)].annotation if part in fields else None
+        else:
+            found = get_args(found)[-1] if get_args(found) else None
+        if get_origin(found) in (Union, types.UnionType):
+            found = next((arm for arm in get_args(found) if arm is not type(None)), None)
+    return found if isinstance(found, type) and issubclass(found, BaseModel) else None

@@ -1,0 +1,484 @@
+"""What data say of fitted parameters: scatter, covariance, identifiability, trends, likelihood and criteria.
+
+Everything about a Jacobian comes from one decomposition, `decomposed`.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, nan, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import bisect
+from scipy.special import fdtrc
+
+from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.errors import InputError
+from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
+from ropefric.fitting.problem import FitProblem
+from ropefric.friction.condition import Conditions, distinct
+
+# Repeats that agree closer than this were not measured, or were copied.
+_SMALLEST_SCATTER = 1e-9
+# Rounding of the Jacobian alone gives ratios of singular values up to this.
+RANK_RATIO = 1e8
+# A parameter whose slopes are below this has a variance that no float holds: it changes nothing.
+_NOT_SEEN = 1e-150
+# Part of a parameter in the weak direction from which it is named.
+_TAKES_PART = 0.15
+_RATIO_DECIMALS = 6
+# What is left of a singular value that is zero.
+_RESIDUE = 1e-14
+# A condition that fixes a parameter alone has a leverage of 1 and no residual to judge it by.
+_LARGEST_LEVERAGE = 0.999
+# Decimals of a correlation beside those its smallest eigenvalue needs, and the most that rounding leaves any.
+_DECIMALS = 3
+_MOST_DECIMALS = 17
+_SAME = 1e-9
+# Where there is no scatter at all, what is left over is rounding and where the search stopped: no trend.
+_ROUNDING = 1e-9
+# ln F of double precision is known no better than this.
+_RESOLVED = 1e-12
+
+
+# ---- scatter of ln F_A about a law ----
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scatter:
+    """How far repeats of one condition lie apart."""
+
+    within: float
+    dof: int
+
+    @property
+    def known(self) -> bool:
+        """Return whether there are repeats that scatter."""
+        return self.dof > 0 and self.within > _SMALLEST_SCATTER
+
+
+def group_means(values: FloatArray, group: IntArray) -> FloatArray:
+    """Return the mean of each condition, shape (k,)."""
+    return np.bincount(group, weights=values) / np.bincount(group)
+
+
+def pooled_scatter(residuals: FloatArray, group: IntArray) -> Scatter:
+    """Return the scatter of residuals in ln F_A about the mean of their condition, pooled over conditions.
+
+    The scatter of a rope is a part of the force, so it is the same in ln F_A for all conditions.
+    """
+    dof = residuals.size - int(group.max(initial=-1)) - 1
+    if dof <= 0:
+        return Scatter(within=nan, dof=0)
+    about = residuals - group_means(residuals, group)[group]
+    return Scatter(within=sqrt(float(about @ about) / dof), dof=dof)
+
+
+class TwoLevelScatter(NamedTuple):
+    """Standard deviations of ln F_A between repeats of a condition, and between conditions."""
+
+    within: float
+    between: float
+
+
+def two_level_scatter(problem: FitProblem, theta: FloatArray) -> TwoLevelScatter:
+    """Return the scatter of the residuals at two levels, by analysis of variance."""
+    residual = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
+    group = np.unique(problem.group, return_inverse=True)[1]
+    size = np.bincount(group)
+    n, k, p = residual.size, size.size, problem.n_varying
+    if n == k or k <= max(p, 1):
+        return TwoLevelScatter(sqrt(float((residual**2).sum()) / max(n - p, 1)), 0.0)
+    within = pooled_scatter(residual, group).within
+    between_square = float((size * group_means(residual, group) ** 2).sum()) / (k - p)
+    typical_size = float(n - (size**2).sum() / n) / (k - 1)
+    return TwoLevelScatter(within, sqrt(max(0.0, (between_square - within**2) / typical_size)))
+
+
+# ---- what a Jacobian knows of its parameters ----
+
+
+class Decomposition(NamedTuple):
+    """J = U S V of columns scaled to unit length, so that nothing depends on the parameters' units."""
+
+    length: FloatArray
+    left: FloatArray
+    values: FloatArray
+    rows: FloatArray
+    lost: BoolArray
+    """Which combinations of the parameters change nothing."""
+
+    @property
+    def unseen(self) -> BoolArray:
+        """Return which parameters belong to a combination that changes nothing, shape (q,)."""
+        return np.asarray(np.abs(self.rows[self.lost]).max(axis=0, initial=0.0) > 1e-6)
+
+    def root(self) -> tuple[FloatArray, FloatArray]:
+        """Return H with H Hᵀ = (JᵀJ)⁻¹ and U with J = U H⁻¹, over the combinations that are seen."""
+        seen = ~self.lost
+        return self.rows.T[:, seen] / self.values[seen] / self.length[:, None], self.left[:, seen]
+
+
+def decomposed(jacobian: FloatArray, weights: FloatArray | None = None) -> Decomposition:
+    """Return the decomposition of J, or of √W J, shape (n, q)."""
+    J = jacobian if weights is None else jacobian * np.sqrt(weights)[:, None]
+    n, q = J.shape
+    length = np.linalg.norm(J, axis=0)
+    seen = length > _NOT_SEEN
+    length = np.where(seen, length, 1.0)
+    # Fewer points than parameters leave some combinations unseen: zero rows make them show up as zeros.
+    padded = np.vstack([np.where(seen, J, 0.0) / length, np.zeros((max(q - n, 0), q))])
+    left, values, rows = np.linalg.svd(padded, full_matrices=False)
+    lost = values <= values.max(initial=0.0) / RANK_RATIO
+    return Decomposition(length=length, left=left[:n], values=values, rows=rows, lost=lost)
+
+
+def plain_covariance(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray:
+    """Return (Jᵀ W J)⁻¹, shape (q, q), the pseudo-inverse where combinations of parameters are not seen."""
+    half, _ = decomposed(jacobian, weights).root()
+    return np.asarray(half @ half.T)
+
+
+def clustered_covariance(
+    jacobian: FloatArray, residuals: FloatArray, group: IntArray, weights: FloatArray | None = None
+) -> FloatArray:
+    """Return the sandwich covariance with the conditions as clusters, shape (q, q).
+
+    Right whatever the trials of one condition share (a new rope, a weight, a wrap set once), as long as the
+    conditions are independent.
+
+    Bell & McCaffrey's (2002) CR2: each condition's part is divided by √(1 − h), h its leverage, which makes the
+    estimate unbiased if the scatter is even; the simple factor k/(k − 1) leaves it too small by about q/k.
+    """
+    w = np.ones_like(residuals) if weights is None else weights
+    # In the combinations that are seen, and not in the parameters: where these can be traded for each other the
+    # inverse of JᵀWJ is so large that products with it lose twice the digits.
+    half, left = decomposed(jacobian, w).root()
+    k = int(group.max(initial=-1)) + 1
+    scores = np.zeros((k, half.shape[1]))
+    np.add.at(scores, group, left * (np.sqrt(w) * residuals)[:, None])
+    leverage = np.minimum(np.bincount(group, (left**2).sum(axis=1), k), _LARGEST_LEVERAGE)
+    parts = half @ (scores / np.sqrt(1.0 - leverage)[:, None]).T
+    return np.asarray(parts @ parts.T)
+
+
+def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
+    """Return a covariance to the digits that mean something, shape (q, q): standard errors to four.
+
+    Correlations keep three decimals beyond the first of the smallest eigenvalue of their matrix, so that it stays
+    positive definite and the best known combination of parameters keeps its error to a per cent or better; `lost`
+    combinations, which change nothing, have no part in it.
+    """
+    size = np.sqrt(np.diag(covariance))
+    if not (np.isfinite(covariance).all() and (size > 0.0).all()):
+        return covariance
+    correlation = covariance / size[:, None] / size
+    correlation = 0.5 * (correlation + correlation.T)
+    smallest = float(np.linalg.eigvalsh(correlation)[min(lost, size.size - 1)]) if size.size else 1.0
+    decimals = min(_DECIMALS - math.floor(math.log10(max(smallest, 10.0**-_MOST_DECIMALS))), _MOST_DECIMALS)
+    std = np.array([significant(value, STD_DIGITS) for value in size.tolist()])
+    product = correlation.round(decimals) * std[:, None] * std
+    product[np.diag_indices_from(product)] = std**2
+    digits = min(max(GIVEN_DIGITS, decimals + 2), _MOST_DECIMALS)
+    cells = [significant(cell, digits) for cell in product.ravel().tolist()]
+    return np.array(cells).reshape(product.shape)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Identifiability:
+    """How well data tell parameters apart."""
+
+    ratio: float
+    singular_values: tuple[float, ...]
+    worst_pair: tuple[str, ...]
+    correlation: float
+    weak: tuple[str, ...]
+    weak_direction: str
+    unseen: tuple[str, ...]
+
+    @classmethod
+    def from_dict(cls, tree: Mapping[str, Any]) -> "Identifiability":
+        """Return the same from a JSON tree, where None stands for an infinite ratio."""
+        lists = {key: tuple(tree[key]) for key in ("singular_values", "worst_pair", "weak", "unseen")}
+        ratio = inf if tree["ratio"] is None else float(tree["ratio"])
+        correlation = float(tree["correlation"])
+        return cls(ratio=ratio, correlation=correlation, weak_direction=tree["weak_direction"], **lists)
+
+
+def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
+    """Return how well a Jacobian tells its parameters apart (Belsley's condition number without centring)."""
+    q = len(names)
+    _, _, values, rows, lost = decomposed(jacobian)
+    ratio = inf if q == 0 or lost.any() else float(values[0] / values[-1])
+    weakest = dict(zip(names, rows[-1].tolist() if q else (), strict=True))
+    unseen = np.abs(rows[lost]).max(axis=0, initial=0.0) > _TAKES_PART
+    # Two parameters take part in equal shares: the last bits may not say which comes first.
+    order = sorted(names, key=lambda name: -round(abs(weakest[name]), _RATIO_DECIMALS))
+    weak = tuple(name for name in order if abs(weakest[name]) > _TAKES_PART)
+    pair, correlation = _worst_pair(values, rows, lost, names)
+    return Identifiability(
+        ratio=significant(ratio, _RATIO_DECIMALS) if q else 1.0,
+        singular_values=tuple(
+            significant(value, _RATIO_DECIMALS, smallest=_RESIDUE) for value in values.tolist()
+        ),
+        worst_pair=pair,
+        correlation=correlation,
+        weak=weak,
+        weak_direction=_direction(weak, weakest),
+        unseen=tuple(name for name, gone in zip(names, unseen, strict=True) if gone),
+    )
+
+
+def _worst_pair(
+    values: FloatArray, rows: FloatArray, lost: BoolArray, names: Sequence[str]
+) -> tuple[tuple[str, ...], float]:
+    if len(names) < 2:
+        return (), 0.0
+    inverse = np.where(lost, 1.0 / RANK_RATIO, values) ** -2.0
+    covariance = (rows.T * inverse) @ rows
+    size = np.sqrt(np.diag(covariance))
+    correlation = (covariance / np.outer(size, size)).round(_RATIO_DECIMALS)
+    i, j = divmod(int(np.argmax(np.abs(np.triu(correlation, k=1)))), len(names))
+    return (names[i], names[j]), float(np.clip(correlation[i, j], -1.0, 1.0))
+
+
+def _direction(weak: tuple[str, ...], weakest: Mapping[str, float]) -> str:
+    """Return in words how the parameters of the weakest combination move together."""
+    if len(weak) < 2:
+        return f"{weak[0]} alone" if weak else ""
+    rising = [name for name in weak if weakest[name] * weakest[weak[0]] > 0]
+    falling = [name for name in weak if name not in rising]
+    text = f"{' and '.join(rising)} up"
+    return f"{text} while {' and '.join(falling)} down" if falling else f"{text} together"
+
+
+# ---- what a law leaves over ----
+
+
+class Trend(NamedTuple):
+    """Residuals that follow a regressor."""
+
+    regressor: str
+    size: float
+    p_value: float
+
+
+def lack_of_fit(
+    jacobian: FloatArray, log_residuals: FloatArray, std: FloatArray, group: IntArray, scatter: Scatter
+) -> tuple[float, float]:
+    """Return the scatter between conditions by the method of moments, and the p-value of its F-test.
+
+    Q = Σ w_c r̄_c² over the conditions, w_c the inverse variance of a mean, has the expectation
+    k − q + s_b² Σ w_c (1 − h_c). The test is against the repeats.
+    """
+    k, q = int(group.max(initial=-1)) + 1, jacobian.shape[1]
+    if not scatter.known or k <= q:
+        return nan, nan
+    weight = np.bincount(group, 1.0 / std**2)
+    excess = float(weight @ group_means(log_residuals, group) ** 2)
+    leverage = np.bincount(group, (_basis(jacobian) ** 2).sum(axis=1), k)
+    variance = (excess - (k - q)) / float(weight @ (1.0 - np.minimum(leverage, 1.0)))
+    return sqrt(max(variance, 0.0)), float(fdtrc(k - q, scatter.dof, excess / (k - q)))
+
+
+def find_trends(
+    jacobian: FloatArray, log_residuals: FloatArray, std: FloatArray, group: IntArray, conditions: Conditions
+) -> tuple[Trend, ...]:
+    """Return how far the means of the conditions follow each regressor, the surest first.
+
+    Linear and quadratic terms of the regressor are fitted beside the law's own parameters to the means of the
+    conditions and tested (F) against what is left between conditions, so that a scatter between conditions alone
+    makes no trend. A regressor with fewer than three values gets the linear term alone.
+    """
+    k = int(group.max(initial=-1)) + 1
+    weight = np.sqrt(np.bincount(group, 1.0 / std**2))
+    means = group_means(log_residuals, group)
+    columns = [group_means(column * std, group) * weight for column in jacobian.T]
+    own = np.stack(columns, axis=-1) if columns else np.zeros((k, 0))
+    regressors = {
+        "wrap angle": conditions.wrap_angle_rad,
+        "size ratio": conditions.size_ratio,
+        "end tension": conditions.log_end_tension,
+    }
+    trends = [
+        _trend(name, group_means(values, group), own, means, weight) for name, values in regressors.items()
+    ]
+    return tuple(sorted((trend for trend in trends if trend is not None), key=lambda trend: trend.p_value))
+
+
+def _trend(
+    name: str, values: FloatArray, own: FloatArray, means: FloatArray, weight: FloatArray
+) -> Trend | None:
+    span = np.ptp(values) if values.size else 0.0
+    if span <= _SAME * np.abs(values).max(initial=1.0):
+        return None
+    x = (values - values.mean()) / span
+    powers = 1 if distinct(x + 2.0).size < 3 else 2
+    extra = np.stack([x ** (power + 1) for power in range(powers)], axis=-1) * weight[:, None]
+    # Only what the law's own parameters cannot take up counts.
+    basis = _basis(own)
+    extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
+    left = weight * means
+    left = left - basis @ (basis.T @ left)
+    explained = extra.T @ left
+    dof = values.size - basis.shape[1] - extra.shape[1]
+    rest = float(left @ left - explained @ explained)
+    if not extra.shape[1] or dof < 1 or rest <= 0.0:
+        return None
+    ratio = float(explained @ explained) / extra.shape[1] / (rest / dof)
+    size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
+    return Trend(name, size, float(fdtrc(extra.shape[1], dof, ratio))) if size >= _ROUNDING else None
+
+
+def _basis(columns: FloatArray, scale: float = 0.0) -> FloatArray:
+    """Return orthonormal columns that span the given ones, without those that are only rounding."""
+    length = np.linalg.norm(columns, axis=0)
+    length = np.maximum(np.where(length > 0.0, length, 1.0), scale)
+    left, values, _ = np.linalg.svd(columns / length, full_matrices=False)
+    return np.asarray(left[:, values > _SAME * max(values.max(initial=0.0), 1.0)])
+
+
+# ---- how good a law is for its number of parameters ----
+
+
+def least_squares_deviance(rss: float, n: int) -> float:
+    """Return n ln(RSS/n): −2 ln L of n equal, unknown scatters, without the n (1 + ln 2π) all laws share."""
+    return n * math.log(rss / n) if rss > 0.0 else -inf
+
+
+def aicc(deviance: float, n: int, k: int) -> float:
+    """Return Akaike's criterion with the small-sample term, deviance + 2k + 2k(k + 1)/(n − k − 1)."""
+    return inf if n <= k + 1 else deviance + 2.0 * k + 2.0 * k * (k + 1) / (n - k - 1)
+
+
+def bic(deviance: float, n: int, k: int) -> float:
+    """Return Schwarz's criterion, deviance + k ln n; arguments as in `aicc`."""
+    return deviance + k * math.log(n)
+
+
+def akaike_weights(criteria: npt.ArrayLike) -> FloatArray:
+    """Return the weights e^{−Δ/2}, summing to 1; zero where the criterion is not finite above, all zero if none is."""
+    values = np.asarray(criteria, dtype=np.float64)
+    usable = ~np.isnan(values) & (values < np.inf)
+    if not usable.any():
+        return np.zeros_like(values)
+    best = values[usable].min()
+    if best == -np.inf:
+        weights = np.where(values == -np.inf, 1.0, 0.0)
+    else:
+        weights = np.where(usable, np.exp(-0.5 * (np.where(usable, values, best) - best)), 0.0)
+    return np.asarray(weights / weights.sum())
+
+
+def f_test(
+    chi2_simpler: float, chi2_fuller: float, *, n: int, p_simpler: int, p_fuller: int
+) -> tuple[float, tuple[int, int], float]:
+    """Return F, its degrees of freedom and the p-value of two nested least-squares fits with the same weights."""
+    extra, left = p_fuller - p_simpler, n - p_fuller
+    if extra < 1 or left < 1:
+        raise InputError(
+            f"no F-test of {p_simpler} against {p_fuller} parameters on {n} observations",
+            fix="the fuller law needs more parameters than the simpler one, and fewer than there are observations",
+        )
+    F = max(chi2_simpler - chi2_fuller, 0.0) / extra / max(chi2_fuller / left, 1e-300)
+    return F, (extra, left), float(fdtrc(extra, left, F))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConditionMeans:
+    """One mean ln F_A for each condition: the independent evidence about a law.
+
+    Repeats of a condition share whatever makes that condition differ from the law, so only their mean bears on
+    the law; their spread about the mean is the same for every law and tells how well the mean is known.
+    """
+
+    conditions: Conditions
+    log_lift: FloatArray
+    std: FloatArray
+    size: IntArray
+    scatter_within: float
+
+    def __len__(self) -> int:
+        return self.log_lift.size
+
+    @property
+    def repeated(self) -> bool:
+        """Return whether any condition has repeats, so that `std` is absolute."""
+        return not math.isnan(self.scatter_within)
+
+
+def condition_means(problem: FitProblem) -> ConditionMeans:
+    """Return the mean of every group of a problem, with the standard deviation its repeats give it.
+
+    Conditions of one group are averaged like their forces, since settings repeat only nearly.
+    """
+    group = np.unique(problem.group, return_inverse=True)[1]
+    K, weight = int(group.max()) + 1, problem.std**-2.0
+    total = np.bincount(group, weight, K)
+
+    def mean(values: FloatArray) -> FloatArray:
+        return np.asarray(np.bincount(group, weight * values, K) / total)
+
+    at = problem.conditions
+    # Of the rise, since a test that hangs the load on the tight side scatters in F_B instead.
+    rise = problem.log_lift - at.log_end_tension
+    about = rise - mean(rise)[group]
+    spare = problem.n_points - K
+    within, std = nan, np.asarray(total**-0.5, dtype=np.float64)
+    if spare > 0:
+        scale = float((weight * about**2).sum()) / spare
+        within = sqrt(float((about**2).sum()) / spare)
+        # Repeats that agree exactly would make a mean infinitely well known.
+        std = np.maximum(std * sqrt(scale), _RESOLVED)
+    return ConditionMeans(
+        conditions=Conditions(
+            wheel_radius_m=mean(at.wheel_radius_m),
+            rope_radius_m=mean(at.rope_radius_m),
+            wrap_angle_rad=mean(at.wrap_angle_rad),
+            end_tension_N=np.exp(mean(at.log_end_tension)),
+        ),
+        log_lift=mean(problem.log_lift),
+        std=std,
+        size=np.bincount(group, minlength=K).astype(np.int64),
+        scatter_within=within,
+    )
+
+
+class ScatterFit(NamedTuple):
+    """The scatter of condition means about a law that makes them likeliest."""
+
+    deviance: float
+    variance: FloatArray
+    between: float
+
+
+def scatter_fit(residual: FloatArray, means: ConditionMeans) -> ScatterFit:
+    """Return the likeliest scatter for residuals of the means, shape (K,).
+
+    With repeats the variance of a mean is τ² + s_i², with s_i known from the repeats and τ ≥ 0 estimated: a law
+    earns nothing by following the means closer than their repeats allow. Without repeats it is a multiple of
+    s_i², estimated too; the deviance is then Σ ln s_i² + K ln(χ²/K).
+    """
+    K, known = len(means), means.std**2
+    if not means.repeated:
+        variance = np.maximum(float((residual**2 / known).sum()) / K * known, _RESOLVED**2)
+        return ScatterFit(float(np.log(variance).sum()), variance, sqrt(variance.mean()))
+    extra = _between_variance(residual**2, known)
+    variance = known + extra
+    deviance = float((np.log(variance) + residual**2 / variance).sum()) - K
+    return ScatterFit(deviance, variance, sqrt(extra))
+
+
+def _between_variance(squared: FloatArray, known: FloatArray) -> float:
+    """Return the τ² ≥ 0 of greatest likelihood, by bisection of its score."""
+
+    def score(extra: float) -> float:
+        variance = known + extra
+        return float(((squared - variance) / variance**2).sum())
+
+    high = float(squared.max())
+    if high <= 0.0 or score(0.0) <= 0.0:
+        return 0.0
+    return float(bisect(score, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=2000))

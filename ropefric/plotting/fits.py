@@ -1,0 +1,408 @@
+"""Fitted laws against what was measured: average coefficients, the capstan plot, bands over a quantity, residuals."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import colormaps
+from scipy.special import ndtri
+
+from ropefric.arrays import FloatArray, IntArray
+from ropefric.errors import InputError
+from ropefric.fitting.predict import REGRESSORS, predict
+from ropefric.fitting.result import FitResult
+from ropefric.friction.condition import Conditions, levels
+from ropefric.glossary import counted
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure, say_instead
+from ropefric.plotting.labels import figure_label, regressor_label, shown, shown_regressor, typeset
+from ropefric.plotting.points import (
+    ConditionPoints,
+    answered,
+    condition_points,
+    same_settings,
+    settings_of,
+    swept,
+)
+from ropefric.plotting.style import BLUE, GREY, INK, MARKERS, ORANGE, TRACE_COLORS, house_style, line_look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
+"""What the average coefficient is drawn against."""
+
+_COVERAGE = 2.0
+_FACET_STEPS, _CAPSTAN_STEPS, _BAND_STEPS = 61, 81, 121
+_BEYOND = 0.25
+"""How far beyond the tested range a law is drawn, as a part of that range."""
+_BAND = ("lift_force_N", "low_N", "high_N", "new_rope_low_N", "new_rope_high_N")
+_LIMIT = 2.0
+_NO_TRIALS = "no trials stored with the fit"
+_BARS: dict[str, Any] = {"elinewidth": 1.0, "capsize": 2.0}
+_OTHERS = {"label": "other conditions", "color": GREY, "markerfacecolor": "white", "markersize": 3.5}
+_CHOSEN: dict[str, Any] = {
+    "label": "conditions as in the heading",
+    "color": INK,
+    "markersize": 5.5,
+    "zorder": 4,
+}
+
+
+def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
+    """Return the fit whose trials are drawn, its conditions, and how many they are in words."""
+    if not fits:
+        raise InputError("there is no fit to draw", key="fits", fix="give at least one")
+    points = condition_points(fits[0])
+    return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(len(points), 'condition')}"
+
+
+def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
+    """Return three facets: μ̄ of every condition against F_B, φ and R_w, with the lines of the fitted laws.
+
+    In each facet the filled points are the largest set of conditions that differ in its quantity alone, and the laws
+    are drawn for the settings they share; the other conditions are small and hollow. Bars are ±2 standard
+    uncertainties of the mean.
+    """
+    first, points, counts = _first(fits)
+    mu, mu_std = points.over_wrap(points.log_rise), points.over_wrap(points.std_log)
+    rows: list[tuple[object, ...]] = []
+    with house_style():
+        figure = new_figure(10.0, 4.6)
+        for axes, over in zip(figure.subplots(1, 3, sharey=True), FACETS, strict=True):
+            settings = settings_of(first, over)
+            held = ",  ".join(shown_regressor(name, settings[name]) for name in FACETS if name != over)
+            axes.set_xlabel(regressor_label(over))
+            axes.set_title(typeset(held), fontsize=9)
+            if over == "end_tension_N":
+                axes.set_xscale("log")
+                axes.xaxis.set_major_formatter("{x:g}")
+            factor = REGRESSORS[over][2]
+            for place, fit in enumerate(fits):
+                x, values = _average_mu(fit, settings, over)
+                axes.plot(factor * x, values, linewidth=1.6, label=fit.law, **line_look(place))
+                rows += [(over, fit.law, *pair) for pair in zip(x.tolist(), values.tolist(), strict=True)]
+            if not len(points):
+                say_instead(axes, _NO_TRIALS)
+            chosen = same_settings(points.conditions, settings)
+            x = factor * getattr(points.conditions, over)
+            for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN)):
+                _draw_means(axes, x[mask], mu[mask], mu_std[mask], **look)
+        figure.axes[0].set_ylabel(figure_label("mu_average"))
+        figure.suptitle(f"{counts}; bars: ±2 u (k = 2)")
+        legend_of_figure(figure)
+    laws, known = ", ".join(fit.law for fit in fits), mu[np.isfinite(mu)]
+    alt = f"Average friction coefficient of the laws {laws}; no trials are stored with the fit."
+    if known.size:
+        alt = (
+            f"Average friction coefficient of {counted(len(points), 'condition')} against end tension, wrap angle and "
+            f"wheel radius, with the laws {laws}. It lies between {known.min():.4g} and {known.max():.4g}, "
+            f"mean {known.mean():.4g}."
+        )
+    tables = (
+        DataTable.of_columns(points.settings | {"mu_average": mu, "mu_std": mu_std}),
+        DataTable(name="laws", header=("against", "law", "x", "mu_average"), rows=tuple(rows)),
+    )
+    return FigureWithData(figure=figure, tables=tables, alt=alt)
+
+
+def _draw_means(axes: "Axes", x: FloatArray, y: FloatArray, std: FloatArray, **look: Any) -> None:
+    """Draw conditions with bars of ±2 standard uncertainties."""
+    if x.size:
+        axes.errorbar(x, y, yerr=_COVERAGE * np.nan_to_num(std), **({"fmt": "o"} | _BARS | look))
+
+
+def _average_mu(fit: FitResult, settings: dict[str, float], over: str) -> tuple[FloatArray, FloatArray]:
+    low, high = fit.validity[over]
+    space = np.geomspace if over == "end_tension_N" else np.linspace
+    grid = space(low, high, _FACET_STEPS)
+    grid = grid[grid > 0.0]
+    conditions = swept(settings, over, grid)
+    mu = np.full(grid.size, np.nan)
+    good = answered(fit, conditions) & (conditions.wrap_angle_rad > 0.0)
+    if good.any():
+        mu[good] = fit.friction_law.average_mu(fit.theta, conditions.select(good))
+    return grid, mu
+
+
+def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
+    """Return ln(F_A/F_B) of every condition against the wrap, Euler's straight line and the curves of fitted laws.
+
+    The straight line is the law `constant` if it is among the fits, else the line through the origin that fits the
+    conditions best. Wheels differ in marker and colour; bars are ±2 standard uncertainties of the mean.
+    The laws are drawn for the settings that most conditions share.
+    """
+    first, points, counts = _first(fits)
+    settings = settings_of(first, "wrap_angle_rad")
+    wrap_rad, rise = points.conditions.wrap_angle_rad, points.log_rise
+    constant = next((fit for fit in fits if fit.law == "constant"), None)
+    # Through the origin, each condition once: Σ φ ln(F_A/F_B) / Σ φ².
+    slope = float(wrap_rad @ rise) / total if (total := float(wrap_rad @ wrap_rad)) > 0.0 else float("nan")
+    if constant is not None:
+        slope = constant["mu"].value
+    farthest = max(first.validity["wrap_angle_rad"][1], float(wrap_rad.max(initial=0.0)))
+    grid = np.linspace(0.0, 1.05 * farthest, _CAPSTAN_STEPS)
+    curves = {"straight line": slope * grid} if np.isfinite(slope) else {}
+    curves |= {fit.law: _log_rise(fit, settings, grid) for fit in fits if fit is not constant}
+    with house_style():
+        figure = new_figure(10.0, 5.6)
+        axes = figure.subplots()
+        for place, (law, curve) in enumerate(curves.items(), start=1 - ("straight line" in curves)):
+            straight = law == "straight line"
+            look = {"color": INK, "linewidth": 1.2} if straight else line_look(place) | {"linewidth": 1.8}
+            axes.plot(
+                np.degrees(grid), curve, label=f"straight line, μ = {slope:.3g}" if straight else law, **look
+            )
+        if len(points):
+            _draw_wheels(axes, points)
+        else:
+            say_instead(axes, _NO_TRIALS)
+        axes.set(xlabel=regressor_label("wrap_angle_rad"), ylabel=typeset("ln(F_A/F_B) [-]"))
+        axes.set_xlim(0.0, float(np.degrees(grid[-1])))
+        axes.set_ylim(bottom=0.0)
+        held = ", ".join(
+            shown_regressor(name, settings[name]) for name in ("wheel_radius_m", "end_tension_N")
+        )
+        axes.set_title(f"{counts}; bars: ±2 u (k = 2); laws drawn for {typeset(held)}")
+        legend_of_figure(figure)
+    laws = ", ".join(fit.law for fit in fits)
+    alt = f"ln(F_A/F_B) against the wrap angle by the laws {laws}; no trials are stored with the fit."
+    if len(points):
+        worst = float(np.abs(rise - slope * wrap_rad).max())
+        alt = (
+            f"ln(F_A/F_B) of {counted(len(points), 'condition')} against the wrap angle, with the laws {laws}. The "
+            f"straight line through the origin has slope {slope:.4g}; points lie up to {worst:.3g} off it, a factor of "
+            f"{np.exp(worst):.3g} in force."
+        )
+    drawn = {
+        "law": [law for law in curves for _ in grid],
+        "wrap_angle_rad": grid.tolist() * len(curves),
+        "log_ratio": [float(value) for curve in curves.values() for value in curve],
+    }
+    conditions = points.settings | {"log_ratio": rise, "log_ratio_std": points.std_log}
+    tables = DataTable.of_columns(conditions), DataTable.of_columns(drawn, "laws")
+    return FigureWithData(figure=figure, tables=tables, alt=alt)
+
+
+def _log_rise(fit: FitResult, settings: dict[str, float], wrap_rad: FloatArray) -> FloatArray:
+    conditions = swept(settings, "wrap_angle_rad", wrap_rad)
+    rise = np.full(wrap_rad.size, np.nan)
+    good = answered(fit, conditions)
+    if good.any():
+        chosen = conditions.select(good)
+        rise[good] = fit.friction_law.log_lift(fit.theta, chosen) - chosen.log_end_tension
+    return rise
+
+
+def _draw_wheels(axes: "Axes", points: ConditionPoints) -> None:
+    radii_m = points.conditions.wheel_radius_m
+    wheel = levels(radii_m)
+    scale, last = colormaps[TRACE_COLORS], int(wheel.max())
+    for place in range(last + 1):
+        mask = wheel == place
+        _draw_means(
+            axes,
+            np.degrees(points.conditions.wrap_angle_rad[mask]),
+            points.log_rise[mask],
+            points.std_log[mask],
+            label=typeset(shown_regressor("wheel_radius_m", float(radii_m[mask][0]))),
+            color=scale(0.85 * place / max(last, 1)),
+            fmt=MARKERS[place % len(MARKERS)],
+            markersize=6,
+            markeredgecolor="black",
+            markeredgewidth=0.6,
+            zorder=4,
+        )
+
+
+def draw_fit_band(
+    fit: FitResult,
+    *,
+    over: str = "wrap_angle_rad",
+    at: Mapping[str, float] | None = None,
+    level: float = 0.95,
+) -> FigureWithData:
+    """Return F_A of a fitted law over one quantity with confidence and prediction band, extrapolation hatched.
+
+    The upper panel has the forces on a logarithmic axis, the lower one the same off the mean law, in per cent. The
+    inner band holds the mean law, the outer one a single pull with a new rope. Points are the means of the measured
+    conditions that have the settings drawn, crosses their trials where the fit still has them.
+    """
+    settings = settings_of(fit, over, at)
+    x, columns = _band(fit, settings, over, level)
+    low, high = fit.validity[over]
+    points = condition_points(fit)
+    chosen = same_settings(points.conditions, settings)
+    n = int(points.n[chosen].sum())
+    title, unit, factor = REGRESSORS[over]
+    with house_style():
+        figure = new_figure(10.0, 7.0)
+        axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+        for panel in (axes, below):
+            off = panel is below
+            lines = 100.0 * (columns / columns[0] - 1.0) if off else columns
+            _draw_band(panel, factor * x, lines, f"{100 * level:g} %")
+            for start, stop in ((x[0], low), (high, x[-1])):
+                if stop > start:
+                    panel.axvspan(factor * start, factor * stop, facecolor="none", edgecolor="#9A9A9A", hatch="///",
+                                  linewidth=0.0, zorder=0.5, label="not tested: extrapolated")  # fmt: skip
+            _draw_measured(panel, fit, points, settings, over, off=off)
+        axes.set(ylabel=figure_label("lift_force_N"), yscale="log")
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter("")
+        below.set(xlabel=regressor_label(over), ylabel="Off the mean law [%]")
+        if over == "end_tension_N":
+            below.set_xscale("log")
+            below.xaxis.set_major_formatter("{x:g}")
+        axes.set_xlim(factor * x[0], factor * x[-1])
+        held = ",  ".join(shown_regressor(name, value) for name, value in settings.items())
+        shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
+        axes.set_title(typeset(f"Law {fit.law} at {held};  {shown_trials}"))
+        legend_of_figure(figure)
+    outside = (x < low * (1 - 1e-9)) | (x > high * (1 + 1e-9))
+    law = {over: x} | dict(zip(_BAND, columns, strict=True)) | {"extrapolated": outside}
+    measured = {
+        over: getattr(points.conditions, over)[chosen],
+        "lift_force_N": np.exp(points.log_lift[chosen]),
+        "n": points.n[chosen],
+        "std_log": points.std_log[chosen],
+    }
+    lift_N, low_N, high_N, wide_low_N, wide_high_N = columns[:, int(np.searchsorted(x, high))].tolist()
+    there = f"{factor * high:.4g} {unit}"
+    alt = (
+        f"Lift force of the law {fit.law} over the {title}, tested from {factor * low:.4g} to {there}, with "
+        f"{counted(n, 'trial')}. At {there} it is {shown(lift_N, 'N')}, {100 * level:g} % confidence "
+        f"{shown(low_N)} to {shown(high_N, 'N')}, new pulls {shown(wide_low_N)} to {shown(wide_high_N, 'N')}."
+    )
+    tables = DataTable.of_columns(law), DataTable.of_columns(measured, "measured")
+    return FigureWithData(figure=figure, tables=tables, alt=alt)
+
+
+def _band(
+    fit: FitResult, settings: Mapping[str, float], over: str, level: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return a grid in SI and the law on it, five columns as in `_BAND`, NaN where it has no answer."""
+    low, high = fit.validity[over]
+    beyond = _BEYOND * (high - low) or _BEYOND * high
+    x = np.union1d(np.linspace(max(low - beyond, 0.5 * low), high + beyond, _BAND_STEPS), [low, high])
+    conditions = swept(settings, over, x)
+    columns = np.full((len(_BAND), x.size), np.nan)
+    good = answered(fit, conditions)
+    if good.any():
+        found = predict(fit, conditions.select(good), level=level, check=False)
+        columns[:, good] = np.vstack([found.lift_force_N, found.interval_N.T, found.prediction_interval_N.T])
+    columns[~np.isfinite(columns)] = np.nan
+    return x, columns
+
+
+def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, level: str) -> None:
+    line, low, high, wide_low, wide_high = columns
+    edge: dict[str, Any] = {"edgecolor": ORANGE, "linestyle": "--", "linewidth": 1.0}
+    axes.fill_between(x, wide_low, wide_high, facecolor=(ORANGE, 0.15), label=f"{level} of new pulls", **edge)
+    axes.fill_between(x, low, high, facecolor=(BLUE, 0.4), linewidth=0, label=f"{level} for the mean law")
+    axes.plot(x, line, "-", color=BLUE, linewidth=1.4, label="mean law")
+
+
+def _draw_measured(
+    axes: "Axes",
+    fit: FitResult,
+    points: ConditionPoints,
+    settings: Mapping[str, float],
+    over: str,
+    *,
+    off: bool,
+) -> None:
+    """Draw the measured forces that have the settings, or how far off the law they lie [%]."""
+
+    def placed(conditions: Conditions, forces_N: FloatArray) -> FloatArray:
+        if not off or not forces_N.size:
+            return forces_N
+        return 100.0 * (forces_N / np.exp(fit.friction_law.log_lift(fit.theta, conditions)) - 1.0)
+
+    factor = REGRESSORS[over][2]
+    if fit.problem is not None:
+        mine = same_settings(fit.problem.conditions, settings)
+        trials = fit.problem.conditions.select(mine)
+        forces = placed(trials, np.exp(fit.problem.log_lift[mine]))
+        axes.plot(factor * getattr(trials, over), forces, "x", color=GREY, markersize=4, label="one trial")
+    chosen = same_settings(points.conditions, settings)
+    means, mean_N = points.conditions.select(chosen), np.exp(points.log_lift[chosen])
+    spread = _COVERAGE * np.nan_to_num(points.std_log[chosen])
+    low, middle, high = (placed(means, mean_N * np.exp(side * spread)) for side in (-1.0, 0.0, 1.0))
+    bars = np.stack([middle - low, high - middle])
+    look = _CHOSEN | _BARS | {"label": "mean of a condition, ±2 u (k = 2)", "zorder": 5}
+    axes.errorbar(factor * getattr(means, over), middle, yerr=bars, fmt="o", **look)
+
+
+def draw_residuals(fit: FitResult) -> FigureWithData:
+    """Return the standardised residuals of a fit, measured less fitted ln F_A, in three panels.
+
+    A fit just made shows its trials in the order of the table; a loaded one only knows the means of its conditions
+    and shows these, over their standard uncertainty, without the panel of the order. Points beyond ±2 are crosses.
+    """
+    by_trial = fit.problem is not None
+    fitted, residual, std = _residuals(fit)
+    z = residual / std
+    # The normal quantile of each, by rank (i − 1/2)/n.
+    rank = np.argsort(np.argsort(z, kind="stable"), kind="stable")
+    quantile = ndtri((rank + 0.5) / max(z.size, 1))
+    order = np.arange(1, z.size + 1, dtype=np.int64)
+    beyond = int((np.abs(z) > _LIMIT).sum())
+    what = counted(z.size, "trial" if by_trial else "condition mean")
+    with house_style():
+        figure = new_figure(10.0, 4.2)
+        panels = figure.subplots(1, 3 if by_trial else 2, sharey=True)
+        panels[0].set(xlabel=figure_label("lift_force_N").replace(" [", ", fitted ["), xscale="log")
+        panels[0].xaxis.set_major_formatter("{x:g}")
+        _scatter(panels[0], np.exp(fitted), z)
+        if by_trial:
+            panels[1].set_xlabel("Trial, in the order of the table")
+            _scatter(panels[1], order, z)
+        panels[-1].set_xlabel("Normal quantile [-]")
+        ends = float(np.abs(quantile).max(initial=1.0)) * np.array([-1.0, 1.0])
+        panels[-1].plot(ends, ends, "--", color=INK, linewidth=1.0, label="normal law")
+        _scatter(panels[-1], quantile, z)
+        panels[0].set_ylabel("Residual of ln F, standardised [-]")
+        share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
+        figure.suptitle(f"Law {fit.law}: {what}, {share}")
+        legend_of_figure(figure)
+    columns = {
+        "order": order,
+        "lift_force_N": np.exp(fitted),
+        "log_residual": residual,
+        "standardised": z,
+        "normal_quantile": quantile,
+    }
+    alt = f"Residuals of the law {fit.law}: no trials are stored with the fit."
+    if z.size:
+        rms = float(np.sqrt(np.mean(residual**2)))
+        alt = (
+            f"Standardised residuals of {what} about the law {fit.law}: {beyond} lie beyond ±2, the largest is "
+            f"{np.abs(z).max():.3g}. In force the residuals are {100 * rms:.3g} % (root mean square)."
+        )
+    return FigureWithData(figure=figure, tables=(DataTable.of_columns(columns),), alt=alt)
+
+
+def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return fitted ln F_A, measured less fitted, and its standard deviation, as far as there is one."""
+    if fit.problem is not None:
+        conditions, measured, std = fit.problem.conditions, fit.problem.log_lift, fit.problem.std
+    else:
+        points = condition_points(fit)
+        conditions, measured, std = points.conditions, points.log_lift, points.std_log
+    fitted = fit.friction_law.log_lift(fit.theta, conditions) if len(conditions) else np.empty(0)
+    residual = measured - fitted
+    usable = np.isfinite(residual) & np.isfinite(std) & (std > 0.0)
+    return fitted[usable], residual[usable], std[usable]
+
+
+def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray) -> None:
+    axes.axhline(0.0, color=INK, linewidth=0.8)
+    for limit in (-_LIMIT, _LIMIT):
+        axes.axhline(limit, color=INK, linewidth=1.0, linestyle=":", label="±2 standard deviations")
+    if not z.size:
+        say_instead(axes, "nothing to show")
+        return
+    far = np.abs(z) > _LIMIT
+    axes.plot(x[~far], z[~far], "o", color=BLUE, markersize=3.5, alpha=0.7, label="within ±2")
+    axes.plot(x[far], z[far], "X", color=ORANGE, markersize=6, label="beyond ±2")

@@ -1,0 +1,242 @@
+"""What stands in an order of size: laws by AICc, contributions to an uncertainty, what inputs do to an answer."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ropefric.errors import InputError
+from ropefric.fitting.compare import Comparison, ComparisonEntry
+from ropefric.glossary import counted
+from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure, say_instead
+from ropefric.plotting.labels import figure_label, plain_text, shown, typeset
+from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, house_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+_LADDER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")
+_EVEN = 2.0
+_CLEAR = 10.0
+
+Contribution = tuple[str, float, float, float]
+"""Quantity, |c u|, its share of the variance, and the share of all so far."""
+Swing = tuple[str, float, float, float, float]
+"""Quantity, force at its low and its high value, force of the base case, width."""
+
+
+def draw_ladder(comparison: Comparison) -> FigureWithData:
+    """Return ΔAICc of each law as a dot, best on top, with its Akaike weight and its error at unseen conditions.
+
+    Laws within 2 of the best can hardly be told from it (shaded); beyond 10 there is next to no support. Laws that
+    are not counted stand below as crosses with their reason. The axis is linear to 10 and logarithmic beyond.
+    """
+    entries = comparison.ranking
+    conditions = counted(comparison.n, comparison.unit.removesuffix("s"))
+    laws = f"{counted(len(entries), 'law')} on {counted(comparison.n_trials, 'trial')}"
+    with house_style():
+        figure = new_figure(10.0, 1.7 + 0.36 * max(len(entries), 2))
+        axes = figure.subplots()
+        axes.axvspan(-0.4, _EVEN, color=BLUE, alpha=0.12, linewidth=0)
+        axes.axvline(_CLEAR, color=GREY, linewidth=1.0, linestyle=":")
+        largest = max([entry.delta_aicc for entry in entries if _is_ranked(entry)], default=_CLEAR)
+        axes.set_xscale("symlog", linthresh=_CLEAR, linscale=1.2)
+        axes.set_xlim(-0.4, 1.3 * max(largest, 1.2 * _CLEAR))
+        ticks = [0, 2, 5, 10, *(tick for power in range(1, 6) for tick in (3 * 10**power, 10 ** (power + 1)))]
+        axes.set_xticks([tick for tick in ticks if tick <= 1.3 * largest], minor=False)
+        axes.set_xticks([], minor=True)
+        axes.xaxis.set_major_formatter("{x:g}")
+        for row, entry in enumerate(entries):
+            _draw_entry(axes, row, entry)
+        _name_rows(axes, [entry.law for entry in entries])
+        axes.set_xlabel(
+            "ΔAICc [-];  shaded: as good as the best;  beyond the dotted line: hardly any support"
+        )
+        axes.set_title(f"{laws}, {conditions}", loc="left")
+        for x, text in ((1.02, "weight"), (1.12, "error,\nunseen")):
+            axes.text(x, 1.0, text, transform=axes.transAxes, fontsize=9, va="bottom")
+    rows = tuple(tuple(getattr(entry, name) for name in _LADDER) for entry in entries)
+    return FigureWithData(
+        figure=figure, tables=(DataTable(header=_LADDER, rows=rows),), alt=_ladder_in_words(comparison, laws)
+    )
+
+
+def _name_rows(axes: "Axes", names: Sequence[str]) -> None:
+    """Write a name at each row, the first on top."""
+    axes.set_yticks(range(len(names)), list(names))
+    axes.set_ylim(max(len(names), 1) - 0.4, -0.6)
+    axes.grid(visible=False, axis="y")
+
+
+def _is_ranked(entry: ComparisonEntry) -> bool:
+    return entry.counted and math.isfinite(entry.delta_aicc)
+
+
+def _draw_entry(axes: "Axes", row: int, entry: ComparisonEntry) -> None:
+    beside = axes.get_yaxis_transform()
+    if not _is_ranked(entry):
+        axes.plot([0.0], [row], "x", color=GREY, markersize=7, markeredgewidth=1.6)
+        note = entry.note or "not counted"
+        axes.text(0.04, row, f"  {note[:95]}", transform=beside, va="center", fontsize=8, color=GREY)
+        return
+    best = entry.delta_aicc == 0.0
+    axes.plot([0.0, entry.delta_aicc], [row, row], color=BLUE, linewidth=1.4)
+    axes.plot([entry.delta_aicc], [row], "D" if best else "o", color=INK if best else BLUE, markersize=8)
+    weight = "–" if math.isnan(entry.weight) else f"{entry.weight:.3f}"
+    error = f"{100 * entry.loco_error:.2g} %" if math.isfinite(entry.loco_error) else "–"
+    for x, text in ((1.02, weight), (1.12, error)):
+        axes.text(x, row, text, transform=beside, va="center", fontsize=9)
+
+
+def _ladder_in_words(comparison: Comparison, laws: str) -> str:
+    ranked = [entry for entry in comparison.ranking if _is_ranked(entry)]
+    if not comparison.ranking:
+        return "No law was compared."
+    if not ranked:
+        return f"{counted(len(comparison.ranking), 'law')} compared; none can be counted."
+    weight = f"with a weight of {shown(ranked[0].weight, digits=3)}"
+    text = f"{laws} by AICc: {ranked[0].law} is best "
+    text += weight if comparison.conclusive else "of too few to choose from"
+    if len(ranked) > 1:
+        text += f", then {ranked[1].law}, {shown(ranked[1].delta_aicc, digits=3)} behind"
+    return f"{text}."
+
+
+def draw_budget(
+    rows: Sequence[tuple[str, float]], *, unit: str = "", title: str = "", combined: float | None = None
+) -> FigureWithData:
+    """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum."""
+    for name, value in (*rows, ("combined", combined or 0.0)):
+        if math.isinf(value):
+            raise InputError(
+                f"the contribution of {name} is infinite", key=name, fix="leave it out or bound it"
+            )
+    ranked = sorted(
+        ((name, abs(value)) for name, value in rows),
+        key=lambda row: math.inf if math.isnan(row[1]) else -row[1],
+    )
+    total = math.fsum(value**2 for _, value in ranked if not math.isnan(value))
+    root = math.sqrt(total) if combined is None else combined
+    table: list[Contribution] = []
+    summed = 0.0
+    for name, value in ranked:
+        share = value**2 / total if total > 0.0 and not math.isnan(value) else math.nan
+        summed += 0.0 if math.isnan(share) else share
+        table.append((name, value, share, math.nan if math.isnan(share) else summed))
+    known = [(place, row) for place, row in enumerate(table) if not math.isnan(row[2])]
+    with house_style():
+        figure = new_figure(10.0, 1.9 + 0.38 * max(len(table), 2))
+        axes = figure.subplots()
+        axes.set_xlabel(f"Contribution to the standard uncertainty [{unit or '-'}]")
+        if known:
+            _draw_contributions(axes, table, known)
+        else:
+            say_instead(axes, "no contribution is known")
+        head = f"{title}: " if title else ""
+        axes.set_title(typeset(f"{head}u = {shown(root, unit)} (k = 1), n = {len(table)} quantities"))
+    what = f"Uncertainty budget{' of ' + title if title else ''}"
+    parts = ", ".join(f"{row[0]} {shown(row[1], unit, 3)} ({100 * row[2]:.3g} %)" for _, row in known[:3])
+    told = f"combined standard uncertainty {shown(root, unit)}; the largest contributions are {parts}."
+    header = ("quantity", "contribution", "share", "cumulative_share")
+    return FigureWithData(
+        figure=figure,
+        tables=(DataTable(header=header, rows=tuple(table)),),
+        alt=f"{what}: {told if known else 'no contribution is known.'}",
+    )
+
+
+def _draw_contributions(
+    axes: "Axes", table: Sequence[Contribution], known: Sequence[tuple[int, Contribution]]
+) -> None:
+    widths = [0.0 if math.isnan(value) else value for _, value, _, _ in table]
+    axes.barh(range(len(table)), widths, height=0.62, color=BLUE, alpha=0.75, edgecolor=INK, linewidth=0.6)
+    # Beside the axes, where the line of the sum cannot cross them.
+    beside = axes.get_yaxis_transform()
+    for place, (_, value, share, _) in enumerate(table):
+        words = "unknown" if math.isnan(value) else f"{value:.3g}  ({100 * share:.3g} %)"
+        axes.text(1.01, place, words, transform=beside, va="center", fontsize=9)
+    _name_rows(axes, [typeset(name) for name, *_ in table])
+    axes.set_xlim(0.0, 1.04 * max(widths))
+    above = axes.twiny()
+    places, shares = [place for place, _ in known], [100 * row[3] for _, row in known]
+    above.plot(shares, places, "o--", color=ORANGE, markersize=4)
+    above.set_xlim(0.0, 104.0)
+    above.set_xticks([0, 20, 40, 60, 80, 100])
+    above.set_xlabel("Cumulative share of the variance [%] (dashed)")
+    above.spines["top"].set_visible(True)
+    above.grid(visible=False)
+
+
+def draw_tornado(
+    rows: Sequence[tuple[str, float, float, float]], *, quantity: str = "lift_force_N"
+) -> FigureWithData:
+    """Return a tornado chart: the force at the low and the high value of each input, all others as in the base case."""
+    bases = {row[3] for row in rows}
+    if len(bases) > 1 or not all(map(math.isfinite, bases)):
+        raise InputError(
+            f"the base cases are {', '.join(f'{base:g} N' for base in sorted(bases, key=str))}",
+            key="base_N",
+            fix="give every row the force of one and the same base case, a finite number",
+        )
+    ranked = sorted(((*row, _width(row)) for row in rows), key=lambda row: -row[4])
+    alt = "No input was changed."
+    with house_style():
+        figure = new_figure(10.0, 1.7 + 0.42 * max(len(ranked), 2))
+        axes = figure.subplots()
+        axes.set_xlabel(figure_label(quantity))
+        if ranked:
+            base_N = ranked[0][3]
+            _draw_swings(axes, ranked, base_N)
+            legend_of_figure(figure)
+            axes.set_title(f"base case {base_N:.4g} N; n = {len(ranked)} inputs, one changed at a time")
+            what = plain_text(figure_label(quantity)).split(" [")[0]
+            parts = "; ".join(f"{row[0]}: {shown(row[1])} to {shown(row[2], 'N')}" for row in ranked[:4])
+            alt = f"{what}, {shown(base_N, 'N')} in the base case, when one input changes at a time: {parts}."
+        else:
+            say_instead(axes, "no input was changed")
+    header = ("quantity", "low_N", "high_N", "base_N", "swing_N")
+    return FigureWithData(figure=figure, tables=(DataTable(header=header, rows=tuple(ranked)),), alt=alt)
+
+
+def _width(row: tuple[str, float, float, float]) -> float:
+    reached = [value for value in row[1:] if not math.isnan(value)]
+    return max(reached) - min(reached)
+
+
+def _draw_swings(axes: "Axes", ranked: Sequence[Swing], base_N: float) -> None:
+    for column, color, hatch, label in (
+        (1, ORANGE, "///", "input at its low value"),
+        (2, BLUE, "", "input at its high value"),
+    ):
+        ends = [
+            (place, float(row[column]))
+            for place, row in enumerate(ranked)
+            if not math.isnan(float(row[column]))
+        ]
+        axes.barh(
+            [place for place, _ in ends],
+            [value_N - base_N for _, value_N in ends],
+            left=base_N,
+            height=0.6,
+            edgecolor=INK,
+            linewidth=0.6,
+            facecolor=color,
+            hatch=hatch,
+            label=label if ends else "",
+        )
+        for place, value_N in ends:
+            side = 1.0 if value_N >= base_N else -1.0
+            axes.annotate(
+                f"{value_N:.4g}",
+                (value_N, place),
+                xytext=(4.0 * side, 0.0),
+                textcoords="offset points",
+                ha="left" if side > 0 else "right",
+                va="center",
+                fontsize=9,
+            )
+    axes.axvline(base_N, color=INK, linewidth=1.2)
+    widest = max(row[4] for row in ranked) or 1.0
+    reached = [value for row in ranked for value in row[1:4] if not math.isnan(value)]
+    axes.set_xlim(min(reached) - 0.12 * widest, max(reached) + 0.12 * widest)
+    _name_rows(axes, [typeset(row[0]) for row in ranked])

@@ -1,0 +1,289 @@
+"""Scenes of a lift's traction sheave: do its ropes hold while loading and braking, and slip when the car is stalled."""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, PlainValidator, model_validator
+
+from ropefric.arrays import FloatArray
+from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
+from ropefric.scenes.kind import (
+    Becomes,
+    Chart,
+    Failure,
+    Figure,
+    Kind,
+    Line,
+    Part,
+    Quantity,
+    SceneTable,
+    arrays,
+    finite,
+    in_words,
+    unit,
+)
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.traction.effects import SYSTEM
+from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
+
+_NO_CERTIFICATE = "a check after EN 81-50, 5.11, and no certificate: lifts are approved by notified bodies"
+_LARGEST_UNDERCUT_RAD = math.radians(106.0)
+_UNDERCUT = {"undercut", "v"}
+
+
+class LiftTable(StrictTable):
+    """`[lift]`."""
+
+    car: Annotated[float, unit("kg", "700 kg", above=0), Becomes("car_kg")]
+    rated_load: Annotated[float, unit("kg", "630 kg", above=0), Becomes("rated_load_kg")]
+    counterweight: Annotated[float, unit("kg", "1015 kg", above=0), Becomes("counterweight_kg")]
+    travel: Annotated[float, unit("m", "18 m", above=0), Becomes("travel_m")]
+    speed: Annotated[float | None, unit("m/s", "1 m/s", above=0), Becomes("speed_m_s")] = None
+    deceleration: Annotated[
+        float | None, unit("m/s^2", "0.5 m/s^2", above=0), Becomes("deceleration_m_s2")
+    ] = None
+
+
+class SheaveTable(StrictTable):
+    """`[sheave]`."""
+
+    diameter: Annotated[float, unit("m", "400 mm", above=0), Becomes("wheel_radius_m", 0.5)]
+    wrap: Annotated[float, unit("rad", "160 deg", above=0), Becomes("wrap_angle_rad")]
+    groove: Annotated[str, PlainValidator(choice(lambda: GROOVES))]
+    groove_angle: Annotated[float, unit("rad", "35 deg", above=0), Becomes("groove_angle_rad")]
+    undercut: Annotated[float | None, unit("rad", "90 deg", above=0), Becomes("undercut_rad")] = None
+
+    @model_validator(mode="after")
+    def _is_undercut_as_its_groove_says(self) -> Self:
+        if self.groove in _UNDERCUT and self.undercut is None:
+            reject("RF121", f"the groove {self.groove} has no undercut", fix='add undercut = "90 deg"')
+        if self.groove not in _UNDERCUT and self.undercut is not None:
+            reject(
+                "RF111",
+                f"the groove {self.groove} has no undercut",
+                fix='remove it, or write groove = "undercut"',
+                key="undercut",
+            )
+        return self
+
+
+class RopesTable(StrictTable):
+    """`[ropes]`."""
+
+    count: Annotated[int, PlainValidator(whole_number(1, 100)), Becomes("rope_count", many=False)]
+    diameter: Annotated[float, unit("m", "10 mm", above=0), Becomes("rope_radius_m", 0.5)]
+    linear_density: Annotated[
+        float | None, unit("kg/m", "0.336 kg/m", above=0), Becomes("linear_density_kg_m")
+    ] = None
+    above_car: Annotated[float, unit("m", "2 m"), Becomes("above_car_m")] = 0.0
+    above_counterweight: Annotated[float, unit("m", "2 m"), Becomes("above_counterweight_m")] = 0.0
+
+
+class PulleysTable(StrictTable):
+    """`[pulleys]`: inertia of deflector pulleys over the square of their radius."""
+
+    car_side: Annotated[float | None, unit("kg", "20 kg", above=0), Becomes("car_pulley_kg")] = None
+    counterweight_side: Annotated[
+        float | None, unit("kg", "20 kg", above=0), Becomes("counterweight_pulley_kg")
+    ] = None
+
+
+class TractionScene(SceneTable):
+    """A scene with `system = "traction"`."""
+
+    lift: LiftTable
+    sheave: SheaveTable
+    ropes: RopesTable
+    pulleys: PulleysTable = Field(default_factory=PulleysTable)
+
+
+def _problem(table: TractionScene, friction: WrapFriction | None) -> TractionProblem:
+    return TractionProblem(friction=friction, groove=table.sheave.groove, **arrays(table))
+
+
+def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[Quantity, ...]:
+    found = [
+        Quantity(name="largest_utilisation", value=answer.utilisation.max(axis=0), positive=True),
+        Quantity(name="needed_wrap_rad", value=answer.needed_wrap_rad, positive=True),
+    ]
+    if problem.groove in {"undercut", "semicircular"}:
+        found.append(Quantity(name="needed_undercut_rad", value=answer.needed_undercut_rad))
+    found += [
+        Quantity(name=f"cases.{case}.utilisation", value=answer.utilisation[i], positive=True)
+        for i, case in enumerate(CASES)
+    ]
+    return tuple(found)
+
+
+def _failures(answer: TractionAnswer, problem: TractionProblem) -> tuple[Failure, ...]:
+    del problem
+    held = {case: f"the ropes slip in the load case {case}" for case in CASES[:-1]}
+    words = held | {CASES[-1]: "the ropes do not slip when the car is stalled"}
+    return tuple(
+        Failure(words=words[case], measure="utilisation", value=use, fails=use > 1.0)
+        for case, use in zip(CASES, answer.utilisation, strict=True)
+    )
+
+
+def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
+    columns = {
+        "tight_N": answer.tight_N,
+        "slack_N": answer.slack_N,
+        "tension_ratio": np.divide(
+            answer.tight_N,
+            answer.slack_N,
+            out=np.full_like(answer.tight_N, np.inf),
+            where=answer.slack_N > 0.0,
+        ),
+        "mu": answer.mu,
+        "friction_factor": answer.friction_factor,
+        "capacity": np.exp(answer.log_capacity),
+        "wrap_limit_rad": answer.wrap_limit_rad,
+        "undercut_limit_rad": answer.undercut_limit_rad,
+    }
+    cases = {
+        case: {name: finite(values[i, 0]) for name, values in columns.items()}
+        | {"passes": bool(answer.utilisation[i, 0] <= 1.0)}
+        for i, case in enumerate(CASES)
+    }
+    own = "the standard's" if problem.friction is None else "the scene's"
+    return {"cases": cases, "groove": problem.groove, "friction_is": own, "note": _NO_CERTIFICATE}
+
+
+def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
+    columns = {
+        "T1 [N]": ("tight_N", ".0f"),
+        "T2 [N]": ("slack_N", ".0f"),
+        "T1/T2": ("tension_ratio", ".4g"),
+        "f": ("friction_factor", ".4f"),
+        "e^(f alpha)": ("capacity", ".4g"),
+        "utilisation": ("utilisation", ".4g"),
+    }
+    cases = tree["cases"]
+    lines = [
+        f"friction is {tree['friction_is']}; the ropes must hold while loading and braking, and slip when stalled"
+    ]
+    if not all(cases[case]["passes"] for case in CASES[:-1]):
+        wrap = f"a wrap of at least {math.degrees(tree['needed_wrap_rad']):.1f} deg"
+        undercut = tree.get("needed_undercut_rad")
+        if undercut:
+            wrap += f", or an undercut of at least {math.degrees(undercut):.1f} deg"
+            if undercut > _LARGEST_UNDERCUT_RAD:
+                wrap += " (the standard ends at 106 deg)"
+        lines.append(f"what would hold, all else as it is: {wrap}")
+    if not cases["stalled"]["passes"]:
+        limit = math.degrees(cases["stalled"]["wrap_limit_rad"] or 0.0)
+        lines.append(f"what would slip when stalled, all else as it is: a wrap of at most {limit:.1f} deg")
+    return (
+        Part(
+            "Traction",
+            lines=tuple(lines),
+            headings=("load case", *columns, "passes "),
+            rows=tuple(
+                (
+                    case,
+                    *(in_words(one[key], form) for key, form in columns.values()),
+                    "yes" if one["passes"] else "no",
+                )
+                for case, one in cases.items()
+            ),
+            notes=(tree["note"],),
+        ),
+    )
+
+
+def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
+    # What stalled ropes must slip at is often ten times what the others must hold: it would hide them.
+    wraps, here = (
+        np.linspace(0.75, 1.25, 101) * problem.wrap_angle_rad[0],
+        np.degrees(problem.wrap_angle_rad[:1]),
+    )
+    held: dict[float, list[str]] = {}
+    for case, factor in zip(CASES[:-1], answer.friction_factor[:, 0], strict=False):
+        held.setdefault(float(factor), []).append(case)
+    lines = [
+        Line(f"holds ({', '.join(names)})", np.degrees(wraps), np.exp(factor * wraps))
+        for factor, names in held.items()
+    ]
+    lines += [
+        Line(f"asked by {case}", here, answer.tight_N[i, :1] / answer.slack_N[i, :1])
+        for i, case in enumerate(CASES[:-1])
+    ]
+    return Chart(
+        title="What the sheave's friction holds, and what the load cases ask",
+        x_column="wrap_angle_deg",
+        x_label="Wrap angle α [deg]",
+        y_column="tension_ratio",
+        y_label="Ratio of tensions T1/T2 [-]",
+        lines=tuple(lines),
+    )
+
+
+def _contacts(problem: TractionProblem) -> Mapping[str, FloatArray]:
+    return {
+        "wheel_radius_m": problem.wheel_radius_m,
+        "rope_radius_m": problem.rope_radius_m,
+        "wrap_angle_rad": problem.wrap_angle_rad,
+        "end_tension_N": 9.81 * np.minimum(problem.car_kg, problem.counterweight_kg) / problem.rope_count,
+    }
+
+
+KIND = Kind(
+    name="traction",
+    schema=TractionScene,
+    system=SYSTEM,
+    own_wheel=lambda table: (0.5 * table.sheave.diameter, 0.5 * table.ropes.diameter),
+    problem=_problem,
+    quantities=_quantities,
+    tree=_tree,
+    contacts=_contacts,
+    answerable=answerable,
+    failures=_failures,
+    sections=_sections,
+    figures={"traction": Figure(_chart)},
+    words={
+        "largest_utilisation": "Largest utilisation of the four load cases",
+        "needed_wrap_rad": "Least wrap that holds while loading and braking [rad]",
+        "needed_undercut_rad": "Least undercut that holds while loading and braking [rad]",
+    },
+    template={
+        "traction": """\
+# A lift's traction sheave after EN 81-50, 5.11: will its ropes hold?   ropefric solve traction.toml
+# This checks one clause of the standard; it is no certificate.
+system   = "traction"
+accuracy = 0.01      # relative error you can live with
+effects  = "auto"    # "auto", "all", or a list of names; ropefric explain shows them
+
+[lift]               # roping 1:1
+car           = "700 kg"
+rated_load    = "630 kg"
+counterweight = "1015 kg"
+travel        = "18 m"
+speed         = "1 m/s"      # lowers the coefficient in an emergency stop
+deceleration  = "0.5 m/s^2"  # of the emergency stop; 0.8 m/s^2 with reduced buffers
+
+[sheave]
+diameter     = "400 mm"
+wrap         = "160 deg"
+groove       = "undercut"    # semicircular, undercut, v, v-hardened
+groove_angle = "35 deg"
+undercut     = "90 deg"      # of undercut and v grooves; the standard ends at 106 deg
+
+[ropes]
+count          = 4
+diameter       = "10 mm"
+linear_density = "0.336 kg/m"
+above_car           = "2 m"     # from the car at the highest stop to the sheave
+above_counterweight = "2.57 m"  # from the counterweight at its highest to the sheave
+
+[pulleys]            # of deflector pulleys: inertia over the square of the radius
+counterweight_side = "21 kg"
+
+# Without [friction] the standard's coefficients hold: 0.1 loading, 0.1/(1 + v/10) braking, 0.2 stalled.
+# [friction]
+# mu = 0.12          # or law and parameters, or fit = "FIT.json", for one rope in a plain groove
+"""
+    },
+)

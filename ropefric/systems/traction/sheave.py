@@ -1,0 +1,306 @@
+"""A lift on its traction sheave: the tensions of its load cases, the friction of its grooves, and what would do."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import InputError
+from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
+from ropefric.systems.friction import WrapFriction
+
+GRAVITY_M_S2 = 9.81
+CASES = ("loading", "braking-up", "braking-down", "stalled")
+"""In the first three the ropes must hold; stalled they must slip."""
+GROOVES = ("semicircular", "undercut", "v", "v-hardened")
+_BRAKING, _STALLED = slice(1, 3), slice(3, 4)
+_OVERLOAD = 1.25
+_MU_LOADING, _MU_STALLED = 0.1, 0.2
+_SPEED_SCALE_M_S = 10.0
+"""Of mu = 0.1/(1 + v/10)."""
+
+_RULES: dict[str, Rule] = {
+    "car_kg": "positive",
+    "rated_load_kg": "positive",
+    "counterweight_kg": "positive",
+    "travel_m": "zero or more",
+    "wheel_radius_m": "positive",
+    "wrap_angle_rad": "positive",
+    "groove_angle_rad": "positive",
+    "undercut_rad": "zero or more",
+    "rope_radius_m": "positive",
+    "rope_count": "positive",
+    "above_car_m": "zero or more",
+    "above_counterweight_m": "zero or more",
+    "linear_density_kg_m": "zero or more",
+    "speed_m_s": "zero or more",
+    "deceleration_m_s2": "zero or more",
+    "car_pulley_kg": "zero or more",
+    "counterweight_pulley_kg": "zero or more",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TractionProblem:
+    """A lift and its sheave, n cases side by side; scalars are spread. Without friction the standard's holds."""
+
+    friction: WrapFriction | None = None
+    groove: str = "undercut"
+    car_kg: FloatArray
+    rated_load_kg: FloatArray
+    counterweight_kg: FloatArray
+    travel_m: FloatArray
+    wheel_radius_m: FloatArray
+    wrap_angle_rad: FloatArray
+    groove_angle_rad: FloatArray
+    rope_radius_m: FloatArray
+    rope_count: FloatArray
+    undercut_rad: FloatArray = field(default_factory=lambda: np.zeros(1))
+    above_car_m: FloatArray = field(default_factory=lambda: np.zeros(1))
+    above_counterweight_m: FloatArray = field(default_factory=lambda: np.zeros(1))
+    linear_density_kg_m: FloatArray | None = None
+    speed_m_s: FloatArray | None = None
+    deceleration_m_s2: FloatArray | None = None
+    car_pulley_kg: FloatArray | None = None
+    counterweight_pulley_kg: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
+            refuse_out_of_scale(name, array, may_vanish=_RULES[name] != "positive")
+            object.__setattr__(self, name, array)
+        for name, low, high in (("groove_angle_rad", 0.0, np.pi), ("undercut_rad", -1.0, np.pi)):
+            wrong = (getattr(self, name) <= low) | (getattr(self, name) >= high)
+            if wrong.any():
+                raise InputError(
+                    f"{name} is {getattr(self, name)[wrong][0]:g}, not an angle of a groove below 180 deg",
+                    key=name,
+                )
+        if (
+            self.groove in {"semicircular", "undercut"}
+            and (self.undercut_rad >= np.pi - self.groove_angle_rad).any()
+        ):
+            raise InputError(
+                "the undercut and the groove angle together are 180 deg or more: nothing is left to carry the rope",
+                key="undercut_rad",
+                fix="make the undercut smaller; the standard ends at 106 deg",
+            )
+
+    @property
+    def n(self) -> int:
+        """Return how many cases there are."""
+        return self.car_kg.size
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TractionModel:
+    """A lift with the effects that are simulated."""
+
+    problem: TractionProblem
+    effects: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TractionAnswer:
+    """Tensions and friction in the four load cases, arrays of shape (4, n).
+
+    Attributes
+    ----------
+    tight_N, slack_N : ndarray
+        T1 and T2 [N].
+    mu : ndarray
+        Coefficient of rope on sheave [-].
+    friction_factor : ndarray
+        f, the coefficient with what the groove makes of it [-].
+    log_capacity : ndarray
+        f α, the logarithm of the ratio that friction holds.
+    utilisation : ndarray
+        T1/T2 over e^(f α), stalled the other way round; above 1 the case is not passed.
+    wrap_limit_rad, undercut_limit_rad : ndarray
+        The wrap and the undercut at which the utilisation is 1, all else as it is; a lower limit, stalled an upper one.
+        NaN where there is none.
+    """
+
+    tight_N: FloatArray
+    slack_N: FloatArray
+    mu: FloatArray
+    friction_factor: FloatArray
+    log_capacity: FloatArray
+    utilisation: FloatArray
+    wrap_limit_rad: FloatArray
+    undercut_limit_rad: FloatArray
+
+    @property
+    def needed_wrap_rad(self) -> FloatArray:
+        """Return the smallest wrap that passes loading and braking, shape (n,)."""
+        return np.asarray(self.wrap_limit_rad[:3].max(axis=0))
+
+    @property
+    def needed_undercut_rad(self) -> FloatArray:
+        """Return the smallest undercut that passes loading and braking, shape (n,); NaN where none does."""
+        return np.asarray(self.undercut_limit_rad[:3].max(axis=0))
+
+    @property
+    def logs(self) -> FloatArray:
+        """Return the logarithms of all numbers, shape (k, 4, n)."""
+        numbers = (self.tight_N, self.slack_N, self.friction_factor, self.utilisation)
+        with np.errstate(divide="ignore"):
+            return np.stack(
+                [self.log_capacity, *np.log((*numbers, self.wrap_limit_rad, self.undercut_limit_rad))]
+            )
+
+
+def round_factor(groove_angle_rad: FloatArray, undercut_rad: FloatArray) -> FloatArray:
+    """Return f/μ of a semicircular groove, undercut by β or not: 4(cos γ/2 − sin β/2)/(π − β − γ − sin β + sin γ)."""
+    gamma, beta = groove_angle_rad, undercut_rad
+    bed = np.pi - beta - gamma - np.sin(beta) + np.sin(gamma)
+    return np.asarray(4.0 * (np.cos(0.5 * gamma) - np.sin(0.5 * beta)) / bed)
+
+
+def wedge_factor(groove_angle_rad: FloatArray) -> FloatArray:
+    """Return f/μ of a rope wedged into a V groove: 1/sin(γ/2)."""
+    return np.asarray(1.0 / np.sin(0.5 * groove_angle_rad))
+
+
+def groove_factors(problem: TractionProblem) -> FloatArray:
+    """Return f/μ in the four load cases, shape (4, n); a V groove that is not hardened wears, but not while stalled."""
+    gamma, beta = problem.groove_angle_rad, problem.undercut_rad
+    if problem.groove in {"semicircular", "undercut"}:
+        return np.stack([round_factor(gamma, beta)] * 4)
+    hard = wedge_factor(gamma)
+    if problem.groove == "v-hardened":
+        return np.stack([hard] * 4)
+    worn = 4.0 * (1.0 - np.sin(0.5 * beta)) / (np.pi - beta - np.sin(beta))
+    return np.stack([worn, worn, worn, hard])
+
+
+def solve_traction(model: TractionModel) -> TractionAnswer:
+    """Return T1/T2 against e^(f α) in the four load cases."""
+    problem, alpha = model.problem, model.problem.wrap_angle_rad
+    car_N, counterweight_N = tensions_N(model)
+    tight_N, slack_N = np.maximum(car_N, counterweight_N), np.minimum(car_N, counterweight_N)
+    # Stalled, the counterweight's side is the slack one, however much rope hangs there.
+    tight_N[_STALLED], slack_N[_STALLED] = car_N[_STALLED], counterweight_N[_STALLED]
+    mu, factors = _coefficients(model, tight_N, slack_N), groove_factors(problem)
+    friction_factor = mu * factors
+    with np.errstate(divide="ignore"):
+        log_ratio = np.log(tight_N / slack_N)
+    utilisation = np.exp(log_ratio - friction_factor * alpha)
+    utilisation[_STALLED] = np.exp(friction_factor[_STALLED] * alpha - log_ratio[_STALLED])
+    return TractionAnswer(
+        tight_N=tight_N,
+        slack_N=slack_N,
+        mu=mu,
+        friction_factor=friction_factor,
+        log_capacity=friction_factor * alpha,
+        utilisation=utilisation,
+        wrap_limit_rad=log_ratio / friction_factor,
+        undercut_limit_rad=_undercut_rad(problem, log_ratio / (mu * alpha)),
+    )
+
+
+def tensions_N(model: TractionModel) -> tuple[FloatArray, FloatArray]:
+    """Return the tensions on the car's and on the counterweight's side in the four load cases, shape (4, n) each."""
+    problem, effects = model.problem, model.effects
+    none = np.zeros(problem.n)
+
+    def simulated(effect: str, value: FloatArray | None) -> FloatArray:
+        return none if value is None or effect not in effects else value
+
+    rope_kg_m = problem.rope_count * simulated("rope-weight", problem.linear_density_kg_m)
+    a = simulated("deceleration", problem.deceleration_m_s2)
+    pulleys_N = [
+        a * simulated("pulley-inertia", one)
+        for one in (problem.car_pulley_kg, problem.counterweight_pulley_kg)
+    ]
+    short_kg, long_kg = (
+        [rope_kg_m * (above + over) for above in (problem.above_car_m, problem.above_counterweight_m)]
+        for over in (0.0, problem.travel_m)
+    )
+    g = GRAVITY_M_S2
+    car, load, counterweight = problem.car_kg, problem.rated_load_kg, problem.counterweight_kg
+    car_N = np.stack(
+        [
+            (car + _OVERLOAD * load + long_kg[0]) * g,
+            (car + short_kg[0]) * (g - a) - pulleys_N[0],
+            (car + load + long_kg[0]) * (g + a) + pulleys_N[0],
+            (car + short_kg[0]) * g,
+        ]
+    )
+    counterweight_N = np.stack(
+        [
+            (counterweight + short_kg[1]) * g,
+            (counterweight + long_kg[1]) * (g + a) + pulleys_N[1],
+            (counterweight + short_kg[1]) * (g - a) - pulleys_N[1],
+            long_kg[1] * g,
+        ]
+    )
+    if (car_N[_BRAKING] <= 0.0).any() or (counterweight_N[_BRAKING] <= 0.0).any():
+        raise InputError(
+            "a deceleration this hard leaves a side of the ropes without tension",
+            code="RF510",
+            key="deceleration_m_s2",
+            fix="lower the deceleration, or check its unit",
+        )
+    return car_N, counterweight_N
+
+
+def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray) -> FloatArray:
+    """Return μ in the four load cases, shape (4, n); of the standard, or of a law for one of the ropes."""
+    problem, friction = model.problem, model.problem.friction
+    if friction is None:
+        mu = np.full_like(tight_N, _MU_LOADING)
+        mu[_STALLED] = _MU_STALLED
+    else:
+        told = {"wrap-dependence": {"wrap", "end-tension"}, "size": {"size"}}
+        mu = (
+            friction.exponent(
+                wheel_radius_m=problem.wheel_radius_m,
+                rope_radius_m=problem.rope_radius_m,
+                wrap_angle_rad=problem.wrap_angle_rad,
+                # Where nothing pulls on the slack side, what pulls on the tight side presses.
+                slack_tension_N=np.where(slack_N > 0.0, slack_N, tight_N) / problem.rope_count,
+                told=frozenset[str]().union(*(told[name] for name in model.effects & told.keys())),
+            )
+            / problem.wrap_angle_rad
+        )
+    if problem.speed_m_s is not None and "speed" in model.effects:
+        mu[_BRAKING] /= 1.0 + problem.speed_m_s / _SPEED_SCALE_M_S
+    return mu
+
+
+def _undercut_rad(problem: TractionProblem, factor: FloatArray) -> FloatArray:
+    """Return the undercut whose f/μ is `factor`, shape (4, n); NaN where none from 0 to 180° − γ has it."""
+    if problem.groove not in {"semicircular", "undercut"}:
+        return np.full_like(factor, np.nan)
+    gamma = problem.groove_angle_rad
+    largest = np.pi - gamma
+    beta = np.broadcast_to(0.5 * largest, factor.shape).copy()
+    possible = (factor >= round_factor(gamma, np.zeros_like(gamma))) & (factor < wedge_factor(gamma))
+    for _ in range(100):
+        bed = np.pi - beta - gamma - np.sin(beta) + np.sin(gamma)
+        now = round_factor(gamma, beta)
+        slope = (now * (1.0 + np.cos(beta)) - 2.0 * np.cos(0.5 * beta)) / bed
+        better = beta - (now - factor) / slope
+        # Half the way to an end that Newton's step would leave by.
+        better = np.where(
+            better < 0.0, 0.5 * beta, np.where(better > largest, 0.5 * (beta + largest), better)
+        )
+        done = np.abs(better - beta) <= 1e-13
+        beta = better
+        if (done | ~possible).all():
+            break
+    return np.where(possible, beta, np.nan)
+
+
+def answerable(problem: TractionProblem) -> BoolArray:
+    """Return for which of n cases no side of the ropes loses its tension, shape (n,)."""
+    a = problem.deceleration_m_s2
+    if a is None:
+        return np.ones(problem.n, dtype=np.bool_)
+    idle = np.zeros(problem.n)
+    sides = (
+        (problem.car_kg, problem.car_pulley_kg),
+        (problem.counterweight_kg, problem.counterweight_pulley_kg),
+    )
+    held = [mass * (GRAVITY_M_S2 - a) > a * (idle if pulley is None else pulley) for mass, pulley in sides]
+    return np.asarray(held[0] & held[1])

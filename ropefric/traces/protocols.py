@@ -1,0 +1,220 @@
+"""Ways of measuring: one load ramp a recording, slow stick-slip, load cycles that are held.
+
+A new one is a `pick` function and a line in `PROTOCOLS`.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropefric.arrays import FloatArray
+from ropefric.registry import Registry
+from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
+from ropefric.traces.decision import pick_breakaway, pick_prepared, smallest_drop_N, too_short, without_force
+from ropefric.traces.peak import peak_result
+from ropefric.traces.segments import (
+    FAST_BLOCKS,
+    Prepared,
+    fast_drop_N,
+    first_static_break,
+    prepare,
+    sliding_after,
+    slips,
+)
+from ropefric.traces.trace import ForceTrace
+
+SAME_KIND = 0.3
+"""A fall smaller than this part of the first slip is no tooth but the creep of one."""
+
+LOADED = 0.5
+UNLOADED = 0.25
+"""A load cycle begins above and ends below these parts of the largest force."""
+BAND = 0.01
+"""A plateau stays within this part of its force, either way, and the noise."""
+SHORTEST = 0.1
+"""A plateau lasts at least this part of its cycle; less is a rest on the way up."""
+STEPS = 1000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Protocol:
+    """A way of measuring, and how its recordings are read.
+
+    Attributes
+    ----------
+    name : str
+        As in `[protocol] name`.
+    description : str
+        One line for people.
+    pick : callable
+        `(trace, settings) -> tuple of Breakaway`, one per trial, at least one.
+    measures : {"peak_N", "plateau"}
+        Which side of the rope the result belongs to: a break-away force is the lift force F_A itself, a held
+        plateau may be either side.
+    """
+
+    name: str
+    description: str
+    pick: Callable[[ForceTrace, PickSettings], tuple[Breakaway, ...]]
+    measures: str = "peak_N"
+
+
+def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
+    """Return every tooth of a recording of slow stick-slip, each a break-away of its own, the first one first."""
+    prepared = prepare(trace, settings)
+    if prepared is None:
+        return (too_short(trace, settings),)
+    first = pick_prepared(trace, prepared, settings)
+    if first.status is not Status.OK:
+        return (first,)
+    blocks = prepared.blocks
+    block = first_static_break(blocks, smallest_drop_N(prepared, settings))
+    sliding = None if block is None else sliding_after(blocks, block)
+    if block is None or sliding is None:
+        return (first,)
+    smallest_N = max(SAME_KIND * fast_drop_N(blocks.force_N, block), settings.min_step_N or 0.0)
+    stretch = blocks.force_N[sliding.first : sliding.stop + FAST_BLOCKS]
+    found = sorted(
+        sliding.first + tooth
+        for tooth, fall_N in slips(stretch, blocks.noise_N, most=stretch.size)
+        if fall_N >= smallest_N
+    )
+    teeth = [first]
+    bottom = sliding.first
+    for tooth in found:
+        # The fall was located to a few blocks; its tooth's edge is the highest just before it.
+        begin = max(bottom, tooth - 2)
+        edge = begin + int(np.argmax(blocks.force_N[begin : tooth + 3]))
+        fallen = edge + 1 + int(np.argmin(blocks.force_N[edge + 1 : edge + FAST_BLOCKS + 1]))
+        if edge > bottom:
+            start_s, end_s = float(blocks.time_s[bottom]), float(blocks.time_s[edge])
+            teeth.append(
+                peak_result(
+                    prepared,
+                    settings,
+                    climb=bottom,
+                    block=edge,
+                    fallen=fallen,
+                    sliding=sliding,
+                    phases=(Phase(name="loading", start_s=start_s, end_s=end_s),),
+                )
+            )
+        bottom = fallen
+    return tuple(teeth)
+
+
+def pick_plateaus(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
+    """Return the plateau of every load cycle of a recording: the rope is loaded, held and let go.
+
+    With the sensor on the slack side and a known weight on the tight side, the plateau is the end tension F_B at which
+    the weight F_A is just held (Euler, rope_wheel eq. 2).
+    """
+    prepared = prepare(trace, settings)
+    if prepared is None:
+        return (too_short(trace, settings),)
+    # Means over about a thousandth of the recording: a plateau is long, and its search goes step by step.
+    size = max(1, prepared.force_N.size // STEPS)
+    n = prepared.force_N.size // size
+    force_N = prepared.force_N[: n * size].reshape(n, size).mean(axis=1)
+    base_N, top_N = float(force_N.min()), float(np.quantile(force_N, 0.98))
+    if top_N - base_N <= 10 * prepared.noise_N:
+        detail = f"the force changes by {top_N - base_N:.3g} N only: the rope was never loaded"
+        return (without_force(Status.NO_BREAKAWAY, detail, prepared),)
+    cycles = _cycles(force_N, base_N + LOADED * (top_N - base_N), base_N + UNLOADED * (top_N - base_N))
+    band_N = 2 * BAND * (top_N - base_N) + 4 * prepared.noise_N / np.sqrt(size)
+    return tuple(
+        _plateau(
+            prepared, slice(start * size, stop * size), _longest_level(force_N[start:stop], band_N), size
+        )
+        for start, stop in cycles
+    )
+
+
+def _cycles(force_N: FloatArray, loaded_N: float, unloaded_N: float) -> list[tuple[int, int]]:
+    """Stretches that rise above `loaded_N` and last until the force is below `unloaded_N`."""
+    cycles: list[tuple[int, int]] = []
+    start = -1
+    for i, force in enumerate(force_N.tolist()):
+        if start < 0 and force > loaded_N:
+            start = i
+        elif start >= 0 and force < unloaded_N:
+            cycles.append((start, i))
+            start = -1
+    if start >= 0:
+        cycles.append((start, force_N.size))
+    return cycles
+
+
+def _longest_level(force_N: FloatArray, band_N: float) -> tuple[int, int]:
+    """Return the longest stretch whose largest and smallest force differ by no more than `band_N`."""
+    values = force_N.tolist()
+    highest: deque[int] = deque()
+    lowest: deque[int] = deque()
+    best, start = (0, 0), 0
+    for i, value in enumerate(values):
+        while highest and values[highest[-1]] <= value:
+            highest.pop()
+        while lowest and values[lowest[-1]] >= value:
+            lowest.pop()
+        highest.append(i)
+        lowest.append(i)
+        while values[highest[0]] - values[lowest[0]] > band_N:
+            start += 1
+            while highest[0] < start:
+                highest.popleft()
+            while lowest[0] < start:
+                lowest.popleft()
+        if i + 1 - start > best[1] - best[0]:
+            best = (start, i + 1)
+    return best
+
+
+def _plateau(prepared: Prepared, cycle: slice, level: tuple[int, int], size: int) -> Breakaway:
+    first, stop = cycle.start + level[0] * size, cycle.start + level[1] * size
+    held = prepared.force_N[first:stop]
+    begin_s, end_s = float(prepared.time_s[first]), float(prepared.time_s[max(first, stop - 1)])
+    if held.size < max(3, SHORTEST * (cycle.stop - cycle.start)):  # its second half must have a scatter
+        detail = f"the load from {prepared.time_s[cycle.start]:.4g} s on was never held: no plateau"
+        return without_force(Status.NO_BREAKAWAY, detail, prepared)
+    # A rope creeps after it was pulled; in the second half of the plateau it has settled.
+    settled = held[held.size // 2 :]
+    mean_N = float(settled.mean())
+    return Breakaway(
+        status=Status.OK,
+        detail=f"held from {begin_s:.4g} s until {end_s:.4g} s",
+        peak_N=mean_N,
+        peak_raw_N=mean_N,
+        peak_time_s=0.5 * (begin_s + end_s),
+        peak_std_N=float(settled.std(ddof=1)),
+        bias_N=0.0,
+        window_s=end_s - begin_s,
+        noise_std_N=prepared.noise_N,
+        phases=(Phase(name="held", start_s=begin_s, end_s=end_s),),
+        notes=prepared.notes,
+    )
+
+
+PROTOCOLS: Registry[Protocol] = Registry(
+    "protocol",
+    [
+        Protocol(
+            name="breakaway",
+            description="one load ramp a recording; F_A is the static peak before sliding",
+            pick=pick_breakaway,
+        ),
+        Protocol(
+            name="stick-slip",
+            description="slow stick-slip; every tooth of a recording is a trial",
+            pick=pick_teeth,
+        ),
+        Protocol(
+            name="held",
+            description="load cycles held by hand or weight; every plateau of a recording is a trial",
+            pick=pick_plateaus,
+            measures="plateau",
+        ),
+    ],
+)
+"""Every protocol by name."""

@@ -1,0 +1,278 @@
+"""A CSV table about trials as cells: separator found out, columns bound by name and unit, numbers in SI, with lines."""
+
+import csv
+import os
+import re
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from difflib import get_close_matches
+from pathlib import Path
+
+from ropefric.errors import DataError, InputError, Problem
+from ropefric.files.read import use_file
+from ropefric.files.text import Source, load_text
+from ropefric.quantities import in_range, parse_quantity, split_unit_suffix, unit_factor
+from ropefric.registry import did_you_mean
+
+STANDARD_GRAVITY_M_S2 = 9.80665
+"""Weight per mass [m/s²], CGPM 1901; what turns `end_mass_kg` into a tension."""
+SLIP = 0.8
+"""Closer than this a strange name is more likely a slip than a column of the user's own."""
+
+_NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
+_GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*+)?")
+_WITH_UNIT = re.compile(rf"({_NUMBER.pattern})\s*+[A-Za-z°%]++")
+_POSITIVE = {
+    "wheel_radius_m": "a wheel radius",
+    "rope_radius_m": "a rope size",
+    "wrap_angle_rad": "a wrap angle",
+    "end_tension_N": "an end tension",
+    "lift_force_N": "a lift force",
+}
+_MARKS = {",": "comma", ";": "semicolon", "\t": "tab"}
+
+Quantity = tuple[str, str, float]
+"""What a column gives: field, SI unit of what is written, and the factor from there to the field."""
+SETTINGS: Mapping[str, Quantity] = {
+    "wheel_radius": ("wheel_radius_m", "m", 1.0),
+    "wheel_diameter": ("wheel_radius_m", "m", 0.5),
+    "rope_diameter": ("rope_radius_m", "m", 0.5),
+    "rope_radius": ("rope_radius_m", "m", 1.0),
+    "wrap_angle": ("wrap_angle_rad", "rad", 1.0),
+    "wrap": ("wrap_angle_rad", "rad", 1.0),
+    "end_tension": ("end_tension_N", "N", 1.0),
+    "end_mass": ("end_tension_N", "kg", STANDARD_GRAVITY_M_S2),
+}
+"""The settings of a trial, by what a header calls them without its unit."""
+_UNITS = {"m": "mm", "rad": "deg"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellTable:
+    """The cells of a table, without blanks around them, each row with its line."""
+
+    path: str
+    separator: str
+    header: tuple[str, ...]
+    header_line: int | None
+    rows: tuple[tuple[int, tuple[str, ...]], ...]
+
+    def problem(
+        self, line: int | None, key: str, code: str, message: str, fix: str, *, warning: bool = False
+    ) -> Problem:
+        """Return a problem of this table."""
+        return Problem(
+            code=code,
+            message=message,
+            path=self.path,
+            line=line,
+            key=key,
+            fix=fix,
+            severity="warning" if warning else "error",
+        )
+
+    def refusal(self, line: int | None, key: str, error: InputError) -> Problem:
+        """Return a refused name or number as a problem of this table."""
+        message = error.problem.message.removeprefix(f"{key}: ")
+        return self.problem(line, key, error.code, message, error.fix)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """A column of a table and what it means; a text where it has no unit."""
+
+    index: int
+    header: str
+    field: str
+    unit: str = ""
+    si_unit: str = ""
+    scale: float = 1.0
+
+
+def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
+    r"""Return a CSV file's cells, and what is wrong with single rows.
+
+    Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row;
+    empty lines and lines that start with "#" are left out.
+    """
+    shown = Path(path).as_posix()
+    try:
+        text = use_file(
+            path, lambda file: _text(Source(path=Path(path), shown=shown, file=file)), shown=shown
+        )
+    except DataError as error:
+        fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
+        raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if _counts(line)]
+    if not lines:
+        fix = "write a header such as file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
+        raise DataError("the table is empty", path=shown, fix=fix)
+    header_line, head = lines[0]
+    separator = next((mark for mark in (";", "\t") if mark in head), ",")
+    split = [(number, _split(line, separator, quoted='"' in text)) for number, line in lines]
+    header = split[0][1]
+    if header is None:
+        message, fix = "a quoted cell of the header is not closed", "close the quotes"
+        raise DataError(message, path=shown, line=header_line, fix=fix)
+    good = tuple((n, cells) for n, cells in split[1:] if cells is not None and len(cells) == len(header))
+    table = CellTable(path=shown, separator=separator, header=header, header_line=header_line, rows=good)
+    return table, (*_unclosed(table, split), *_ragged(table, split))
+
+
+def _text(source: Source) -> str:
+    return b"".join(block.data for block in load_text(source).blocks()).decode()
+
+
+def _counts(line: str) -> bool:
+    bare = line.strip()
+    # A spreadsheet writes empty rows as ";;;;" and quotes a comment that holds a separator.
+    return bool(bare.strip(",;\t ")) and not bare.lstrip('"').startswith("#")
+
+
+def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None:
+    try:
+        cells = (
+            next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
+            if quoted
+            else line.split(separator)
+        )
+    except csv.Error:
+        return None
+    return tuple(cell.strip() for cell in cells)
+
+
+_Split = list[tuple[int, tuple[str, ...] | None]]
+
+
+def _unclosed(table: CellTable, split: _Split) -> Iterator[Problem]:
+    message = "a quoted cell is not closed on its line, or text follows its end"
+    fix = "keep each row on one line and close the quotes"
+    return (table.problem(line, "", "RF103", message, fix) for line, cells in split if cells is None)
+
+
+def _ragged(table: CellTable, split: _Split) -> Iterator[Problem]:
+    n = len(table.header)
+    for line, cells in split:
+        if cells is None or len(cells) == n:
+            continue
+        fix = f"write a {_MARKS[table.separator]} for every column, also where a cell is empty"
+        if table.separator == "," and len(cells) > n:
+            fix = 'put text with a comma in "quotes"'
+            if Counter(cell.lstrip("+-").isdigit() for cell in cells)[True] > 1:
+                fix = f"if numbers have a decimal comma, separate the columns by ';'; otherwise {fix}"
+        yield table.problem(line, "", "RF103", f"{len(cells)} cells, but the header has {n} columns", fix)
+
+
+def example_of(stem: str, quantities: Mapping[str, Quantity]) -> str:
+    """Return how a header may call a column."""
+    si_unit = quantities[stem][1]
+    return f"{stem}_{'turns' if stem == 'wrap' else _UNITS.get(si_unit, si_unit)}"
+
+
+def bind_columns(
+    table: CellTable, quantities: Mapping[str, Quantity], texts: Collection[str]
+) -> tuple[dict[str, Column], list[str], list[Problem]]:
+    """Return the columns that are known, by field, the names of the others, and what is wrong with the header.
+
+    Columns whose name is empty or starts with "_" are neither.
+    """
+    bound: dict[str, Column] = {}
+    others: list[str] = []
+    problems: list[Problem] = []
+    for index, name in enumerate(table.header):
+        word = word_of(name)
+        if not word or word.startswith("_"):
+            continue
+        column: Column | None = Column(index=index, header=name, field=word)
+        try:
+            if word not in texts:
+                column = _quantity_column(index, name, quantities)
+        except InputError as error:
+            problems.append(table.refusal(table.header_line, name, error))
+            continue
+        if column is None:
+            others.append(name)
+        elif column.field in bound:
+            message = f"this column says the same as '{bound[column.field].header}'"
+            problems.append(table.problem(table.header_line, name, "RF122", message, "remove one of the two"))
+        else:
+            bound[column.field] = column
+    return bound, others, problems
+
+
+def _quantity_column(index: int, name: str, quantities: Mapping[str, Quantity]) -> Column | None:
+    stem, unit = split_unit_suffix(name)
+    stem = word_of(stem)
+    if stem not in quantities:
+        return None
+    field, si_unit, scale = quantities[stem]
+    if not unit:
+        fix = f"name it with the unit of its numbers, for example {example_of(stem, quantities)}"
+        raise InputError("the column has no unit", code="RF130", fix=fix)
+    unit_factor(unit, si_unit, name=name)
+    return Column(index=index, header=name, field=field, unit=unit, si_unit=si_unit, scale=scale)
+
+
+def near_miss(
+    table: CellTable, name: str, quantities: Mapping[str, Quantity], texts: Collection[str]
+) -> list[Problem]:
+    """Return a warning if a column that is not known has nearly the name of a quantity that is."""
+    stem = word_of(split_unit_suffix(name)[0])
+    if not get_close_matches(stem[:80], quantities, n=1, cutoff=SLIP):
+        return []
+    known = (*texts, *(example_of(stem, quantities) for stem in quantities))
+    fix = f"{did_you_mean(name[:80], known)} Otherwise nothing is to be done."
+    message = "this column is not known; it is kept, but not used"
+    return [table.problem(table.header_line, name, "RF120", message, fix, warning=True)]
+
+
+def word_of(name: str) -> str:
+    """Return a column's name as it is looked up."""
+    return "_".join(name.lower().split())
+
+
+def decimal_mark(table: CellTable, columns: Mapping[str, Column]) -> str:
+    """Return "," where columns are not separated by it and any number has one, else "."."""
+    numeric = [column.index for column in columns.values() if column.si_unit]
+    if table.separator != "," and any("," in cells[index] for _, cells in table.rows for index in numeric):
+        return ","
+    return "."
+
+
+def read_number(cell: str, column: Column, decimal: str) -> float:
+    """Return a cell's number in SI, or refuse it."""
+    if not _NUMBER.fullmatch(cell):
+        raise InputError(f"cannot read '{cell[:60]}' as a number", code="RF102", fix=_text_fix(cell, column))
+    plain = cell.replace(",", ".")
+    if decimal == "." and "," in cell:
+        message = f"'{cell}' has a decimal comma in a table separated by commas"
+        raise InputError(message, code="RF102", fix=f"write {plain}, or separate the columns by ';'")
+    if decimal == "," and "." in cell:
+        message = f"'{cell}' has a point, but other numbers of the table have decimal commas"
+        fix = f"write {cell.replace('.', ',')} if the point is a decimal mark, or leave it out"
+        raise InputError(message, code="RF102", fix=fix)
+    factor = unit_factor(column.unit, column.si_unit, name=column.header)
+    # As `parse_quantity`, which takes longer: 9.8 * 0.001 is not 0.0098 in binary.
+    value = float(plain) if factor == 1.0 else float(Decimal(plain) * Decimal(repr(factor)))
+    if not value or not in_range(value) or len(plain) > 40:  # it may refuse it
+        value = parse_quantity(f"{plain} {column.unit}", column.si_unit)
+    value *= column.scale
+    written = f"{cell} {column.unit}"
+    # Written so that an overflow to infinity is refused like a zero.
+    if column.field in _POSITIVE and not 0 < value < 1e30:
+        message = f"{written} is no possible value; {_POSITIVE[column.field]} must be above zero"
+        raise InputError(message, code="RF110", fix="correct the number")
+    if column.field == "dwell_s" and value < 0:
+        raise InputError(f"{written} of dwell is negative", code="RF110", fix="write 0 or more")
+    return value
+
+
+def _text_fix(cell: str, column: Column) -> str:
+    if _GROUPED.fullmatch(cell):
+        return "write the number without marks between thousands"
+    united = _WITH_UNIT.fullmatch(cell)
+    if united:
+        return f"write {united[1]}; the unit stands in the header, '{column.header}'"
+    return "write a plain number, or leave the cell empty if it is optional"

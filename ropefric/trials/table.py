@@ -1,0 +1,421 @@
+"""The trial table: one row a trial, the hand-over between the lab half and the design half."""
+
+import math
+import os
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.errors import InputError, Problem, raise_problems
+from ropefric.files.plain_text import from_spreadsheet
+from ropefric.friction.condition import Conditions, condition_groups
+from ropefric.quantities import split_unit_suffix
+from ropefric.trials.cells import (
+    SETTINGS,
+    SLIP,
+    STANDARD_GRAVITY_M_S2,
+    CellTable,
+    Column,
+    bind_columns,
+    decimal_mark,
+    near_miss,
+    read_cells,
+    read_number,
+    word_of,
+)
+from ropefric.trials.result import Extraction
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_REQUIRED = {
+    "wheel_radius_m": "wheel_radius_mm",
+    "rope_radius_m": "rope_diameter_mm",
+    "wrap_angle_rad": "wrap_angle_deg",
+    "end_tension_N": "end_tension_N",
+    "peak_N": "peak_N",
+}
+"""Numbers every table needs, and a header that gives each."""
+_OPTIONAL = ("peak_std_N", "end_tension_std_N", "wrap_std_rad", "wheel_radius_std_m")
+_NUMBERS = (*_REQUIRED, *_OPTIONAL)
+_TEXTS = ("trial", "kept", "status")
+_QUANTITIES = {
+    **SETTINGS,
+    "peak": ("peak_N", "N", 1.0),
+    "breakaway_force": ("peak_N", "N", 1.0),
+    "lift_force": ("peak_N", "N", 1.0),
+    "lift_mass": ("peak_N", "kg", STANDARD_GRAVITY_M_S2),
+    "peak_std": ("peak_std_N", "N", 1.0),
+    "lift_force_std": ("peak_std_N", "N", 1.0),
+    "end_tension_std": ("end_tension_std_N", "N", 1.0),
+    "wrap_angle_std": ("wrap_std_rad", "rad", 1.0),
+    "wrap_std": ("wrap_std_rad", "rad", 1.0),
+    "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
+    "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
+}
+# What an extraction writes beside the columns a fit reads.
+_PASSED_OVER = frozenset(
+    {
+        "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
+        "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
+        "dwell", "tare", "saturated_samples", "sha256", "wheel",
+    }
+)  # fmt: skip
+_FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
+_EMPTY = frozenset({"nan", "na", "n/a", "none", "null", "<na>", "-"})
+_TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
+_FALSE = frozenset({"false", "no", "0", "0.0", "rejected"})
+_HASH_DIGITS = 64
+# Warnings about single rows; beyond, only their number.
+_MOST_TOLD = 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TrialTable:
+    """Trials with the force each gave.
+
+    Attributes
+    ----------
+    trial : tuple of str
+        Names of the N trials.
+    wheel_radius_m, rope_radius_m : ndarray, shape (N,)
+        R_w, R_r [m].
+    wrap_angle_rad : ndarray, shape (N,)
+        φ [rad].
+    end_tension_N, peak_N : ndarray, shape (N,)
+        F_B and F_A [N]; NaN where a trial gave none.
+    peak_std_N : ndarray, shape (N,)
+        Standard uncertainty of F_A by the instrument [N]; NaN where unknown.
+    end_tension_std_N, wrap_std_rad, wheel_radius_std_m : ndarray, shape (N,)
+        Standard uncertainties of the settings; 0 where unknown.
+    kept : ndarray of bool, shape (N,)
+        False where a rule or the user set the trial aside.
+    status : tuple of str
+        "ok" where the recording gave a force.
+    source : str
+        Where the table comes from, for messages and provenance.
+    warnings : tuple of Problem
+        What is doubtful about it.
+
+    Raises
+    ------
+    InputError
+        If the columns disagree in length.
+
+    Examples
+    --------
+    >>> table = TrialTable(
+    ...     trial=("a", "b"), wheel_radius_m=[0.04, 0.04], rope_radius_m=[0.005, 0.005], wrap_angle_rad=[3.0, 3.0],
+    ...     end_tension_N=[20, 20], peak_N=[40, 41],
+    ... )
+    >>> int(table.used.sum()), table.group().tolist()
+    (2, [0, 0])
+    """
+
+    trial: tuple[str, ...]
+    wheel_radius_m: FloatArray
+    rope_radius_m: FloatArray
+    wrap_angle_rad: FloatArray
+    end_tension_N: FloatArray
+    peak_N: FloatArray
+    peak_std_N: FloatArray = np.nan  # type: ignore[assignment]
+    end_tension_std_N: FloatArray = 0.0  # type: ignore[assignment]
+    wrap_std_rad: FloatArray = 0.0  # type: ignore[assignment]
+    wheel_radius_std_m: FloatArray = 0.0  # type: ignore[assignment]
+    kept: BoolArray = True  # type: ignore[assignment]
+    status: tuple[str, ...] = ()
+    source: str = ""
+    warnings: tuple[Problem, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        n = len(self.trial)
+        for name in (*_NUMBERS, "kept"):
+            given = np.asarray(getattr(self, name), dtype=bool if name == "kept" else np.float64)
+            if given.shape not in {(), (n,)}:
+                raise InputError(f"{name} has shape {given.shape} for {n} trials", key=name)
+            array = np.broadcast_to(given, (n,)).copy()
+            if name in _OPTIONAL and name != "peak_std_N":
+                array[np.isnan(array)] = 0.0
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "trial", tuple(self.trial))
+        object.__setattr__(self, "status", tuple(self.status) or ("ok",) * n)
+        if len(self.status) != n:
+            raise InputError(f"{len(self.status)} status words for {n} trials", key="status")
+
+    def __len__(self) -> int:
+        return len(self.trial)
+
+    @property
+    def used(self) -> BoolArray:
+        """Return which trials a fit uses, shape (N,): kept, status ok, with a force."""
+        good = np.array([word == "ok" for word in self.status], dtype=bool)
+        return np.asarray(self.kept & good & (self.peak_N > 0.0))
+
+    def conditions(self) -> Conditions:
+        """Return the conditions of the n used trials."""
+        used = self.used
+        return Conditions(
+            wheel_radius_m=self.wheel_radius_m[used],
+            rope_radius_m=self.rope_radius_m[used],
+            wrap_angle_rad=self.wrap_angle_rad[used],
+            end_tension_N=self.end_tension_N[used],
+        )
+
+    def log_lift(self) -> FloatArray:
+        """Return ln(F_A / 1 N) of the used trials, shape (n,)."""
+        return np.log(self.peak_N[self.used])
+
+    def group(self) -> IntArray:
+        """Return the number 0 … k − 1 of the condition of every used trial, in order of appearance, shape (n,).
+
+        A condition is a wheel, a rope, a wrap and the force that was set: the end tension, or, where the slack
+        side was measured against a known weight, the lift force. The force set takes fewer values than the force
+        measured.
+        """
+        by_end, by_lift = self._groups()
+        return by_end if by_end.max(initial=-1) <= by_lift.max(initial=-1) else by_lift
+
+    @property
+    def measures_slack(self) -> bool:
+        """Return whether the end tension was measured against a known lift force, not the other way round."""
+        by_end, by_lift = self._groups()
+        return bool(by_lift.max(initial=-1) < by_end.max(initial=-1))
+
+    def _groups(self) -> tuple[IntArray, IntArray]:
+        used = self.used
+        geometry = [self.wheel_radius_m, self.rope_radius_m, self.wrap_angle_rad]
+        by_end = condition_groups(*(array[used] for array in [*geometry, self.end_tension_N]))
+        return by_end, condition_groups(*(array[used] for array in [*geometry, self.peak_N]))
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return the table as a pandas DataFrame with SI columns that `table_from_frame` reads back."""
+        import pandas as pd  # noqa: PLC0415  (slow to load, and few calls need it)
+
+        data: dict[str, Any] = {"trial": list(self.trial)}
+        data |= {_FRAME_NAMES.get(name, name): getattr(self, name) for name in _NUMBERS}
+        return pd.DataFrame(data | {"kept": self.kept, "status": list(self.status)})
+
+
+def read_trial_table(path: str | os.PathLike[str]) -> TrialTable:
+    r"""Return the trial table of a CSV file: what an extraction writes, or a table of one's own.
+
+    The header names each column with its unit: `wheel_radius_mm`, `rope_diameter_mm`, `wrap_angle_deg`,
+    `end_tension_N` (or `end_mass_kg`), `peak_N` (or `lift_force_kN`); optional `trial`, `kept`, `status`,
+    `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`. Other columns are passed over.
+    Separators ";", tab and "," and decimal commas are found out.
+    """
+    return _table(*read_cells(path))
+
+
+def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
+    """Return the trial table of a pandas DataFrame, whose columns are named as in `read_trial_table`."""
+    header = tuple(str(name) for name in frame.columns)
+    columns = []
+    for index in range(len(header)):
+        column = frame.iloc[:, index]
+        values = zip(column.tolist(), column.isna().tolist(), strict=True)
+        columns.append(["" if missing else str(value).strip() for value, missing in values])
+    rows = tuple(enumerate(zip(*columns, strict=True), start=1))
+    # The separator of no text: numbers from a frame have a decimal point.
+    return _table(CellTable(path="DataFrame", separator=",", header=header, header_line=None, rows=rows), ())
+
+
+def table_of_extraction(extraction: Extraction) -> TrialTable:
+    """Return the trial table of an extraction; a pull in which friction helped the rope along is not kept."""
+    trials = extraction.trials
+    names = (*_REQUIRED, "peak_std_N", "end_tension_std_N")
+    columns: dict[str, Any] = {name: np.array([getattr(trial, name) for trial in trials]) for name in names}
+    kept = np.array([trial.kept for trial in trials], dtype=np.bool_)
+    kept &= columns["peak_N"] > columns["end_tension_N"]
+    status = tuple(trial.breakaway.status.value for trial in trials)
+    rows = tuple((line, ()) for line in range(1, 1 + len(trials)))
+    place = CellTable(path="extraction", separator=",", header=(), header_line=None, rows=rows)
+    doubts = (*_rows_twice(place, columns, kept), *_too_few(place, kept, status))
+    raise_problems(doubts)
+    names_of = tuple(trial.trial for trial in trials)
+    return TrialTable(trial=names_of, kept=kept, status=status, source=place.path, warnings=doubts, **columns)
+
+
+def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
+    """Return a table of cells as trials, all at once, or refuse it with everything that is wrong.
+
+    A row that is not kept, or whose recording gave no force, may lack numbers; a row that is to be used may not.
+    """
+    columns, others, found = bind_columns(table, _QUANTITIES, _TEXTS)
+    found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
+    texts = {name: [_known(row[1][column.index]) for row in table.rows] for name, column in columns.items()}
+    n = len(table.rows)
+    wrong: dict[int, list[Problem]] = defaultdict(list)
+    numbers = _numbers(table, columns, texts, wrong)
+    unread = {(i, problem.key) for i, some in wrong.items() for problem in some}
+    words = [word.lower() for word in texts.get("kept", [""] * n)]
+    kept = np.array([word not in _FALSE for word in words], dtype=np.bool_)
+    for i, word in enumerate(words):
+        if word not in _TRUE and word not in _FALSE:
+            message = f"'{texts['kept'][i][:40]}' does not say whether the trial is kept"
+            key, line = columns["kept"].header, table.rows[i][0]
+            wrong[i].append(table.problem(line, key, "RF102", message, "write true or false"))
+    status = tuple(word.lower() or "ok" for word in texts.get("status", [""] * n))
+    is_used = kept & np.array([word == "ok" for word in status], dtype=np.bool_)
+    for i in np.flatnonzero(is_used & _unusable(numbers, columns)).tolist():
+        of_row = {name: float(numbers[name][i]) for name in _NUMBERS}
+        known = {name: column for name, column in columns.items() if (i, column.header) not in unread}
+        wrong[i] += _why_unusable(table, table.rows[i][0], of_row, known)
+    names = [from_spreadsheet(name) for name in texts.get("trial", [""] * n)]
+    trial = tuple(name or f"row-{line}" for name, (line, _) in zip(names, table.rows, strict=True))
+    every = (
+        *problems,
+        *found,
+        *(problem for i in sorted(wrong) for problem in wrong[i]),
+        *_names_twice(table, trial),
+        *_rows_twice(table, numbers, kept),
+        *_cut_off(table),
+        *_too_few(table, kept, status),
+    )
+    raise_problems(every)
+    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **numbers)
+
+
+def _known(cell: str) -> str:
+    return "" if cell.lower() in _EMPTY else cell
+
+
+def _strange_columns(table: CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
+    """Yield what columns that are not known may have meant, and which are missing.
+
+    A column with a wrong unit is there; that it is missing as well would only confuse.
+    """
+    for name in others:
+        if word_of(split_unit_suffix(name)[0]) in _PASSED_OVER:
+            continue
+        near, meant = near_miss(table, name, _QUANTITIES, _TEXTS), _field_like(name)
+        if near and meant in _REQUIRED and meant not in there:
+            there.add(meant)
+            near = [replace(near[0], message="this column is not known", severity="error")]
+        yield from near
+    for name, example in _REQUIRED.items():
+        if name not in there:
+            named = name.rsplit("_", 1)[0].replace("_", " ").replace("peak", "break-away force")
+            message = f"there is no column for the {named}; every trial needs one"
+            fix = f"add a column {example} (any unit will do, it stands in the name)"
+            yield table.problem(table.header_line, "", "RF121", message, fix)
+
+
+def _field_like(name: str) -> str:
+    close = get_close_matches(word_of(split_unit_suffix(name)[0]), _QUANTITIES, n=1, cutoff=SLIP)
+    return _QUANTITIES[close[0]][0] if close else ""
+
+
+def _numbers(
+    table: CellTable,
+    columns: Mapping[str, Column],
+    texts: Mapping[str, Sequence[str]],
+    wrong: dict[int, list[Problem]],
+) -> dict[str, FloatArray]:
+    """Return the numbers of all columns in SI, NaN where there is none; say of each row what cannot be read."""
+    decimal = decimal_mark(table, columns)
+    numbers = {name: np.full(len(table.rows), np.nan) for name in _NUMBERS}
+    for name, column in columns.items():
+        if not column.si_unit:
+            continue
+        meaning: dict[str, float | InputError] = {"": math.nan}
+        for cell in set(texts[name]) - {""}:
+            try:
+                meaning[cell] = read_number(cell, column, decimal)
+            except InputError as error:
+                meaning[cell] = error
+        for i, cell in enumerate(texts[name]):
+            found = meaning[cell]
+            if isinstance(found, InputError):
+                wrong[i].append(table.refusal(table.rows[i][0], column.header, found))
+            else:
+                numbers[name][i] = found
+    return numbers
+
+
+def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, Column]) -> BoolArray:
+    """Return which rows lack a number, or have one that cannot be, if they are to be used."""
+    wrong = (numbers["peak_N"] <= numbers["end_tension_N"]) | (numbers["peak_N"] == 0.0)
+    for name in given.keys() & numbers.keys():
+        wrong |= (numbers[name] < 0.0) | (np.isnan(numbers[name]) & (name in _REQUIRED))
+    return np.asarray(wrong)
+
+
+def _why_unusable(
+    table: CellTable, line: int, numbers: Mapping[str, float], columns: Mapping[str, Column]
+) -> Iterator[Problem]:
+    for name in _REQUIRED:
+        if name in columns and math.isnan(numbers[name]):
+            message = "the cell is empty or NaN, but the trial is to be used"
+            fix = "write the number, or set the trial aside with kept = false"
+            yield table.problem(line, columns[name].header, "RF121", message, fix)
+    for name in ("peak_N", *_OPTIONAL):
+        if numbers[name] < 0 or (name == "peak_N" and numbers[name] == 0):
+            least = "above zero" if name == "peak_N" else "zero or more"
+            message = f"{numbers[name]:g} (SI) is no possible value; it must be finite and {least}"
+            yield table.problem(line, columns[name].header, "RF110", message, "correct the number")
+            return
+    peak_N, end_N = numbers["peak_N"], numbers["end_tension_N"]
+    if peak_N <= end_N:
+        message = (
+            f"the break-away force {peak_N:.6g} N is not above the end tension {end_N:.6g} N: "
+            "friction can only add to it"
+        )
+        fix = "check whether the two columns or their units are exchanged, or set the trial aside with kept = false"
+        yield table.problem(line, columns["peak_N"].header, "RF411", message, fix)
+
+
+def _names_twice(table: CellTable, names: Sequence[str]) -> Iterator[Problem]:
+    first: dict[str, int] = {}
+    for name, (line, _) in zip(names, table.rows, strict=True):
+        if name in first:
+            message = f"the trial '{name}' stands in line {first[name]} already"
+            fix = "remove one of the two rows, or give it a name of its own"
+            yield table.problem(line, "trial", "RF122", message, fix)
+        first.setdefault(name, line)
+
+
+def _rows_twice(table: CellTable, numbers: Mapping[str, FloatArray], kept: BoolArray) -> Iterator[Problem]:
+    """Yield a warning for rows that agree in every number: measured twice alike, or pasted twice."""
+    values = np.stack([numbers[name] for name in _REQUIRED], axis=-1)
+    rows = np.flatnonzero(kept & ~np.isnan(values).any(axis=1))
+    if not rows.size:
+        return
+    order = rows[np.lexsort(values[rows].T)]  # stable: the first of equal rows comes first
+    same = np.append(False, (values[order[1:]] == values[order[:-1]]).all(axis=1))
+    begins = np.maximum.accumulate(np.where(same, 0, np.arange(order.size)))
+    pairs = sorted(zip(order[same].tolist(), order[begins[same]].tolist(), strict=True))
+    fix = "remove the row if it was pasted twice: it would count as a repeat"
+    for row, earlier in pairs[:_MOST_TOLD]:
+        message = f"all numbers are those of line {table.rows[earlier][0]}"
+        yield table.problem(table.rows[row][0], "", "RF122", message, fix, warning=True)
+    if len(pairs) > _MOST_TOLD:
+        message = f"{len(pairs) - _MOST_TOLD} more rows have all the numbers of an earlier one"
+        yield table.problem(None, "", "RF122", message, fix, warning=True)
+
+
+def _cut_off(table: CellTable) -> Iterator[Problem]:
+    """Yield where a table that `extract` wrote ends within a row; its last column is a hash of known length."""
+    if table.rows and table.header[-1] == "sha256":
+        line, row = table.rows[-1]
+        if len(row[-1]) not in {0, _HASH_DIGITS}:
+            digits = f"{len(row[-1])} of {_HASH_DIGITS} digits"
+            message = f"the last row ends within its last cell, {digits}: the table is cut off"
+            yield table.problem(
+                line, "sha256", "RF103", message, "copy the whole file again, or extract again"
+            )
+
+
+def _too_few(table: CellTable, kept: BoolArray, status: Sequence[str]) -> Iterator[Problem]:
+    used = sum(is_kept and word == "ok" for is_kept, word in zip(kept.tolist(), status, strict=True))
+    if used < 2:
+        of_all = f"{used} of {len(status)} trials can be used"
+        message = f"{of_all}; a fit needs at least two, with different conditions"
+        fix = "measure more conditions, or correct the columns kept and status"
+        yield table.problem(None, "", "RF410", message, fix)

@@ -1,0 +1,210 @@
+"""A lift's traction sheave: the printed numbers of EN 81-50, 5.11, its limits, what is left out, bad input."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ropefric as rf
+from ropefric.errors import DataError, InputError
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.scenes.plan import make_plan
+from ropefric.scenes.scene_templates import scene_text, write_scenes
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.traction.effects import EFFECTS, SYSTEM
+from ropefric.systems.traction.sheave import (
+    CASES,
+    TractionModel,
+    TractionProblem,
+    answerable,
+    round_factor,
+    solve_traction,
+    wedge_factor,
+)
+
+LIFT = {
+    "car_kg": 700.0, "rated_load_kg": 630.0, "counterweight_kg": 1015.0, "travel_m": 18.0, "wheel_radius_m": 0.2,
+    "wrap_angle_rad": math.radians(160.0), "groove_angle_rad": math.radians(35.0), "undercut_rad": math.radians(90.0),
+    "rope_radius_m": 0.005, "rope_count": 4.0, "linear_density_kg_m": 0.336, "above_car_m": 2.0,
+    "above_counterweight_m": 2.57, "speed_m_s": 1.0, "deceleration_m_s2": 0.5, "counterweight_pulley_kg": 21.0,
+}  # fmt: skip
+
+
+def solved(effects=tuple(EFFECTS), **changes):
+    values = {name: value for name, value in (LIFT | changes).items() if value is not None}
+    return solve_traction(TractionModel(problem=TractionProblem(**values), effects=frozenset(effects)))
+
+
+@pytest.fixture(scope="module")
+def answer():
+    return solved()
+
+
+def test_the_printed_factors_of_friction(answer):
+    loading, braking, _, stalled = answer.friction_factor[:, 0]
+    assert (round(loading, 4), round(braking, 4), round(stalled, 4)) == (0.1849, 0.1681, 0.3698)
+    held = np.exp(answer.log_capacity[:, 0])
+    assert (round(held[0], 3), round(held[1], 3), round(held[3], 3)) == (1.676, 1.599, 2.809)
+
+
+def test_the_printed_tensions(answer):
+    found = dict(zip(CASES, zip(answer.tight_N[:, 0], answer.slack_N[:, 0], strict=True), strict=True))
+    assert found["loading"] == pytest.approx((14856.0, 9991.0), abs=0.5)
+    assert found["braking-up"] == pytest.approx((10760.0, 6542.0), abs=0.5)
+
+
+def test_braking_upward_fails_and_what_would_mend_it(answer):
+    assert round(answer.utilisation[1, 0], 3) == 1.029
+    assert math.degrees(answer.needed_wrap_rad[0]) == pytest.approx(169.6, abs=0.05)
+    assert math.degrees(answer.needed_undercut_rad[0]) == pytest.approx(97.3, abs=0.05)
+
+
+def test_what_would_mend_it_does():
+    wider = solved(undercut_rad=solved().needed_undercut_rad)
+    longer = solved(wrap_angle_rad=solved().needed_wrap_rad)
+    for mended in (wider, longer):
+        assert mended.utilisation[:3].max() == pytest.approx(1.0, rel=1e-12)
+
+
+def test_v_grooves():
+    hard = solved(groove="v-hardened", undercut_rad=0.0).friction_factor[:, 0]
+    assert hard[0] == pytest.approx(0.1 / math.sin(math.radians(17.5)), rel=1e-14)
+    worn = solved(groove="v").friction_factor[:, 0]
+    assert worn[0] == pytest.approx(0.1 * 4.0 * (1.0 - math.sqrt(0.5)) / (0.5 * math.pi - 1.0), rel=1e-13)
+    assert worn[3] == pytest.approx(0.2 / math.sin(math.radians(17.5)), rel=1e-14), "stalled, as if hardened"
+
+
+def test_an_undercut_as_wide_as_can_be_is_a_wedge():
+    gamma = np.radians([25.0, 35.0, 50.0])
+    assert round_factor(gamma, np.pi - gamma - 1e-5) == pytest.approx(wedge_factor(gamma), rel=1e-4)
+    assert round_factor(np.array([1e-9]), np.zeros(1)) == pytest.approx(4.0 / math.pi, rel=1e-8)
+
+
+def test_no_effect_is_two_weights_on_a_smooth_stop():
+    bare = solved(effects=())
+    assert bare.tight_N[:, 0] == pytest.approx(9.81 * np.array([1487.5, 1015.0, 1330.0, 700.0]))
+    assert bare.slack_N[:, 0] == pytest.approx(9.81 * np.array([1015.0, 700.0, 1015.0, 0.0]))
+    assert bare.mu[:, 0].tolist() == [0.1, 0.1, 0.1, 0.2]
+
+
+def test_many_cases_are_one_by_one(answer):
+    wraps = np.radians([150.0, 160.0, 170.0])
+    many = solved(wrap_angle_rad=wraps)
+    assert many.utilisation[:, 1] == pytest.approx(answer.utilisation[:, 0], rel=1e-14)
+    assert (np.diff(many.utilisation[:3], axis=1) < 0.0).all()
+    assert (np.diff(many.utilisation[3]) > 0.0).all()
+
+
+LAWS = {"constant": [(0.05, 0.3)], "wrap-power": [(0.01, 0.3), (-0.9, -0.05), (0.02, 0.2)],
+        "coupled": [(0.1, 0.4), (-0.5, -0.05), (-1.0, 0.0), (-0.9, -0.05), (0.02, 0.15)]}  # fmt: skip
+
+
+@st.composite
+def lifts(draw):
+    """Lifts from a dumb waiter to a tower, with any of the data that may be missing."""
+    car = draw(st.floats(100.0, 3000.0))
+    load = draw(st.floats(0.3, 1.2)) * car
+    optional = {
+        "linear_density_kg_m": st.floats(0.1, 1.0),
+        "deceleration_m_s2": st.floats(0.01, 1.0),
+        "speed_m_s": st.floats(0.01, 6.0),
+        "counterweight_pulley_kg": st.floats(1.0, 60.0),
+    }
+    values = {name: draw(one) for name, one in optional.items() if draw(st.booleans())}
+    if draw(st.booleans()):
+        name = draw(st.sampled_from(sorted(LAWS)))
+        theta = np.array([draw(st.floats(low, high)) for low, high in LAWS[name]])
+        reference = one_condition(0.2, 0.005, draw(st.floats(2.0, 4.0)), draw(st.floats(500.0, 5000.0)))
+        values["friction"] = WrapFriction(law=ALL_LAWS[name], theta=theta, reference=reference)
+    return TractionProblem(
+        car_kg=car, rated_load_kg=load, counterweight_kg=car + draw(st.floats(0.4, 0.5)) * load,
+        travel_m=draw(st.floats(2.0, 100.0)), wheel_radius_m=draw(st.floats(0.1, 0.4)), rope_radius_m=0.005,
+        wrap_angle_rad=draw(st.floats(2.0, 5.0)), groove_angle_rad=draw(st.floats(0.4, 1.0)),
+        undercut_rad=draw(st.floats(0.0, 1.8)), rope_count=draw(st.sampled_from([2.0, 4.0, 6.0])), **values,
+    )  # fmt: skip
+
+
+@settings(deadline=None, max_examples=40, derandomize=True)
+@given(problem=lifts(), accuracy=st.sampled_from([0.3, 0.05, 0.01, 1e-6]))
+def test_the_promise_holds_for_random_lifts(problem, accuracy):
+    assert answerable(problem).all()
+    plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
+    full_plan, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
+    found, everything = SYSTEM.solve(model, plan.method), SYSTEM.solve(full, full_plan.method)
+    assert SYSTEM.distance(found, everything) <= min(accuracy, plan.error_bound)
+
+
+def scene(tmp_path, old="", new=""):
+    path = tmp_path / "traction.toml"
+    path.write_text(scene_text("traction").replace(old, new, 1), encoding="utf-8")
+    return path
+
+
+def test_the_template_is_the_published_lift_and_its_answer_is_no_certificate(tmp_path):
+    path = next(path for path in write_scenes(tmp_path, ["traction"]) if path.suffix == ".toml")
+    solution = rf.solve(path)
+    tree = solution.to_dict()
+    assert not solution.stands
+    assert tree["failures"] == ["the ropes slip in the load case braking-up: utilisation 1.03"]
+    assert "no certificate" in tree["note"]
+    assert tree["cases"]["braking-up"]["utilisation"] == pytest.approx(1.0286, abs=5e-5)
+    assert tree["cases"]["stalled"]["passes"]
+    json.dumps(tree, allow_nan=False)
+    assert rf.explain(path).plan.simulated == ("rope-weight", "deceleration", "pulley-inertia", "speed")
+
+
+def test_a_sweep_mends_it(tmp_path):
+    found = rf.sweep(scene(tmp_path), "sheave.wrap=160deg,175deg", "sheave.undercut=90deg,100deg")
+    assert (found.columns["largest_utilisation"] > 1.0).tolist() == [True, False, False, False]
+    assert found.failures == {"the ropes slip in the load case braking-up": 1}
+
+
+def test_a_fit_brings_its_interval(tmp_path):
+    write_scenes(tmp_path, ["hoist"])
+    path = scene(tmp_path, "# [friction]\n", '[friction]\nfit = "fits/prth-coupled.json"\n')
+    tree = rf.solve(path).to_dict()
+    low, high = tree["largest_utilisation_interval"]
+    assert low < tree["largest_utilisation"] < high
+    assert tree["friction_is"] == "the scene's"
+    assert tree["extrapolated"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('groove       = "undercut"', 'groove = "undercutt"', "did you mean 'undercut'"),
+        ('undercut     = "90 deg"', "", "the groove undercut has no undercut"),
+        ('groove       = "undercut"', 'groove = "v-hardened"', "the groove v-hardened has no undercut"),
+        ('"700 kg"', "700", '"700 kg"'),
+        ("count          = 4", "count = 0", "whole number from 1 to 100"),
+        ("above_car ", "abov_car ", "did you mean 'above_car'"),
+        ('"90 deg"', '"150 deg"', "nothing is left to carry the rope"),
+        ('"0.5 m/s^2"', '"9.9 m/s^2"', "without tension"),
+        ('"auto"', '["wrap-dependence"]', "cannot be simulated without friction"),
+        ('"auto"', '["sped"]', "did you mean 'speed'"),
+    ],
+)
+def test_bad_keys_are_refused_by_name(tmp_path, old, new, words):
+    assert old in scene_text("traction")
+    with pytest.raises(DataError, match=words) as caught:
+        rf.solve(scene(tmp_path, old, new))
+    assert caught.value.problem.line is not None
+
+
+def test_angles_of_no_groove_are_refused():
+    with pytest.raises(InputError, match="groove_angle_rad"):
+        solved(groove_angle_rad=4.0)
+
+
+def test_the_chart_shows_what_is_held_and_what_is_asked(tmp_path):
+    from ropefric.plotting.chart import scene_figures
+
+    ((stem, figure),) = scene_figures(rf.solve(scene(tmp_path)))
+    assert stem == "traction"
+    rows = {row[0]: row[1:] for row in figure.tables[0].rows if "asked" in row[0]}
+    assert rows["asked by braking-up"] == pytest.approx((160.0, 10760.18 / 6542.03), rel=1e-5)
+    figure.figure.canvas.draw()

@@ -1,0 +1,163 @@
+import math
+from statistics import NormalDist, mean, stdev
+
+import numpy as np
+import pytest
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.trials.conditions import summarise, trimming_bias
+from ropefric.trials.outliers import RULES, grubbs_critical_value
+
+
+def papers_series():
+    """Fifteen values with mean 321.7 N and s = 5.5 N, one of them an outlier, the rest with mean 320.7 N.
+
+    The outlier must be 320.7 + 15·1.0 = 335.7 N, and the rest must carry what is left of 14 s².
+    """
+    pattern = np.array([-6.5, -5.5, -4.5, -3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5])
+    left_N2 = 14 * 5.5**2 - (335.7 - 321.7) ** 2 - 14 * (320.7 - 321.7) ** 2
+    rest_N = 320.7 + pattern * math.sqrt(left_N2 / (pattern**2).sum())
+    return [*rest_N[:6], 335.7, *rest_N[6:]]
+
+
+def test_the_papers_example():
+    values_N = papers_series()
+    assert mean(values_N) == pytest.approx(321.7)
+    assert stdev(values_N) == pytest.approx(5.5)
+    series = summarise(values_N, "two-sigma")
+    assert (series.n, series.n_kept, series.rejected) == (15, 14, (6,))
+    assert series.mean_all == pytest.approx(321.7)
+    assert series.std_all == pytest.approx(5.5)
+    assert series.mean_kept == pytest.approx(320.7)
+    assert series.std_kept == pytest.approx(stdev(values_N[:6] + values_N[7:]))
+    assert series.warnings == ()
+    (note,) = series.notes
+    assert note == (
+        "the ±2s rule takes a good value from 46 % of clean normal series of n = 15, and s of what it keeps "
+        "reads 9 % low on average"
+    )
+
+
+def test_one_pass_only():
+    # Without 100 the value 30 would lie outside; the rule looks once.
+    values = [0.0, 0.1, -0.1, 0.2, -0.2, 0.05, -0.05, 0.15, 30.0, 100.0]
+    first = summarise(values)
+    assert first.rejected == (9,)
+    assert summarise(values[:-1]).rejected == (8,)
+
+
+def test_nothing_is_lost_or_changed():
+    values = np.array(papers_series())
+    before = values.copy()
+    summarise(values)
+    assert values.tolist() == before.tolist()
+
+
+@pytest.mark.parametrize(
+    ("values", "n", "mean_N", "std_N"),
+    [
+        ([], 0, math.nan, math.nan),
+        ([3.0], 1, 3.0, math.nan),
+        ([3.0, 5.0], 2, 4.0, math.sqrt(2)),
+        ([7.0] * 4, 4, 7.0, 0),
+    ],
+)
+@pytest.mark.parametrize("rule", list(RULES))
+def test_few_values(values, n, mean_N, std_N, rule):
+    series = summarise(values, rule)
+    assert (series.n, series.n_kept, series.rejected) == (n, n, ())
+    for found in ((series.mean_all, series.std_all), (series.mean_kept, series.std_kept)):
+        assert found == pytest.approx((mean_N, std_N), nan_ok=True)
+
+
+def test_five_values_come_with_a_warning():
+    series = summarise([1.0, 1.0, 1.0, 1.0, 50.0])
+    assert series.n_kept == 5
+    assert series.warnings == ("n = 5, the ±2s rule cannot reject anything (max |z| = 1.79)",)
+    (problem,) = series.problems
+    assert (problem.code, problem.severity) == ("RF310", "warning")
+
+
+def test_a_large_common_offset_costs_nothing():
+    small = np.array([1.0, 2.0, 4.0, 3.0, 2.0, 1.0, 3.0, 2.0, 40.0, 2.0]) / 1024
+    near, far = summarise(small), summarise(small + 1e9)
+    assert far.rejected == near.rejected == (8,)
+    assert far.std_kept == pytest.approx(near.std_kept, rel=1e-12)
+    assert far.mean_kept == pytest.approx(1e9, rel=1e-10)
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(InputError, match="value 2 of 2 is nan"):
+        summarise([1.0, math.nan])
+    with pytest.raises(UnknownNameError, match="did you mean 'two-sigma'"):
+        summarise([1.0], "two-sgma")
+    with pytest.raises(InputError, match="series of 1 has no scatter"):
+        trimming_bias(1)
+
+
+# Tables of what trimming does, against simulation with the rules written a second time, on whole matrices.
+
+
+def keep(x, name):
+    n = x.shape[1]
+    z = np.abs(x - x.mean(axis=1, keepdims=True)) / x.std(axis=1, ddof=1, keepdims=True)
+    if name == "two-sigma":
+        return z <= 2
+    if name == "chauvenet":
+        return z <= NormalDist().inv_cdf(1 - 1 / (4 * n))
+    if name == "grubbs":
+        return (z < z.max(axis=1, keepdims=True)) | (z <= grubbs_critical_value(n))
+    if name == "mad":
+        distance = np.abs(x - np.median(x, axis=1, keepdims=True))
+        return 0.6745 * distance <= 3.5 * np.median(distance, axis=1, keepdims=True)
+    return np.ones_like(x, dtype=bool)
+
+
+def simulate(n, name, n_series, seed=17):
+    x = np.random.default_rng(seed).standard_normal((n_series, n))
+    kept = keep(x, name)
+    n_kept = kept.sum(axis=1)
+    mean_kept = (x * kept).sum(axis=1) / n_kept
+    s = np.sqrt((((x - mean_kept[:, None]) ** 2) * kept).sum(axis=1) / (n_kept - 1))
+    lost = n_kept < n
+    return s.mean(), s.std() / math.sqrt(n_series), lost.mean(), math.sqrt(lost.mean() / n_series)
+
+
+@pytest.mark.parametrize("n", [3, 4, 5, 6, 8, 10, 20, 50])
+@pytest.mark.parametrize("name", list(RULES))
+def test_the_tables_are_what_a_simulation_finds(name, n):
+    ratio, ratio_std, share, share_std = simulate(n, name, 600_000 // n)
+    table = trimming_bias(n, name)
+    assert table.ratio == pytest.approx(ratio, abs=0.001 + 4 * ratio_std)
+    assert table.share == pytest.approx(share, abs=0.001 + 4 * share_std)
+
+
+@pytest.mark.parametrize("n", [2, 13, 17, 25, 40, 75])
+@pytest.mark.parametrize("name", list(RULES))
+def test_between_its_entries_a_table_is_good_to_a_per_cent(name, n):
+    if n == 2:
+        assert trimming_bias(2, name).ratio == pytest.approx(math.sqrt(2 / math.pi))
+        return
+    ratio, ratio_std, share, share_std = simulate(n, name, 400_000 // n)
+    table = trimming_bias(n, name)
+    assert table.ratio == pytest.approx(ratio, abs=0.004 + 4 * ratio_std)
+    assert table.share == pytest.approx(share, abs=0.012 + 4 * share_std)
+
+
+def test_finding_6_of_the_conventions():
+    """Clean series: 24 % lose a point at n = 10, 63 % at 20, 82 % at 30; s biased −7 %, −10 %, −10.5 %."""
+    for n, share, bias in ((10, 0.24, -0.07), (20, 0.63, -0.10), (30, 0.82, -0.105)):
+        assert trimming_bias(n).share == pytest.approx(share, abs=0.01)
+        assert trimming_bias(n).bias == pytest.approx(bias, abs=0.011)
+
+
+@pytest.mark.parametrize("name", list(RULES))
+def test_the_table_describes_the_rule_itself(name):
+    """The matrix arithmetic above and `flag` agree series by series."""
+    x = np.random.default_rng(3).standard_normal((300, 9))
+    assert [RULES[name].flag(row).tolist() for row in x] == (~keep(x, name)).tolist()
+
+
+def test_the_limit_of_long_series_is_the_normal_distribution_cut_at_two():
+    cut = math.sqrt(1 - 4 * NormalDist().pdf(2) / (2 * NormalDist().cdf(2) - 1))
+    assert trimming_bias(100_000).ratio == pytest.approx(cut, abs=0.003)

@@ -1,0 +1,258 @@
+import math
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.trials.outliers import RULES, chauvenet_limit, grubbs_critical_value, max_z, scaled
+
+MECMESIN = [7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]
+EVERY = pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
+SERIES = st.lists(st.integers(-50, 50), min_size=0, max_size=25)
+
+
+def test_the_default_comes_first():
+    assert list(RULES) == ["two-sigma", "grubbs", "chauvenet", "mad", "none"]
+    with pytest.raises(UnknownNameError, match="did you mean 'grubbs'"):
+        RULES["grubs"]
+
+
+@pytest.mark.parametrize("name", ["two-sigma", "grubbs", "chauvenet"])
+def test_the_ten_recorded_peaks_lose_exactly_one(name):
+    assert np.flatnonzero(RULES[name].flag(MECMESIN)).tolist() == [4]
+
+
+def test_the_median_rule_keeps_the_ten_recorded_peaks():
+    # median 7.70, MAD 0.30: the modified z of 9.14 is 0.6745·1.44/0.30 = 3.24, inside 3.5
+    assert not RULES["mad"].flag(MECMESIN).any()
+    assert RULES["mad"].flag([9.28 if peak == 9.14 else peak for peak in MECMESIN]).sum() == 1
+
+
+# The definitions once more, in exact arithmetic and without any of the package's.
+
+
+def exact_z_squared(values):
+    """(x − mean)²/s² as fractions; None where s is 0."""
+    n, exact = len(values), [Fraction(v) for v in values]
+    mean = sum(exact) / n
+    variance = sum((v - mean) ** 2 for v in exact) / (n - 1)
+    return [(v - mean) ** 2 / variance for v in exact] if variance else None
+
+
+@given(SERIES, st.sampled_from([0.0, 1e9, -1e9]), st.sampled_from([1.0, 2.0**-10, 2.0**600, 2.0**-900]))
+def test_two_sigma_is_exact_at_any_offset_and_scale(steps, offset, scale):
+    values = [(offset + step / 1024) * scale for step in steps]
+    flagged = RULES["two-sigma"].flag(values).tolist()
+    z_squared = exact_z_squared(values) if len(values) > 1 else None
+    assert flagged == ([z > 4 for z in z_squared] if z_squared else [False] * len(values))
+
+
+def test_a_value_on_the_limit_is_inside():
+    # z of the two is exactly 2: s² = 2/8, |x| = 1
+    values = np.array([0.0] * 7 + [1.0, -1.0])
+    for factor in (1.0, 0.1, 1e-7, 3.3):
+        assert not RULES["two-sigma"].flag(values * factor + 7 * factor).any()
+
+
+@given(SERIES)
+def test_chauvenet_against_its_definition(steps):
+    assume(len(steps) > 2)
+    z_squared = exact_z_squared(steps)
+    expected = [len(steps) * math.erfc(math.sqrt(z / 2)) for z in z_squared or []]
+    assume(all(abs(e - 0.5) > 1e-9 for e in expected))
+    assert RULES["chauvenet"].flag(steps).tolist() == ([e < 0.5 for e in expected] or [False] * len(steps))
+
+
+@given(SERIES)
+def test_grubbs_against_its_definition(steps):
+    assume(len(steps) > 2)
+    z_squared = exact_z_squared(steps)
+    flagged = RULES["grubbs"].flag(steps).tolist()
+    if z_squared is None:
+        assert not any(flagged)
+        return
+    critical = grubbs_critical_value(len(steps))
+    assert flagged == [z == max(z_squared) and math.sqrt(z) > critical for z in z_squared]
+
+
+@given(SERIES)
+def test_mad_against_its_definition(steps):
+    assume(len(steps) > 2)
+    exact = [Fraction(s) for s in steps]
+
+    def median(values):
+        ordered, n = sorted(values), len(values)
+        return (ordered[(n - 1) // 2] + ordered[n // 2]) / 2
+
+    distance = [abs(x - median(exact)) for x in exact]
+    mad = median(distance)
+    if mad:
+        expected = [Fraction(6745, 10000) * d / mad > Fraction(7, 2) for d in distance]
+    else:
+        mean = sum(distance) / len(distance)
+        expected = [bool(mean) and float(d / mean) * math.sqrt(2 / math.pi) > 3.5 for d in distance]
+    assert RULES["mad"].flag(steps).tolist() == expected
+
+
+def test_mad_sees_an_outlier_among_equal_values_and_two_that_hide_one_another():
+    assert np.flatnonzero(RULES["mad"].flag([5.0] * 9 + [6.0])).tolist() == [9]
+    masked = [10.0, 10.1, 9.9, 10.05, 9.95, 10.02, 15.0, 15.0]
+    assert np.flatnonzero(RULES["mad"].flag(masked)).tolist() == [6, 7]
+    assert not RULES["grubbs"].flag(masked).any()
+
+
+# Contract of every rule.
+
+
+@EVERY
+@pytest.mark.parametrize(
+    "values", [[], [3.0], [3.0, 9.0], [0.1] * 7, [0.0] * 20, [1e9 + 0.1] * 3, [-5e-324] * 9]
+)
+def test_nothing_to_reject(rule, values):
+    flagged = rule.flag(values)
+    assert flagged.dtype == np.bool_
+    assert flagged.shape == (len(values),)
+    assert not flagged.any()
+
+
+@EVERY
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e305])
+def test_values_must_be_finite(rule, bad):
+    with pytest.raises(InputError, match="value 3 of 4 is") as error:
+        rule.flag([1.0, 2.0, bad, 3.0])
+    assert error.value.code == "RF311"
+    with pytest.raises(InputError, match="not a series of numbers"):
+        rule.flag(["a"])
+    with pytest.raises(InputError, match="one dimension"):
+        rule.flag([[1.0, 2.0]])
+
+
+@EVERY
+@given(
+    steps=SERIES,
+    slope=st.integers(-64, 64).filter(bool),
+    offset=st.integers(-(2**40), 2**40),
+    exponent=st.integers(-300, 300),
+    order=st.randoms(use_true_random=False),
+)
+def test_shift_scale_mirror_and_order_do_not_matter(rule, *, steps, slope, offset, exponent, order):
+    values = np.array(steps, dtype=float)
+    reference = rule.flag(values)
+    permutation = list(range(len(steps)))
+    order.shuffle(permutation)
+    other = (slope * values[permutation] + offset) * 2.0**exponent
+    kept = other.copy()
+    assert rule.flag(other).tolist() == reference[permutation].tolist()
+    assert other.tolist() == kept.tolist()
+
+
+@EVERY
+@given(st.lists(st.floats(-1e300, 1e300), max_size=12))
+def test_any_finite_floats_give_flags_and_never_most_of_the_series(rule, values):
+    flagged = rule.flag(values)
+    assert 2 * flagged.sum() <= max(len(values), 1)
+
+
+@given(st.lists(st.floats(-1e6, 1e6), max_size=5))
+def test_two_sigma_can_never_reject_among_five(values):
+    assert not RULES["two-sigma"].flag(values).any()
+
+
+@pytest.mark.parametrize("name", ["two-sigma", "grubbs", "chauvenet", "mad", "none"])
+def test_can_reject_is_true_from_the_first_n_where_one_wild_value_goes(name):
+    for n in range(30):
+        # Distinct small values around one wild one, so that the MAD is not 0.
+        values = np.append(np.arange(max(n - 1, 0)) * 1e-6, 1.0)[:n]
+        assert bool(RULES[name].flag(values).any()) == RULES[name].can_reject(n), n
+
+
+def test_the_largest_z():
+    for n in range(2, 40):
+        z_squared = exact_z_squared([0] * (n - 1) + [1])
+        assert max_z(n) == pytest.approx(math.sqrt(max(z_squared)), rel=1e-14)
+    assert max_z(0) == max_z(1) == 0.0
+
+
+def test_warnings_say_when_nothing_can_be_rejected():
+    assert RULES["two-sigma"].warning(5) == "n = 5, the ±2s rule cannot reject anything (max |z| = 1.79)"
+    assert RULES["two-sigma"].warning(6) == ""
+    assert RULES["chauvenet"].warning(4).startswith("n = 4, Chauvenet's criterion cannot")
+    assert RULES["grubbs"].warning(2)
+    assert RULES["two-sigma"].warning(0) == "n = 0, the ±2s rule cannot reject anything"
+    assert RULES["none"].warning(3) == ""
+
+
+# Printed numbers and independent arithmetic.
+
+
+@pytest.mark.parametrize(
+    ("n", "one_sided", "two_sided"),
+    # ASTM E178 table 1, upper 5 % and 2.5 % significance levels
+    [
+        (3, 1.153, 1.155),
+        (4, 1.463, 1.481),
+        (5, 1.672, 1.715),
+        (6, 1.822, 1.887),
+        (7, 1.938, 2.020),
+        (8, 2.032, 2.126),
+        (9, 2.110, 2.215),
+        (10, 2.176, 2.290),
+        (12, 2.285, 2.412),
+        (15, 2.409, 2.549),
+        (20, 2.557, 2.709),
+        (30, 2.745, 2.908),
+    ],
+)
+def test_grubbs_critical_values_as_printed(n, one_sided, two_sided):
+    assert grubbs_critical_value(n, sides=1) == pytest.approx(one_sided, abs=1.01e-3)
+    assert grubbs_critical_value(n, sides=2) == pytest.approx(two_sided, abs=1.01e-3)
+
+
+@pytest.mark.parametrize("n", [3, 6, 17, 100])
+def test_grubbs_critical_value_against_mpmath(n):
+    """P(|t| > t_c) from the incomplete beta function must be α/n."""
+    g = mpmath.mpf(grubbs_critical_value(n))
+    # invert G(t): t² = G² n (n−2) / ((n−1)² − n G²)
+    t_squared = g**2 * n * (n - 2) / ((n - 1) ** 2 - n * g**2)
+    tail = mpmath.betainc((n - 2) / mpmath.mpf(2), 0.5, 0, (n - 2) / (n - 2 + t_squared), regularized=True)
+    assert float(tail) == pytest.approx(0.05 / n, rel=1e-9)
+
+
+def test_grubbs_refuses_impossible_levels():
+    assert grubbs_critical_value(2) == math.inf
+    for alpha, sides in ((0.0, 2), (1.0, 2), (math.nan, 2), (0.05, 3)):
+        with pytest.raises(InputError, match="no critical value"):
+            grubbs_critical_value(10, alpha, sides=sides)
+
+
+def test_chauvenet_limits_as_printed():
+    # Taylor (1997) works n = 6: 1.73 and n = 10: 1.96
+    assert chauvenet_limit(6) == pytest.approx(1.73, abs=5e-3)
+    assert chauvenet_limit(10) == pytest.approx(1.96, abs=5e-3)
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=20), st.sampled_from([0.0, 1e9, 1e12]))
+def test_mean_and_scatter_against_fractions(values, offset):
+    shifted = [v + offset for v in values]
+    exact = [Fraction(v) for v in shifted]
+    mean = sum(exact) / len(exact)
+    series = scaled(shifted)
+    # Four roundings of numbers no larger than the largest value.
+    assert series.mean() == pytest.approx(float(mean), rel=0, abs=4 * 2.3e-16 * max(map(abs, shifted)))
+    if len(exact) > 1:
+        with mpmath.workdps(40):
+            variance = sum((v - mean) ** 2 for v in exact) / (len(exact) - 1)
+            std = mpmath.sqrt(mpmath.mpf(variance.numerator) / variance.denominator)
+        assert series.std() == pytest.approx(float(std), rel=1e-13, abs=1e-300)
+
+
+def test_listing_the_rules_does_not_load_scipy():
+    code = "import sys, ropefric.trials.outliers; assert 'scipy' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2])

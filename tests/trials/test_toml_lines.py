@@ -1,0 +1,183 @@
+"""The line locator against independent knowledge of where things stand."""
+
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ropefric.errors import DataError
+from ropefric.files.toml import key_text, read_toml, toml_lines
+
+TEXT = '''# comment [not.a.table]
+title = "a # no comment = [x]"   # a comment = "with" quotes
+long = """
+[fake]
+key = 1 \\"""
+still inside"""
+literal = \'\'\'
+[also.fake]'\'\'\'
+a.b."c.d" = 1
+inline = { x = 1, y = { z = [10, 20] }, "q\\u0041" = \'}\' }
+array = [
+  "one", # , ]
+  [ "two",
+    3.5 ],
+  { k = 1 },
+]
+[rope]
+diameter = "9.8 mm"
+when = 2026-01-15 10:00:00
+  [ wheels . "W 40" ]
+radius="40 mm"
+[[runs]]
+n = 1
+[runs.sub]
+m = 2
+[[runs]]
+n = 3
+[[runs.deep]]
+o = 4
+[[runs.deep]]
+o = 5
+'''
+
+EXPECTED = {
+    ("title",): 2,
+    ("long",): 3,
+    ("literal",): 7,
+    ("a",): 9,
+    ("a", "b"): 9,
+    ("a", "b", "c.d"): 9,
+    ("inline", "x"): 10,
+    ("inline", "y", "z", 1): 10,
+    ("inline", "qA"): 10,
+    ("array",): 11,
+    ("array", 0): 12,
+    ("array", 1): 13,
+    ("array", 1, 0): 13,
+    ("array", 1, 1): 14,
+    ("array", 2, "k"): 15,
+    ("rope",): 17,
+    ("rope", "diameter"): 18,
+    ("rope", "when"): 19,
+    ("wheels", "W 40"): 20,
+    ("wheels", "W 40", "radius"): 21,
+    ("runs",): 22,
+    ("runs", 0, "n"): 23,
+    ("runs", 0, "sub", "m"): 25,
+    ("runs", 1): 26,
+    ("runs", 1, "n"): 27,
+    ("runs", 1, "deep", 0, "o"): 29,
+    ("runs", 1, "deep", 1, "o"): 31,
+}
+
+
+def leaves(tree, path=()):
+    """Every key path of a parsed tree, tables and array elements included."""
+    items = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    for key, value in items:
+        yield (*path, key)
+        yield from leaves(value, (*path, key))
+
+
+@pytest.mark.parametrize(
+    ("path", "line"), EXPECTED.items(), ids=lambda v: key_text(v) if isinstance(v, tuple) else None
+)
+def test_every_kind_of_key_has_its_line(path, line):
+    assert toml_lines(TEXT)[path] == line
+
+
+def test_all_keys_of_the_tree_are_found_and_nothing_else():
+    assert set(leaves(tomllib.loads(TEXT))) == set(toml_lines(TEXT))
+
+
+def test_carriage_returns_do_not_shift_lines():
+    assert toml_lines(TEXT.replace("\n", "\r\n")) == toml_lines(TEXT)
+
+
+keys = st.text("ab.\"'#=[]{} \\\u00e9", min_size=1, max_size=5)
+scalars = st.one_of(
+    st.integers(-9, 9),
+    st.booleans(),
+    st.text("ab,]}[{#=\"'\\\n\u00e9 ", max_size=8),
+    st.floats(-1, 1).map(lambda x: round(x, 3)),
+)
+values = st.recursive(
+    scalars,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=3),
+    max_leaves=8,
+)
+
+
+def quoted(text):
+    escapes = {"\\": "\\\\", '"': '\\"', "\n": "\\n"}
+    return '"' + "".join(escapes.get(c, c) for c in text) + '"'
+
+
+def written(value, many_lines):
+    """A TOML value; strings and arrays over several lines where asked for."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        if many_lines:
+            return '"""\n' + value.replace("\\", "\\\\").replace('"', '\\"') + '"""'
+        return quoted(value)
+    if isinstance(value, list):
+        gap = "\n  # , ]\n" if many_lines else " "
+        return "[" + gap + f",{gap}".join(written(v, many_lines) for v in value) + gap + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{quoted(k)} = {written(v, many_lines)}" for k, v in value.items()) + " }"
+    return repr(value)
+
+
+@given(tree=st.dictionaries(keys, values, max_size=4), many_lines=st.booleans())
+def test_random_documents_keys_and_first_lines(tree, many_lines):
+    text, lines = "", {}
+    for key, value in tree.items():
+        lines[(key,)] = text.count("\n") + 1
+        text += f"{quoted(key)} = {written(value, many_lines)}\n# '\"\n"
+    assert tomllib.loads(text) == tree
+    found = toml_lines(text)
+    assert set(found) == set(leaves(tree))
+    assert {path: line for path, line in found.items() if len(path) == 1} == lines
+
+
+@given(st.text("a=[]{}\"'#.,\n\\ 1", max_size=60))
+def test_any_text_ends_with_lines_of_the_text(text):
+    assert all(1 <= line <= text.count("\n") + 1 for line in toml_lines(text).values())
+
+
+@given(st.text(max_size=80))
+def test_what_tomllib_accepts_is_located_completely(text):
+    try:
+        tree = tomllib.loads(text)
+    except ValueError:
+        return
+    assert set(leaves(tree)) == set(toml_lines(text))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x = 1\na" + ".a" * 20_000 + " = 1", ":2: a key has more than 32 parts"),
+        ("[" + "a." * 20_000 + "b]", ":1: a key has more than 32 parts"),
+        ("a = { b" + " . b" * 20_000 + " = 1 }", ":1: a key has more than 32 parts"),
+        ("a = " + "[" * 3000 + "]" * 3000, "nested too deeply"),
+        ("a = " + "{a=" * 3000 + "1" + "}" * 3000, "nested too deeply"),
+        ("a = " + "9" * 5000, "number or date that cannot be read"),
+        ("a = [" + "1," * 600_000 + "]", "more than 1000000 are not read"),
+    ],
+    ids=["dotted key", "table", "inline", "arrays", "tables", "number", "size"],
+)
+def test_what_would_take_for_ever_is_refused_before(tmp_path, text, words):
+    path = tmp_path / "a.toml"
+    path.write_text(text)
+    with pytest.raises(DataError, match=words):
+        read_toml(path)
+
+
+def test_text_with_dots_is_no_long_key(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text(f'a = "{"x." * 100}"\nb = [{"1.5," * 100}]\n# {"c." * 100}\n')
+    assert len(read_toml(path).data["b"]) == 100

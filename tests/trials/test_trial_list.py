@@ -1,0 +1,233 @@
+"""Every kind of mistake in trials.csv, and what is said of lists that are right but teach little."""
+
+# ruff: noqa: E501  (a mistake a row reads better than a mistake a page)
+
+import pytest
+
+from ropefric.trials.campaign import load_campaign
+from ropefric.trials.trial_list import MAX_MISSING
+
+# What is replaced, by what, code, line, key, part of the message, part of the fix.
+MISTAKES = {
+    "no unit": ("wrap_angle_deg", "wrap_angle", "RF130", 1, "wrap_angle", "no unit", "wrap_angle_deg"),
+    "no unit of radius": ("wheel_radius_mm", "Wheel radius", "RF130", 1, "Wheel radius", "no unit", "wheel_radius_mm"),
+    "unknown column": ("wrap_angle_deg", "warp_angle_deg", "RF120", 1, "warp_angle_deg", "not known", "did you mean 'wrap_angle_deg'?"),
+    "small n": ("end_tension_N", "end_tension_n", "RF120", 1, "end_tension_n", "not known", "did you mean 'end_tension_N'?"),
+    "unit of another dimension": ("end_tension_N", "end_tension_mm", "RF130", 1, "end_tension_mm", "'mm' is not a unit of force", "'N'"),
+    "mass as tension": ("end_tension_N", "end_tension_kg", "RF130", 1, "end_tension_kg", "'kg' is not a unit of force", "'N'"),
+    "knots": ("end_tension_N", "end_tension (kn)", "RF130", 1, "end_tension (kn)", "knot", "'kN'"),
+    "arithmetic as unit": ("end_tension_N", "end_tension (9**9**9**9)", "RF130", 1, "end_tension (9**9**9**9)", "not a unit", "'N'"),
+    "column twice": ("note", "wrap_turns", "RF122", 1, "wrap_turns", "same as 'wrap_angle_deg'", "remove one"),
+    "same column twice": ("note", "cell", "RF122", 1, "cell", "same as 'cell'", "remove one"),
+    "no file column": ("file", "_file", "RF121", 1, "file", "no column file", "add the column file"),
+    "no cell column": ("cell", "_cell", "RF121", 1, "cell", "recording is in counts", "add the column cell"),
+    "empty file": ("b.csv", "", "RF121", 3, "file", "file is empty", "fill"),
+    "empty wrap": (",180,", ",,", "RF121", 2, "wrap_angle_deg", "wrap_angle_deg is empty; every trial needs a wrap angle", "fill"),
+    "empty tension": ("60.5", "", "RF121", 4, "end_tension_N", "every trial needs an end tension", "fill"),
+    "empty wheel": ("W40", "", "RF121", 2, "wheel_radius_mm", "every trial needs a wheel radius", "fill"),
+    "empty cell": ("80,K1", "80,", "RF121", 2, "cell", "every trial needs a force cell", "fill"),
+    "unknown wheel": ("W40", "W4O", "RF120", 2, "wheel", "unknown wheel 'W4O'", "did you mean 'W40'?"),
+    "unknown cell": ("80,K1", "80,K2", "RF120", 2, "cell", "unknown cell 'K2'", "known: K1"),
+    "two radii": ("W40,,", "W40,60,", "RF111", 2, "wheel_radius_mm", "60 mm, but wheel 'W40' has 40 mm", "leave one"),
+    "text": ("60.5", "abc", "RF102", 4, "end_tension_N", "cannot read 'abc' as a number", "plain number"),
+    "unit in the cell": ("60.5", "60.5 N", "RF102", 4, "end_tension_N", "cannot read '60.5 N'", "write 60.5; the unit stands in the header"),
+    "thousands": ("60.5", "1 060.5", "RF102", 4, "end_tension_N", "1 060.5", "between thousands"),
+    "quoted thousands": ("60.5", '"1,060.5"', "RF102", 4, "end_tension_N", "1,060.5", "between thousands"),
+    "quoted decimal comma": ("60.5", '"60,5"', "RF102", 4, "end_tension_N", "decimal comma", "write 60.5, or separate the columns by ';'"),
+    "decimal comma": ("60.5", "60,5", "RF103", 4, "", "12 cells, but the header has 11", "decimal comma, separate the columns by ';'"),
+    "nan": ("60.5", "nan", "RF102", 4, "end_tension_N", "cannot read 'nan'", "plain number"),
+    "inf": ("60.5", "1e999", "RF130", 4, "end_tension_N", "not a finite number", ""),
+    "huge": ("60.5", "1e99", "RF110", 4, "end_tension_N", "too large", "correct"),
+    "zero tension": ("60.5", "0", "RF110", 4, "end_tension_N", "an end tension must be above zero", "correct"),
+    "negative radius": (",35,", ",-35,", "RF110", 4, "wheel_radius_mm", "a wheel radius must be above zero", "correct"),
+    "zero wrap": (",540,", ",0,", "RF110", 4, "wrap_angle_deg", "a wrap angle must be above zero", "correct"),
+    "negative dwell": ("R1,0.5,,\n", "R1,-1,,\n", "RF110", 2, "dwell_min", "negative", "0 or more"),
+    "too few cells": ("t2,b.csv,W60,,", "t2,b.csv,", "RF103", 3, "", "9 cells, but the header has 11 columns", "a comma for every column"),
+    "open quote": ("see book", '"see book', "RF103", 3, "", "not closed", "one line"),
+    "text after a quote": ("see book", '"see" book', "RF103", 3, "", "text follows", "close the quotes"),
+    "column without a name": ("note", "", "RF120", 3, "", "column 11 has no name, but holds 'see book'", "name it"),
+    "inner column without a name": ("exclude,note", ",note", "RF120", 3, "", "column 10 has no name, but holds 'rope jumped'", "name it"),
+    "file twice": ("b.csv", "a.csv", "RF122", 3, "file", "a.csv is listed in line 2 already", "from_s and until_s"),
+    "name twice": ("t2,", "t1,", "RF122", 3, "trial", "the name 't1' is given in line 2 already", "own name"),
+    "missing recording": ("c.csv", "C.csv", "RF124", 4, "file", "the recording C.csv is not there", "recordings"),
+    "a folder for a recording": ("c.csv", ".", "RF124", 4, "file", "is not there", "recordings"),
+    "endless name": ("c.csv", "c" * 300, "RF124", 4, "file", "is not there", "recordings"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES.values(), ids=MISTAKES)
+def test_one_mistake(bench, mistake):
+    old, new, code, line, key, message, fix = mistake
+    bench.spoil_table(old, new)
+    problem = bench.only()
+    assert (problem.code, problem.line, problem.key) == (code, line, key)
+    assert message in problem.message
+    assert fix in problem.fix
+    assert problem.path.endswith("/trials.csv")
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "message"),
+    [
+        (b"", None, "empty"),
+        (b"\n \n# only a comment\n", None, "empty"),
+        (b"file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell\n", 1, "no trials"),
+        (b"\x00\x01\x02", 1, "not a text file"),
+        (b"\x1f\x8b\x08\x00garbage", None, "gzip"),
+        (b'"file\n', 1, "not closed"),
+        (b"a\n\x81\xff\n", 2, "cp1252"),
+    ],
+)
+def test_odd_tables(bench, content, line, message):
+    bench.write(trials=content)
+    problem = bench.errors()[0]
+    assert problem.code in {"RF101", "RF103"}
+    assert problem.line == line
+    assert message in problem.message
+    assert "[import]" not in str(problem)
+
+
+def test_a_decimal_comma_before_an_empty_cell_shifts_nothing_unseen(bench):
+    head = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell,note\n"
+    bench.write(trials=head + "a.csv,40,5,180,K1,,\n")
+    assert (bench.only().code, bench.only().line) == ("RF103", 2)
+
+
+def test_a_point_among_decimal_commas_is_refused(bench):
+    rows = [
+        "file;wheel_radius_mm;wrap_angle_deg;end_tension_N;cell",
+        "a.csv;40;180;80,5;K1",
+        "b.csv;40;180;1.250;K1",
+    ]
+    bench.write(trials="\n".join(rows))
+    problem = bench.only()
+    assert (problem.code, problem.line, problem.key) == ("RF102", 3, "end_tension_N")
+    assert "write 1,250 if the point is a decimal mark" in problem.fix
+
+
+def test_missing_recordings_are_listed_up_to_a_limit(bench):
+    head = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell,exclude\n"
+    bench.write(trials=head + "".join(f"no{i}.csv,40,180,80,K1,\n" for i in range(MAX_MISSING + 13)))
+    errors = bench.errors()
+    assert len(errors) == MAX_MISSING + 1
+    assert errors[-1].message == f"13 more recordings are not there, {MAX_MISSING + 13} in all"
+    assert errors[-1].line == MAX_MISSING + 2
+
+
+def test_an_excluded_trial_may_lack_its_recording_but_not_its_numbers(bench):
+    bench.spoil_table("b.csv", "lost.csv")
+    assert bench.errors() == []
+    assert [p.code for p in bench.warnings() if p.line == 3] == ["RF124"]
+    bench.spoil_table("360", "abc")
+    assert bench.only().code == "RF102"
+
+
+def test_parts_of_one_recording_are_different_trials(bench):
+    head = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell,from_s,until_s\n"
+    bench.write(trials=head + "a.csv,40,180,80,K1,2,4\na.csv,40,180,80,K1,0,2\na.csv,40,180,80,K1,4,\n")
+    assert bench.errors() == []
+    assert [t.start_s for t in load_campaign(bench.path).trials] == [2.0, 0.0, 4.0]
+    bench.write(trials=head + "a.csv,40,180,80,K1,2,4\na.csv,40,180,80,K1,0,2.5\n")
+    assert (bench.only().code, bench.only().line) == ("RF122", 3)
+
+
+def test_all_blocks_and_one_of_them(bench):
+    head = "file,sample,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell\n"
+    bench.write(trials=head + "a.csv,S1,40,180,80,K1\na.csv,S2,40,180,80,K1\n")
+    assert bench.errors() == []
+    bench.write(trials=head + "a.csv,S1,40,180,80,K1\na.csv,*,40,180,80,K1\n")
+    assert "'*' takes every block" in bench.only().fix
+
+
+def test_an_interval_the_wrong_way(bench):
+    head = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell,from_s,until_s\n"
+    bench.write(trials=head + "a.csv,40,180,80,K1,5,4\nb.csv,40,180,80,K1,7,\n")
+    first, second = bench.errors()
+    assert (first.code, first.line, first.key) == ("RF111", 2, "until_s")
+    # The second row's end is the campaign's 6 s.
+    assert (second.line, second.message) == (3, "the part from 7 s until 6 s is empty")
+
+
+def test_a_list_without_wheels_table(bench):
+    bench.spoil(r"^\[wheels.*\n(.+\n)+?(?=\n|\[)", "", pattern=True)
+    fixes = {p.fix for p in bench.errors()}
+    assert "describe it under [wheels.W40] in the campaign file" in fixes
+
+
+DOUBTS = {
+    "radius in metres": ("wheel_radius_mm", "wheel_radius_m", "wheel_radius", "35 m is outside 1 mm to 10 m"),
+    "wrap in radians": ("wrap_angle_deg", "wrap_angle_rad", None, None),
+    "wrap in turns": ("wrap_angle_deg", "wrap_turns", "wrap_angle", "180 turns is probably in another unit (and 2 more rows)"),
+    "short wrap": (",180,", ",60,", "wrap_angle", "60 deg is below the 90 deg that ASTM D3108"),
+    "no as a reason": ("rope jumped", "no", "exclude", "'no' is taken as a reason, so the trial is excluded"),
+    "thick rope": (",35,", ",4,", "rope_diameter", "4.9 mm, is not below the wheel radius, 4 mm"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("doubt", DOUBTS.values(), ids=DOUBTS)
+def test_doubtful_values_are_warnings(bench, doubt):
+    old, new, key, message = doubt
+    bench.spoil_table(old, new)
+    assert bench.errors() == []
+    doubts = [p for p in bench.warnings() if p.code == "RF140"]
+    assert [p.key for p in doubts] == ([key] if key else [])
+    assert all(message in p.message for p in doubts)
+
+
+def test_ninety_degrees_are_enough(bench):
+    bench.spoil_table(",180,", ",90,")
+    assert bench.warnings() == []
+
+
+def table(conditions, n):
+    rows = [
+        f"{radius}-{wrap}-{load}-{i}.csv,{radius},{wrap},{load},K1"
+        for radius, wrap, load in conditions
+        for i in range(n)
+    ]
+    return "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell\n" + "\n".join(rows)
+
+
+@pytest.mark.parametrize(
+    ("conditions", "unseen"),
+    [
+        ([(40, 180, 80), (40, 180, 120)], ["wheel_radius", "wrap_angle"]),
+        ([(40, 180, 80), (50, 180, 80)], ["end_tension", "wrap_angle"]),
+        ([(40, 180, 80), (50, 360, 120)], []),
+    ],
+)
+def test_effects_that_cannot_be_seen(bench, conditions, unseen):
+    text = table(conditions, 6)
+    for line in text.splitlines()[1:]:
+        bench.record(line.split(",")[0])
+    bench.write(trials=text)
+    assert sorted(p.key for p in bench.warnings() if p.code == "RF311") == unseen
+
+
+@pytest.mark.parametrize(
+    ("n", "rule", "warned"), [(5, "two-sigma", True), (6, "two-sigma", False), (5, "grubbs", False)]
+)
+def test_repeats_that_cannot_be_rejected(bench, n, rule, warned):
+    if rule != "grubbs":
+        bench.spoil('"grubbs"', f'"{rule}"')
+    text = table([(40, 180, 80), (50, 360, 120)], n)
+    for line in text.splitlines()[1:]:
+        bench.record(line.split(",")[0])
+    bench.write(trials=text)
+    found = [p for p in bench.warnings() if p.code == "RF310"]
+    assert bool(found) is warned
+    if warned:
+        assert "2 of 2 conditions" in found[0].message
+        assert "n <= 5" in found[0].message
+
+
+def test_excluded_trials_do_not_count_as_repeats(bench):
+    bench.spoil('"grubbs"', '"two-sigma"')
+    text = table([(40, 180, 80), (50, 360, 120)], 6)
+    for line in text.splitlines()[1:]:
+        bench.record(line.split(",")[0])
+    lines = [line + "," for line in text.splitlines()]
+    bench.write(trials="\n".join([lines[0] + "exclude", lines[1] + "bad", *lines[2:]]))
+    (found,) = [p for p in bench.warnings() if p.code == "RF310"]
+    assert "1 of 2 conditions" in found.message
+    assert "the smallest 5 repeats" in found.message

@@ -1,0 +1,307 @@
+"""Trial tables: what reads, and what every kind of bad table says."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ropefric.errors import DataError, InputError
+from ropefric.quantities import parse_quantity
+from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame
+
+HEADER = "trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N"
+ROWS = ["a,40,9.8,540,80,300", "b,40,9.8,540,80,310", "c,20,9.8,720,80,400"]
+
+
+@pytest.fixture
+def read(tmp_path):
+    def reader(*lines, encoding="utf-8"):
+        path = tmp_path / "pulls.csv"
+        path.write_bytes("\n".join(lines).encode(encoding) + b"\n")
+        return read_trial_table(path)
+
+    return reader
+
+
+def problems(read, *lines):
+    with pytest.raises(DataError) as caught:
+        read(*lines)
+    return caught.value.problems
+
+
+def test_units_stand_in_the_header_and_end_as_si(read):
+    table = read(
+        "Wheel radius (cm),rope_radius_um,wrap_turns,end_mass_kg,Lift force [kN],kept,wrap_angle_std_deg,peak_std_N",
+        "4,4900,1.5,2,0.3,true,1,",
+        "4,4900,1.5,2,0.4,no,1,2",
+        "4,4900,1.5,2,0.5,1,1,2",
+    )
+    assert table.wheel_radius_m.tolist() == [0.04] * 3
+    assert table.rope_radius_m.tolist() == [0.0049] * 3
+    assert table.wrap_angle_rad == pytest.approx(3 * np.pi)
+    assert table.end_tension_N == pytest.approx(2 * 9.80665)
+    assert table.peak_N.tolist() == [300, 400, 500]
+    assert table.wrap_std_rad == pytest.approx(np.pi / 180)
+    assert np.isnan(table.peak_std_N[0])
+    assert table.peak_std_N[1] == 2
+    assert table.kept.tolist() == [True, False, True]
+    assert table.end_tension_std_N.tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        [HEADER, *ROWS],
+        [HEADER.replace(",", ";"), *(row.replace(",", ";").replace(".", ",") for row in ROWS)],
+        [HEADER.replace(",", "\t"), *(row.replace(",", "\t") for row in ROWS)],
+        ["# measured in May", HEADER, "", *ROWS, ",,,,,"],
+        ["\ufeff" + HEADER, *ROWS],
+        [HEADER + ",kinetic_N,operator", *(row + ",200,Anna" for row in ROWS)],
+    ],
+    ids=[
+        "commas",
+        "semicolons and decimal commas",
+        "tabs",
+        "comments and empty rows",
+        "BOM",
+        "other columns",
+    ],
+)
+def test_dialects_read_alike(read, lines):
+    table = read(*lines)
+    assert table.trial == ("a", "b", "c")
+    assert table.rope_radius_m == pytest.approx(0.0049, rel=1e-15)
+    assert table.peak_N.tolist() == [300, 310, 400]
+    assert table.group().tolist() == [0, 0, 1]
+
+
+def test_missing_column_names_it_and_one_to_add(read):
+    found = problems(
+        read, "wheel_radius_mm,wrap_angle_deg,end_tension_N,peak_N", "40,540,80,300", "40,540,80,310"
+    )
+    assert [problem.code for problem in found] == ["RF121"]
+    assert "no column for the rope radius" in found[0].message
+    assert "rope_diameter_mm" in found[0].fix
+    assert found[0].where.endswith("pulls.csv:1")
+
+
+@pytest.mark.parametrize(
+    ("header", "code", "said"),
+    [
+        ("warp_angle_deg", "RF120", "did you mean 'wrap_angle_deg'"),
+        ("wrap_angle_mm", "RF130", "'mm' is not a unit of angle"),
+        ("wrap_angle", "RF130", "wrap_angle_deg"),
+        ("wrap_angle (furlongs per)", "RF130", "unit"),
+    ],
+)
+def test_wrong_name_or_unit_of_a_column(read, header, code, said):
+    found = problems(read, HEADER.replace("wrap_angle_deg", header), *ROWS)
+    assert [problem.code for problem in found] == [code], "and not that the column is missing as well"
+    assert said in str(found[0])
+    assert found[0].line == 1
+    assert found[0].key == header
+
+
+@pytest.mark.parametrize(
+    ("row", "key", "said", "fix"),
+    [
+        ("d,40,9.8,540,80,80", "peak_N", "80 N is not above the end tension 80 N", "exchanged"),
+        ("d,40,9.8,-540,80,300", "wrap_angle_deg", "-540 deg is no possible value", "correct"),
+        ("d,40,9.8,,80,300", "wrap_angle_deg", "empty or NaN", "kept = false"),
+        ("d,40,9.8,540,80,nan", "peak_N", "empty or NaN", "kept = false"),
+        ("d,40,9.8,540,80,about 300", "peak_N", "cannot read 'about 300' as a number", "plain number"),
+        (
+            "d,40,9.8,540,80 N,300",
+            "end_tension_N",
+            "cannot read '80 N'",
+            "write 80; the unit stands in the header",
+        ),
+        ("d,40,9.8,540,80,1'300", "peak_N", "cannot read", "without marks between thousands"),
+        ('d,40,"9,8",540,80,300', "rope_diameter_mm", "decimal comma", "write 9.8"),
+        ("d,0,9.8,540,80,300", "wheel_radius_mm", "must be above zero", "correct"),
+        ("d,40,9.8,540,80,-300", "peak_N", "no possible value", "correct"),
+        ("a,40,9.8,540,80,305", "trial", "'a' stands in line 2 already", "name of its own"),
+    ],
+)
+def test_bad_cells_say_what_where_and_how_to_fix(read, row, key, said, fix):
+    found = problems(read, HEADER, *ROWS, row)
+    assert len(found) == 1
+    assert said in found[0].message
+    assert fix in found[0].fix
+    assert (found[0].line, found[0].key) == (5, key)
+
+
+def test_infinite_numbers_are_refused(read):
+    for cell in ("inf", "1e999"):
+        assert problems(read, HEADER, *ROWS, f"d,40,9.8,540,80,{cell}")[0].line == 5
+
+
+def test_all_problems_come_at_once(read):
+    found = problems(read, HEADER, "a,40,9.8,-1,80,300", "b,40,9.8,540,80,20", "c,x,9.8,540,80,300")
+    assert [problem.line for problem in found] == [2, 3, 4]
+
+
+def test_one_row_is_no_table(read):
+    found = problems(read, HEADER, ROWS[0])
+    assert found[0].code == "RF410"
+    assert "1 of 1 trials can be used; a fit needs at least two" in found[0].message
+
+
+def test_nothing_kept_is_no_table(read):
+    found = problems(read, HEADER + ",kept", *(row + ",false" for row in ROWS))
+    assert "0 of 3" in found[0].message
+
+
+def test_ragged_row_and_quotes(read):
+    found = problems(read, HEADER, *ROWS, "d,40,9.8,540,80", 'e,"40,9.8,540,80,300')
+    assert {problem.code for problem in found} == {"RF103"}
+    assert sorted(problem.line for problem in found) == [5, 6]
+
+
+def test_file_that_is_not_there_or_no_text(tmp_path):
+    with pytest.raises(DataError, match="no such file"):
+        read_trial_table(tmp_path / "gone.csv")
+    (tmp_path / "binary.csv").write_bytes(bytes(range(256)) * 10)
+    with pytest.raises(DataError):
+        read_trial_table(tmp_path / "binary.csv")
+
+
+def test_a_row_set_aside_may_lack_everything(read):
+    table = read(HEADER + ",kept,status", *(row + ",true,ok" for row in ROWS), "d,40,9.8,540,80,,false,ok",
+                 "e,40,9.8,540,80,,true,no-breakaway", "f,40,9.8,540,80,70,0,ok")  # fmt: skip
+    assert table.used.tolist() == [True, True, True, False, False, False]
+    assert len(table.conditions()) == len(table.log_lift()) == 3
+
+
+def test_kept_must_be_yes_or_no(read):
+    found = problems(read, HEADER + ",kept", ROWS[0] + ",perhaps", *(row + ",yes" for row in ROWS[1:]))
+    assert "'perhaps' does not say" in found[0].message
+
+
+def test_rows_alike_in_every_number_are_a_warning(read):
+    table = read(HEADER, *ROWS, "d,40,9.8,540,80,300")
+    assert [(warning.severity, warning.line) for warning in table.warnings] == [("warning", 5)]
+
+
+def test_frame_round_trip_and_frame_errors():
+    frame = pd.DataFrame({"trial": ["a", "b", "c"], "wheel_radius_mm": [40.0, 40.0, 20.0], "rope_diameter_mm": 9.8,
+                          "wrap_turns": [1.5, 1.5, 2], "end_tension_N": [80, 80, 60], "peak_N": [300.1, 310, None],
+                          "kept": [True, True, False], "peak_std_N": [1.0, np.nan, 2.0]})  # fmt: skip
+    before = frame.copy()
+    table = table_from_frame(frame)
+    pd.testing.assert_frame_equal(frame, before)
+    again = table_from_frame(table.to_frame())
+    for name in (
+        "wheel_radius_m",
+        "rope_radius_m",
+        "wrap_angle_rad",
+        "end_tension_N",
+        "peak_N",
+        "peak_std_N",
+    ):
+        assert np.array_equal(getattr(table, name), getattr(again, name), equal_nan=True), name
+    assert again.kept.tolist() == [True, True, False]
+    with pytest.raises(DataError, match="DataFrame:2 peak_N"):
+        table_from_frame(frame.assign(peak_N=[300, 20, 310]))
+    with pytest.raises(DataError, match="no column for"):
+        table_from_frame(frame[["trial"]])
+    with pytest.raises(DataError):
+        table_from_frame(pd.DataFrame())
+
+
+def test_slack_side_measured_against_a_known_weight_is_one_condition():
+    """Where F_B is what the cell reads, repeats share F_A."""
+    table = TrialTable(trial=tuple("abcd"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0,
+                       end_tension_N=[20.1, 19.8, 40.3, 40.1], peak_N=[40, 40, 80, 80])  # fmt: skip
+    assert table.group().tolist() == [0, 0, 1, 1]
+
+
+def test_arrays_are_read_only_and_lengths_must_agree():
+    table = TrialTable(trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0,
+                       end_tension_N=20, peak_N=[40, 41])  # fmt: skip
+    with pytest.raises(ValueError, match="read-only"):
+        table.peak_N[0] = 1
+    with pytest.raises(InputError, match=r"peak_N has shape \(3,\) for 2 trials"):
+        TrialTable(trial=("a", "b"), wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=3.0,
+                   end_tension_N=20, peak_N=[40, 41, 42])  # fmt: skip
+
+
+def test_what_an_extraction_writes_reads_as_it_stands(tmp_path):
+    from ropefric.traces.breakaway import Breakaway, Status
+    from ropefric.trials.result import TrialResult
+
+    trials = [
+        TrialResult(trial=f"t{i}", file="f.csv", wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=3.0,
+                    end_tension_N=20.0, end_tension_std_N=0.01, peak_N=40.0 + i, peak_std_N=0.3,
+                    breakaway=Breakaway(status=Status.OK if i else Status.NO_PEAK, detail="a, b"), kept=i > 0)
+        for i in range(3)
+    ]  # fmt: skip
+    frame = pd.DataFrame([trial.to_dict() for trial in trials])
+    frame.to_csv(tmp_path / "trials.csv", index=False)
+    table = read_trial_table(tmp_path / "trials.csv")
+    assert table.used.tolist() == [False, True, True]
+    assert table.peak_std_N.tolist() == [0.3] * 3
+    assert table.end_tension_std_N.tolist() == [0.01] * 3
+    assert table_from_frame(frame).peak_N.tolist() == table.peak_N.tolist()
+
+
+def many_rows(n):
+    text = io.StringIO()
+    text.write("trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_kN\n")
+    for i in range(n):
+        text.write(f"t{i},{30 + 10 * (i % 2)},9.8,{180 * (1 + i % 3)},20,{0.06 + 1e-6 * i:.7g}\n")
+    return text.getvalue()
+
+
+def test_of_many_rows_those_with_something_wrong_are_named(tmp_path):
+    lines = many_rows(3000).splitlines()
+    lines[1500] = lines[1500].replace(",20,", ",2O,")
+    lines[2000] = lines[2000].replace("t1999,", "t3,")
+    lines[2500] = ",".join([*lines[2500].split(",")[:-1], "0.001"])
+    path = tmp_path / "many.csv"
+    path.write_text("\n".join(lines))
+    with pytest.raises(DataError) as caught:
+        read_trial_table(path)
+    assert [(p.code, p.line) for p in caught.value.problems] == [
+        ("RF102", 1501),
+        ("RF411", 2501),
+        ("RF122", 2001),
+    ]
+
+
+def test_numbers_of_whole_columns_are_those_of_single_cells(tmp_path):
+    path = tmp_path / "many.csv"
+    path.write_text(many_rows(300))
+    table = read_trial_table(path)
+    for i, line in enumerate(path.read_text().splitlines()[1:]):
+        cells = line.split(",")
+        assert table.peak_N[i] == parse_quantity(f"{cells[5]} kN", "N")
+        assert table.rope_radius_m[i] == 0.5 * parse_quantity("9.8 mm", "m")
+        assert table.wrap_angle_rad[i] == parse_quantity(f"{cells[3]} deg", "rad")
+
+
+def test_of_very_many_equal_rows_a_few_are_named_and_the_others_counted(tmp_path):
+    row = "30,10,180,20,60\n"
+    path = tmp_path / "same.csv"
+    path.write_text("wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N\n" + 50 * row)
+    told = read_trial_table(path).warnings
+    assert len(told) == 21
+    assert told[0].message == "all numbers are those of line 2"
+    assert told[-1].message == "29 more rows have all the numbers of an earlier one"
+
+
+def test_a_table_that_is_cut_off_within_its_last_cell_is_refused(tmp_path):
+    """What `extract` writes ends each row with the recording's hash; half a copy of it is no table."""
+    text = (Path(__file__).parents[2] / "fits" / "prth-trials.csv").read_text(encoding="utf-8")
+    assert text.splitlines()[0].endswith(",sha256")
+    path = tmp_path / "trials.csv"
+    path.write_text(text, encoding="utf-8")
+    assert len(read_trial_table(path)) > 400
+    for start in (len(text) // 3, len(text) // 2, len(text) - 100):
+        cut = text[: text.index("\n", start) - 20]  # into the hash
+        path.write_text(cut, encoding="utf-8")
+        with pytest.raises(DataError, match="44 of 64 digits: the table is cut off") as caught:
+            read_trial_table(path)
+        assert caught.value.problem.line == cut.count("\n") + 1

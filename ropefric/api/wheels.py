@@ -14,8 +14,7 @@ from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
-from ropefric.pipeline.folder import campaign_folder
-from ropefric.pipeline.run import CampaignRun, run_campaign
+from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
 from ropefric.trials.campaign_model import Campaign
 
 

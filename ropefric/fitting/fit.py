@@ -17,12 +17,10 @@ from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import (
     LOSSES,
-    MANY,
     FitProblem,
     FitSettings,
     Loss,
     check_settings,
-    pooled,
     reduced,
 )
 from ropefric.fitting.result import FitResult
@@ -245,8 +243,6 @@ def _starts(problem: FitProblem, settings: FitSettings) -> FloatArray:
 
 def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[FloatArray, bool, tuple[str, ...]]:
     """Return the best end of the searches from some starts, whether it is a minimum, and others as good in words."""
-    if problem.n_points >= MANY and loss == "linear":
-        problem = pooled(problem)[0]
     ends = batched_fit(problem, starts=starts, loss=loss, tolerance=_TIGHT)
     every = np.flatnonzero(ends.converged) if ends.converged.any() else np.zeros(1, dtype=np.intp)
     least = ends.chi2[every].min()

@@ -142,6 +142,10 @@ def _draw(summary: ConditionSummary, trials: Iterable[TrialResult], *, with_trac
         figure = new_figure(margins=_MARGINS if with_traces else None)
         panels = figure.subplots(1, 2, width_ratios=(3, 2)) if with_traces else [figure.subplots()]
         if with_traces:
+            for axes, left in zip(panels, (-0.1, -0.16), strict=True):
+                # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
+                axes.xaxis.set_label_coords(0.5, -0.09)
+                axes.yaxis.set_label_coords(left, 0.5)
             _draw_traces(panels[0], chosen, colors)
         _draw_strip(panels[-1], summary, chosen, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")

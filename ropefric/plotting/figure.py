@@ -5,6 +5,7 @@ import io
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -181,13 +182,16 @@ def _csv_text(table: DataTable) -> str:
     return stream.getvalue()
 
 
-def _cells(column: Iterable[object]) -> list[str]:
+def _cells(column: tuple[object, ...]) -> list[str]:
+    if all(type(value) is float for value in column):
+        # All in one go: the traces of a campaign are half a million numbers.
+        return ("%.8g\n" * len(column) % column).replace("nan", "").split("\n")[:-1]
     return [
-        ("" if value != value else f"{value:.8g}") if isinstance(value, float) else _word(value)  # noqa: PLR0124
-        for value in column
+        f"{value:.8g}".replace("nan", "") if isinstance(value, float) else _word(value) for value in column
     ]
 
 
+@lru_cache(typed=True)
 def _word(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()

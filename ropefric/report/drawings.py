@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from ropefric.fitting.predict import REGRESSORS
-from ropefric.pipeline.answer import CampaignAnswer
 from ropefric.pipeline.evidence import Evidence
+from ropefric.pipeline.run import CampaignAnswer
 from ropefric.plotting.conditions import conditions_of, draw_repeatability
 from ropefric.plotting.design_chart import draw_design_chart
 from ropefric.plotting.figure import FigureWithData

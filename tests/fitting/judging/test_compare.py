@@ -101,8 +101,6 @@ def test_both_constant_laws_always_stand(campaign):
     assert {e.law for e in comparison.ranking} == {"constant", "constant-offset", "size-exponential"}
     with pytest.raises(UnknownNameError):
         compare_laws(campaign("constant", [0.2]), ["capstan"])
-    with pytest.raises(InputError, match="not compared"):
-        compare_laws(campaign("constant", [0.2]), ["constant"], law_options={"groove": {}})
 
 
 def test_one_radius_and_low_tension_never_crash(campaign):

@@ -79,10 +79,7 @@ def work_through(
     `law` is the one to use, "" for the best; `drawing` names the figures: those of the "report", those of "conditions".
     """
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.pipeline.run import (
-        campaign_folder,
-        run_campaign,
-    )
+    from ropefric.pipeline.run import campaign_folder, run_campaign  # noqa: PLC0415
     from ropefric.report.summary import summary_sections  # noqa: PLC0415
     from ropefric.report.write import write_report  # noqa: PLC0415
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import PlainValidator, model_validator
 
 from ropefric.arrays import FloatArray
-from ropefric.files.toml_model import StrictTable, choice, whole_number
+from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Chart,
@@ -28,7 +28,6 @@ from ropefric.scenes.kind import (
 from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
 from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
-from ropefric.trials.toml_fields import reject
 
 _TURN = 2.0 * math.pi
 _PER_MINUTE = 60.0 / _TURN

@@ -7,10 +7,8 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.systems.checks import Rule
+from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.reach import refuse_beyond_reach
-from ropefric.systems.spread import spread
 
 CLOSURES = ("limit", "tensioner", "fixed")
 _LARGEST_EXPONENT = 700.0
@@ -52,8 +50,8 @@ class DriveProblem:
     power_W: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
-            refuse_beyond_reach(name, array, may_vanish=_RULES[name] != "positive")
+        for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
+            refuse_out_of_scale(name, array, may_vanish=_RULES[name] != "positive")
             object.__setattr__(self, name, array)
         groove = self.groove_angle_rad
         if groove is not None and (groove > np.pi).any():

@@ -17,6 +17,9 @@ from ropefric.registry import did_you_mean
 Columns = tuple[FloatArray, ...]
 """The parameters one by one: each of shape () for one parameter set, or (m, 1) for m sets."""
 
+Slopes = tuple[FloatArray, ...]
+"""Derivatives, each of which broadcasts to what it is a derivative of."""
+
 FROM_ZERO = "use the law that counts the wrap from zero (NAME-from-zero; in Python law.without_end_tension())"
 """What to do where no wrap angle stands for an end tension."""
 
@@ -69,18 +72,14 @@ class Physics(Protocol):
         """Return ln F_A − ln F_B, shape (n,) or (m, n)."""
         ...
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and its derivative by each parameter, what both need made once.
 
         The rise is that of `rise` to the last bit, and each slope broadcasts to it.
         """
         ...
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return the derivative of ln F_A by R_w, φ and ln F_B; each broadcasts to the rise."""
         ...
 

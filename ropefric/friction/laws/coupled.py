@@ -10,10 +10,8 @@ from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.size_exponential import LAW as SIZE_EXPONENTIAL
 from ropefric.friction.laws.size_exponential import (
     SIZE_PARAMETERS,
+    ExponentialSize,
     coefficient_by_hand,
-    exponential_size,
-    exponential_size_by_radius,
-    exponential_size_slopes,
     size_candidates,
 )
 from ropefric.friction.laws.wrap_power import LAW as WRAP_POWER
@@ -43,13 +41,7 @@ LAW = with_variant(
         parameters=(*SIZE_PARAMETERS, exponent_parameter("c"), plateau_parameter("d")),
         coefficient="local",
         effects=frozenset({"size", "wrap-dependence", "end-tension"}),
-        physics=PowerWrap(
-            strength=exponential_size,
-            strength_slopes=exponential_size_slopes,
-            strength_by_radius=exponential_size_by_radius,
-            equivalence=True,
-            why_negative="a R_w/R_r + b is above 0 there, so e^(a r + b) > 1",
-        ),
+        physics=PowerWrap(strength=ExponentialSize(), equivalence=True),
         candidates=_candidates,
         special_cases=(CONSTANT, SIZE_EXPONENTIAL, WRAP_POWER),
         arithmetic=_by_hand,

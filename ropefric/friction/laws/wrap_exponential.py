@@ -16,6 +16,7 @@ from ropefric.friction.law import (
     FrictionLaw,
     Parameter,
     Refusal,
+    Slopes,
     below_reference,
     combinations,
     with_variant,
@@ -50,9 +51,7 @@ class ExponentialWrap:
         """Return a e^{bφ0} φ exprel(bφ) + c φ."""
         return exponential_rise(self._start(columns, conditions), conditions.wrap_angle_rad, *columns)
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and ∂ by a, b, c: that of the wrap itself and that of the shift of φ0."""
         a, b, c = columns
         p = self._start(columns, conditions)
@@ -62,9 +61,7 @@ class ExponentialWrap:
         before = exponential_rise_slopes(np.zeros_like(p), p, a, b)
         return rise, tuple(slope + shift * start for slope, start in zip(own, before, strict=True))
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
         a, b, c = columns
         phi = conditions.wrap_angle_rad

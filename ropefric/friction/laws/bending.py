@@ -6,9 +6,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Slopes, combinations
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes, combinations
 from ropefric.friction.laws.constant import LAW as CONSTANT
 
 _MAX_STEPS = 100

@@ -5,9 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Slopes
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
 
 
 class Uniform:

@@ -3,9 +3,8 @@
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw, combinations, with_variant
+from ropefric.friction.law import FrictionLaw, Sheet, combinations, with_variant
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.size_exponential import LAW as SIZE_EXPONENTIAL
 from ropefric.friction.laws.size_exponential import (

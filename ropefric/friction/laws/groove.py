@@ -3,9 +3,8 @@
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Slopes
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes
 from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
 _HALF_ANGLE_RAD = float(np.radians(20.0))

@@ -5,10 +5,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
 from ropefric.friction.integral import log1prel, log1prel_slope
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Slopes
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
 from ropefric.friction.laws.constant import LAW as CONSTANT
 
 

@@ -6,9 +6,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Slopes, combinations
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes, combinations
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
 from ropefric.friction.integral import PowerSpan, power_log_start, power_span
 from ropefric.friction.law import (
@@ -14,6 +13,7 @@ from ropefric.friction.law import (
     FrictionLaw,
     Parameter,
     Refusal,
+    Sheet,
     Slopes,
     below_reference,
     combinations,
@@ -156,26 +156,33 @@ def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> Fl
     )
 
 
-def power_by_hand(sheet: Sheet, m: str, k: str, d: str) -> float:
-    """Write ∫μ of m φ^k + d, whose symbols on the sheet are given."""
-    sheet.line("s", f"1 + {k}")
+def integral_by_hand(sheet: Sheet, formula: str, start_rad: float | None) -> float:
+    """Write ∫μ over the wrap, counted from the start where there is one; the formula is that from zero to `{0}`."""
 
     def integral(name: str, to: str, symbol: str = "") -> float:
-        return sheet.line(name, f"{m}/s * {to}^s + {d} * {to}", symbol)
+        return sheet.line(name, formula.format(to), symbol)
 
-    if "end-tension" not in sheet.effects or sheet["y"] == 0.0:
+    if start_rad is None:
         return integral("integral of mu from 0", "phi")
-    start = float(np.exp(power_log_start(sheet["y"], sheet[m], sheet[k], sheet[d])))
-    sheet.say("phi_0, the wrap that F_B stands for, solves m/s phi_0^s + d phi_0 = ln F_B:")
-    if start < _TINY_RAD:
+    if start_rad < _TINY_RAD:
         sheet.say("phi_0 is too small for a calculator, so the integral up to it is ln F_B itself")
         integral("integral up to phi_0 + phi", "phi", "far")
         return sheet.line("integral of mu", "far - y")
-    sheet.given("phi_0", start, "phi_0 [rad]")
+    sheet.given("phi_0", start_rad, "phi_0 [rad]")
     integral("integral up to phi_0", "phi_0", "near")
     sheet.line("phi_0 + phi", "phi_0 + phi", "end")
     integral("integral up to phi_0 + phi", "end", "far")
     return sheet.line("integral of mu", "far - near")
+
+
+def power_by_hand(sheet: Sheet, m: str, k: str, d: str) -> float:
+    """Write ∫μ of m φ^k + d, whose symbols on the sheet are given."""
+    sheet.line("s", f"1 + {k}")
+    start_rad = None
+    if "end-tension" in sheet.effects and sheet["y"] != 0.0:
+        start_rad = float(np.exp(power_log_start(sheet["y"], sheet[m], sheet[k], sheet[d])))
+        sheet.say("phi_0, the wrap that F_B stands for, solves m/s phi_0^s + d phi_0 = ln F_B:")
+    return integral_by_hand(sheet, f"{m}/s * {{0}}^s + {d} * {{0}}", start_rad)
 
 
 def _by_hand(sheet: Sheet) -> float:

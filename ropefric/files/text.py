@@ -98,7 +98,7 @@ class Source:
 
 
 def _inflated(packed: Iterator[bytes]) -> Iterator[bytes]:
-    """Yield what gzip has packed, a block at a time; a file may have several members, and zeros after the last."""
+    """Yield what gzip has packed, a block at most at a time; a file may have several members and zeros at its end."""
     unpacker = zlib.decompressobj(_GZIP)
     for rest in chain(packed, (b"",)):
         is_end = not rest

@@ -80,9 +80,8 @@ class Source:
                     return
                 if n_bytes > MOST_UNPACKED_BYTES:
                     fix = "check what it holds; unpack it, and split it, if it is a recording"
-                    raise self.error(
-                        f"the file unpacks to more than {MOST_UNPACKED_BYTES / 2**30:g} GB", fix=fix
-                    )
+                    most = f"{MOST_UNPACKED_BYTES / 2**30:g} GB"
+                    raise self.error(f"the file unpacks to more than {most}", fix=fix)
         except zlib.error as error:
             fix = "copy the file again from the logger"
             raise self.error(f"the gzip data are damaged or cut off ({error})", fix=fix) from None

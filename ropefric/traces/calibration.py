@@ -247,12 +247,9 @@ def as_counts(values: Any) -> IntArray:
     wrong = (filled < 0) | (filled > 2.0**32) | (filled != np.floor(filled))
     if wrong.any():
         index = int(np.argmax(wrong))
-        raise DataError(
-            f"sample {index} (the first is 0) is {array[index]:g}; a raw count is a whole number from 0",
-            code="RF211",
-            key="counts",
-            fix="name the column of raw counts, or import this one as force or voltage with its unit",
-        )
+        why = f"sample {index} (the first is 0) is {array[index]:g}; a raw count is a whole number from 0"
+        fix = "name the column of raw counts, or import this one as force or voltage with its unit"
+        raise DataError(why, code="RF211", key="counts", fix=fix)
     filled[missing] = -1.0
     return filled.astype(np.int64)
 
@@ -299,13 +296,10 @@ class Calibration:
         top = int(counts.max(initial=0))
         if top > max_count:
             index = int(np.argmax(counts > max_count))
-            raise DataError(
-                f"sample {index} (the first is 0) has count {counts[index]}, above the {max_count} of a "
-                f"{self.adc.bits}-bit converter; the largest count is {top}",
-                code="RF211",
-                key="bits",
-                fix=f"set bits = {top.bit_length()} or more, or check which column holds the counts",
-            )
+            most = f"the {max_count} of a {self.adc.bits}-bit converter; the largest count is {top}"
+            why = f"sample {index} (the first is 0) has count {counts[index]}, above {most}"
+            fix = f"set bits = {top.bit_length()} or more, or check which column holds the counts"
+            raise DataError(why, code="RF211", key="bits", fix=fix)
         force_N = counts * gain_N
         force_N += offset_N
         missing = counts < 0

@@ -100,11 +100,8 @@ class ForceTrace:
 def recalibrate(trace: ForceTrace, calibration: Calibration) -> ForceTrace:
     """Return the recording with its forces computed anew from the raw counts it kept."""
     if trace.counts is None:
-        raise InputError(
-            f"{trace.name} holds forces only, no raw counts, so no other calibration can be applied",
-            code="RF213",
-            path=trace.source,
-            fix="import the column of raw counts as channel `counts`",
-        )
+        why = f"{trace.name} holds forces only, no raw counts, so no other calibration can be applied"
+        fix = "import the column of raw counts as channel `counts`"
+        raise InputError(why, code="RF213", path=trace.source, fix=fix)
     force_N, saturation = calibration.apply(trace.counts)
     return replace(trace, force_N=force_N, calibration=calibration, saturation=saturation)

@@ -6,6 +6,7 @@ exception a Python programmer would expect, so `except ValueError` keeps working
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import PurePath
 from typing import Any, Literal
 
@@ -36,6 +37,10 @@ class Problem:
         """Return the place as `path:line key`, without the parts that are unknown."""
         place = self.path if self.line is None else f"{self.path}:{self.line}"
         return " ".join(part for part in (place, self.key) if part)
+
+    def to_dict(self) -> dict[str, str]:
+        """Return what programs need of it."""
+        return {"code": self.code, "message": self.message, "where": self.where, "fix": self.fix}
 
     def __str__(self) -> str:
         head = " ".join(part for part in (self.severity, self.code, self.where) if part)
@@ -109,33 +114,16 @@ class RopefricError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Keyword-only arguments do not survive the default pickling, and errors cross process borders here.
-        problem = self.problem
-        place = (problem.code, problem.path, problem.line, problem.key, problem.fix)
-        return _rebuild, (type(self), problem.message, place, self.problems)
+        return partial(type(self), **_place(self.problem), problems=self.problems), (self.problem.message,)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape `{"error": {"code", "message", "where", "fix"}}`, plus all problems found."""
-        error: dict[str, Any] = {
-            "code": self.code,
-            "message": self.problem.message,
-            "where": self.where,
-            "fix": self.fix,
-        }
-        if len(self.problems) > 1:
-            error["problems"] = [
-                {"code": p.code, "message": p.message, "where": p.where, "fix": p.fix} for p in self.problems
-            ]
-        return {"error": error}
+        more = {"problems": [one.to_dict() for one in self.problems]} if len(self.problems) > 1 else {}
+        return {"error": {**self.problem.to_dict(), **more}}
 
 
-def _rebuild(
-    kind: type[RopefricError],
-    message: str,
-    place: tuple[str, str, int | None, str, str],
-    problems: tuple[Problem, ...],
-) -> RopefricError:
-    code, path, line, key, fix = place
-    return kind(message, code=code, path=path, line=line, key=key, fix=fix, problems=problems)
+def _place(problem: Problem) -> dict[str, Any]:
+    return {key: getattr(problem, key) for key in ("code", "path", "line", "key", "fix")}
 
 
 class InputError(RopefricError, ValueError):
@@ -178,13 +166,4 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 def data_error(problems: Sequence[Problem]) -> DataError:
     """Return one `DataError` with the first problem's message and all of them in `.problems`."""
-    first = problems[0]
-    return DataError(
-        first.message,
-        code=first.code,
-        path=first.path,
-        line=first.line,
-        key=first.key,
-        fix=first.fix,
-        problems=problems,
-    )
+    return DataError(problems[0].message, **_place(problems[0]), problems=problems)

@@ -21,38 +21,19 @@ SMALLEST, LARGEST = 1e-30, 1e30
 one outside, and products of several still fit into a float."""
 
 SUFFIX_UNITS: dict[str, str] = {
-    "N": "N",
-    "kN": "kN",
-    "mN": "mN",
-    "kgf": "kgf",
-    "lbf": "lbf",
-    "m": "m",
-    "mm": "mm",
-    "cm": "cm",
-    "um": "um",
-    "in": "in",
-    "inch": "in",
-    "rad": "rad",
-    "deg": "deg",
-    "turn": "turn",
-    "turns": "turn",
-    "s": "s",
-    "ms": "ms",
-    "us": "us",
-    "min": "min",
-    "h": "hour",
-    "Hz": "Hz",
-    "kHz": "kHz",
-    "V": "V",
-    "mV": "mV",
-    "kg": "kg",
-    "g": "g",
-    "lb": "lb",
-    "Pa": "Pa",
-    "kPa": "kPa",
-    "MPa": "MPa",
+    **{
+        unit: unit
+        for unit in ("N", "kN", "mN", "kgf", "lbf", "m", "mm", "cm", "um", "in", "rad", "deg", "turn")
+    },
+    **{
+        unit: unit
+        for unit in ("s", "ms", "us", "min", "Hz", "kHz", "V", "mV", "kg", "g", "lb", "Pa", "kPa", "MPa")
+    },
     "bar": "bar",
     "degC": "degC",
+    "inch": "in",
+    "turns": "turn",
+    "h": "hour",
     "m_s": "m/s",
     "kg_m": "kg/m",
     "g_m": "g/m",

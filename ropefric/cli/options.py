@@ -41,7 +41,7 @@ class Answer:
     exit_code: int = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Command:
     """One verb of the command line, declared by one file in `cli/commands/`."""
 
@@ -54,7 +54,7 @@ class Command:
 # Files and folders.
 
 
-def folder_option(*names: str, help: str) -> Any:  # noqa: A002  (as typer calls it)
+def folder_option(default: Any, *names: str, help: str) -> Any:  # noqa: A002  (as typer calls it)
     """Return an option that names a folder; an empty name, such as an unset variable gives, is none."""
 
     def named(text: str) -> Path:
@@ -63,7 +63,7 @@ def folder_option(*names: str, help: str) -> Any:  # noqa: A002  (as typer calls
             raise RopefricError("the folder has no name", code="RF110", key="--out", fix=fix)
         return Path(text)
 
-    return typer.Option(*names, parser=named, metavar="FOLDER", help=help)
+    return typer.Option(default, *names, parser=named, metavar="FOLDER", help=help)
 
 
 CampaignArgument = Annotated[
@@ -174,27 +174,29 @@ def read_quantity(text: str, si_unit: str, option: str) -> float:
         raise typer.BadParameter(str(error), param_hint=option) from error
 
 
-def quantity_option(
+def quantity(
+    default: Any,
     option: str,
     si_unit: str,
     metavar: str,
     help: str,  # noqa: A002  (as typer calls it)
     *,
-    needed: bool = False,
     factor: float = 1.0,
 ) -> Any:
-    """Return an option that is a quantity, times a factor (a radius given by its diameter); no text is none."""
+    """Return an option that is a quantity, times a factor (a radius given by its diameter).
+
+    An empty text is none, unless the quantity is needed: its default is `...`.
+    """
 
     def read(text: str) -> float | None:
-        return factor * read_quantity(text, si_unit, option) if text or needed else None
+        return factor * read_quantity(text, si_unit, option) if text or default is ... else None
 
-    return typer.Option(option, parser=read, metavar=metavar, help=help)
+    return typer.Option(default, option, parser=read, metavar=metavar, help=help)
 
 
-RopeDiameter = Annotated[
-    float | None,
-    quantity_option("--rope-diameter", "m", "LENGTH", "Of another rope than that of the trials.", factor=0.5),
-]
+ROPE_DIAMETER = quantity(
+    None, "--rope-diameter", "m", "LENGTH", "Of another rope than that of the trials.", factor=0.5
+)
 """Given as a diameter, used as a radius [m]."""
 
 

@@ -135,10 +135,7 @@ class Comparison:
 
 def _rounded(tree: dict[str, Any]) -> dict[str, Any]:
     """Return numbers to six digits: criteria are differences of logarithms, weights and p-values their powers."""
-    gone = {
-        name: None for name, value in tree.items() if isinstance(value, float) and not math.isfinite(value)
-    }
-    return dict(rounded_tree(tree | gone, _DIGITS))
+    return dict(rounded_tree(tree, _DIGITS))
 
 
 def compare_laws(

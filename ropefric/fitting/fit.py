@@ -15,14 +15,7 @@ from ropefric.errors import InputError
 from ropefric.files.digits import significant, to_share
 from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import (
-    LOSSES,
-    FitProblem,
-    FitSettings,
-    Loss,
-    check_settings,
-    reduced,
-)
+from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, reduced
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.law import FrictionLaw

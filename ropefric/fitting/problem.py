@@ -25,10 +25,7 @@ Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
 LOSSES: dict[Loss, Callable[[FloatArray], tuple[FloatArray, FloatArray]]] = {
     "linear": lambda z: (z, np.ones_like(z)),
     "soft_l1": lambda z: (2.0 * (np.sqrt(1.0 + z) - 1.0), 1.0 / np.sqrt(1.0 + z)),
-    "huber": lambda z: (
-        np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
-        1.0 / np.sqrt(np.maximum(z, 1.0)),
-    ),
+    "huber": lambda z: (np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0), 1.0 / np.sqrt(np.maximum(z, 1.0))),
     "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z)),
     "arctan": lambda z: (np.arctan(z), 1.0 / (1.0 + z**2)),
 }

@@ -49,11 +49,7 @@ def standing(
     """Return how the law of a problem stands on condition means."""
     at, K = np.asarray(theta, dtype=np.float64), len(means)
     on_means = replace(
-        problem,
-        conditions=means.conditions,
-        log_lift=means.log_lift,
-        std=means.std,
-        group=np.arange(K),
+        problem, conditions=means.conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
     )
     for _ in range(_ROUNDS):
         at = refit(on_means, at, slack=slack)[0][0]

@@ -13,10 +13,8 @@ from ropefric.files.plain_text import json_document
 from ropefric.fitting.design import DesignChart, design_chart
 from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
 from ropefric.fitting.measured_budget import MeasuredCondition, conditions_of_extraction, force_model
-from ropefric.fitting.planning.limits import RigLimits, geometric_levels, linear_levels
-from ropefric.fitting.planning.plan import plan_tests
-from ropefric.fitting.planning.precision import planned_fit
-from ropefric.fitting.planning.result import LabPlan
+from ropefric.fitting.next_tests import LabPlan, plan_tests, planned_fit
+from ropefric.fitting.plan_search import RigLimits, geometric_levels, linear_levels
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct

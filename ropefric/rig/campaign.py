@@ -12,12 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.files.plain_text import to_spreadsheet
 from ropefric.files.write import write_file
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.registry import did_you_mean
 from ropefric.rig.bench import Bench
 from ropefric.rig.mechanics import RIG_PROTOCOLS, RecordingTruth
 from ropefric.rig.recording import FAULTS, SATURATION_MARGIN, SimulatedRecording, simulate_recording
@@ -89,22 +88,13 @@ class CampaignPlan:
     def lift_force_N(self, conditions: tuple[RigCondition, ...]) -> FloatArray:
         """Return the true lift force of conditions [N], shape (n,), without scatter."""
         law = ALL_LAWS[self.law]
-        names = law.parameter_names
-        for name in self.parameters:
-            if name not in names:
-                raise UnknownNameError(
-                    f"unknown parameter '{name}' of law '{law.name}'", fix=did_you_mean(name, names)
-                )
-        missing = [name for name in names if name not in self.parameters]
-        if missing:
-            raise InputError(f"law '{law.name}' needs a value for: {', '.join(missing)}", key="parameters")
         pulls = Conditions(
             wheel_radius_m=np.array([c.wheel_radius_m for c in conditions]),
             rope_radius_m=np.array(0.5 * self.rope_diameter_m),
             wrap_angle_rad=np.array([c.wrap_angle_rad for c in conditions]),
             end_tension_N=np.array([c.end_tension_N for c in conditions]),
         )
-        log_lift = law.log_lift(np.array([self.parameters[name] for name in names]), pulls)
+        log_lift = law.log_lift(law.theta_from(self.parameters), pulls)
         if not float(log_lift.max()) < math.log(1e9):
             raise InputError(f"a lift force of e^{log_lift.max():.4g} N is beyond any rig", key="conditions")
         return np.exp(log_lift)
@@ -200,8 +190,8 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
     dealt: list[list[str]] = [[] for _ in range(law_N.size)]
     spoilt = np.zeros(law_N.size, dtype=bool)
     for name, rate in plan.faults.items():
-        on_pull = FAULTS[name].on_pull is not None
-        can = ~spoilt if on_pull else np.ones_like(spoilt)
+        mechanical = FAULTS[name].is_mechanical
+        can = ~spoilt if mechanical else np.ones_like(spoilt)
         if name == "saturation":
             # The honest cause is a cell too small for the force; only where there is none does a rope jam. Whole
             # conditions lie above it: choosing the strongest trials would bias the mean of those that are left.
@@ -212,7 +202,7 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
         n = min(round(rate * law_N.size), places.size)
         for index in np.sort(rng.choice(places, size=n, replace=False)).tolist():
             dealt[index].append(name)
-            spoilt[index] |= on_pull
+            spoilt[index] |= mechanical
     return dealt
 
 

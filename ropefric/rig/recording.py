@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -31,6 +31,7 @@ _SEVERITY = (
     *(Status.NO_BREAKAWAY, Status.NO_PEAK, Status.OK),
 )
 
+Rng = np.random.Generator
 Samples = tuple[FloatArray, FloatArray]
 """What the logger wrote: times [s] and counts."""
 
@@ -54,16 +55,22 @@ class SimulatedRecording:
 class Fault:
     """Something that goes wrong in a recording, and what an honest reading makes of it.
 
-    It acts on the pull and what measures it, on the samples, or on the bytes of the file.
+    It acts on the pull, also on what measures it, on the samples, or on the bytes of the file.
     """
 
     name: str
     rate: float
     expected_status: Status | None = None
     protocols: tuple[str, ...] = ()
-    on_pull: Callable[[Any, Sensor, Bench, np.random.Generator], tuple[Any, Sensor]] | None = None
-    on_samples: Callable[[Samples, Sensor, float, np.random.Generator], Samples] | None = None
-    on_bytes: Callable[[bytes, np.random.Generator], bytes] | None = None
+    on_pull: Callable[[BreakawayPull, Rng], BreakawayPull] | None = None
+    on_setup: Callable[[Any, Sensor, Bench, Rng], tuple[Any, Sensor]] | None = None
+    on_samples: Callable[[Samples, Sensor, float, Rng], Samples] | None = None
+    on_bytes: Callable[[bytes, Rng], bytes] | None = None
+
+    @property
+    def is_mechanical(self) -> bool:
+        """Return whether it changes what happens or what measures it."""
+        return self.on_pull is not None or self.on_setup is not None
 
     def check_protocol(self, protocol: str) -> None:
         """Refuse a protocol that this fault cannot befall."""
@@ -83,7 +90,7 @@ def _near(time_s: FloatArray, peak_s: float, within_s: float) -> tuple[int, int]
     return first, last
 
 
-def _spike(samples: Samples, sensor: Sensor, peak_s: float, rng: np.random.Generator) -> Samples:
+def _spike(samples: Samples, sensor: Sensor, peak_s: float, rng: Rng) -> Samples:
     """Add one to three spikes of one or two samples, up to full scale."""
     time_s, counts = samples[0], samples[1].copy()
     top = sensor.adc.max_count
@@ -98,7 +105,7 @@ def _spike(samples: Samples, sensor: Sensor, peak_s: float, rng: np.random.Gener
     return time_s, counts
 
 
-def _dropout(samples: Samples, _sensor: Sensor, peak_s: float, rng: np.random.Generator) -> Samples:
+def _dropout(samples: Samples, _sensor: Sensor, peak_s: float, rng: Rng) -> Samples:
     """Make one or two gaps of up to 30 samples, empty or stuck at the last value; never at the peak."""
     time_s, counts = samples[0], samples[1].copy()
     first, last = _near(time_s, peak_s, _CLEAR_OF_PEAK_S)
@@ -113,13 +120,13 @@ def _dropout(samples: Samples, _sensor: Sensor, peak_s: float, rng: np.random.Ge
     return time_s, counts
 
 
-def _too_short(samples: Samples, _sensor: Sensor, _peak_s: float, rng: np.random.Generator) -> Samples:
+def _too_short(samples: Samples, _sensor: Sensor, _peak_s: float, rng: Rng) -> Samples:
     """End the recording after 5 to 49 samples, still idle."""
     n = int(rng.integers(5, 50))
     return samples[0][:n].copy(), samples[1][:n].copy()
 
 
-def _clock_jitter(samples: Samples, _sensor: Sensor, _peak_s: float, rng: np.random.Generator) -> Samples:
+def _clock_jitter(samples: Samples, _sensor: Sensor, _peak_s: float, rng: Rng) -> Samples:
     """Let time stamps jitter by up to 0.4 of a step, or three in a row be the same."""
     time_s, counts = samples
     if time_s.size > 1:
@@ -132,7 +139,7 @@ def _clock_jitter(samples: Samples, _sensor: Sensor, _peak_s: float, rng: np.ran
     return time_s, counts
 
 
-def _unreadable(data: bytes, rng: np.random.Generator) -> bytes:
+def _unreadable(data: bytes, rng: Rng) -> bytes:
     """Cut the file off, or write over its beginning."""
     if rng.random() < 0.5:
         return data[: int(len(data) * rng.uniform(0.2, 0.8))]
@@ -140,9 +147,7 @@ def _unreadable(data: bytes, rng: np.random.Generator) -> bytes:
     return b"\x00" + head[1:] + data[64:]  # whatever the draw, this is no gzip header
 
 
-def _saturation(
-    pull: BreakawayPull, sensor: Sensor, bench: Bench, rng: np.random.Generator
-) -> tuple[BreakawayPull, Sensor]:
+def _saturation(pull: BreakawayPull, sensor: Sensor, bench: Bench, rng: Rng) -> tuple[BreakawayPull, Sensor]:
     """Use a cell that is too small; if all are large enough, let the rope jam, which raises F_A itself."""
     for cell in reversed(bench.cells):
         smaller = replace(sensor, cell=cell)
@@ -161,9 +166,7 @@ def _saturation(
     return jammed, sensor
 
 
-def _no_breakaway(
-    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
-) -> tuple[BreakawayPull, Sensor]:
+def _no_breakaway(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Stop the ramp below the static friction and hold it, or end the recording while it rises."""
     reached = rng.uniform(0.7, 0.95)
     top_N = pull.pretension_N + reached * (pull.lift_force_N - pull.pretension_N)
@@ -176,14 +179,12 @@ def _no_breakaway(
     elif kind < 0.6:  # the motor is held only briefly
         off_s = pull.breakaway_s + rng.uniform(0.1, 0.3)
         stopped = replace(stopped, off_s=off_s, end_s=off_s + (pull.end_s - pull.off_s))
-    return stopped, sensor
+    return stopped
 
 
-def _no_peak(
-    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
-) -> tuple[BreakawayPull, Sensor]:
+def _no_peak(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Let the whole slope be lost to micro-slip, and slide on roughly at the force reached, without teeth."""
-    smooth = replace(
+    return replace(
         pull,
         micro_slip=rng.uniform(0.15, 0.4),
         micro_slip_loss=1.0,
@@ -193,12 +194,9 @@ def _no_peak(
         teeth=pull.teeth.scaled(0.0),
         has_peak=False,
     )
-    return smooth, sensor
 
 
-def _high_tooth(
-    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
-) -> tuple[BreakawayPull, Sensor]:
+def _high_tooth(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Raise one to three of the first later teeth to 2-8 % above F_A; each then takes longer to reload."""
     sliding_s = pull.off_s - pull.breakaway_s
     drop_N = pull.lift_force_N - pull.kinetic_N
@@ -212,19 +210,17 @@ def _high_tooth(
     # The last of them must come before the motor is off, if need be by a faster reload.
     needed_N_s = float((top_N[1:5] - teeth.bottom_N[:4]).sum()) / (0.8 * sliding_s)
     laid = lay_teeth(top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s))
-    return replace(pull, teeth=laid, drift=0.0), sensor
+    return replace(pull, teeth=laid, drift=0.0)
 
 
-def _drift(
-    pull: BreakawayPull, sensor: Sensor, _bench: Bench, rng: np.random.Generator
-) -> tuple[BreakawayPull, Sensor]:
+def _drift(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Let the sliding level climb slowly to 3 to 8 % above the break-away."""
     # `drift` counts 1/1.03 of itself at the end, see BreakawayPull.
     climb = 1.03 * (rng.uniform(1.03, 1.08) * pull.lift_force_N / pull.kinetic_N - 1.0)
-    return replace(pull, drift=climb), sensor
+    return replace(pull, drift=climb)
 
 
-def _noisy(pull: Any, sensor: Sensor, _bench: Bench, _rng: np.random.Generator) -> tuple[Any, Sensor]:
+def _noisy(pull: Any, sensor: Sensor, _bench: Bench, _rng: Rng) -> tuple[Any, Sensor]:
     """Make the noise four times as loud."""
     return pull, replace(sensor, noise_counts=4.0 * sensor.noise_counts)
 
@@ -235,13 +231,13 @@ FAULTS: Registry[Fault] = Registry(
     [
         Fault("spike", 0.07, on_samples=_spike),
         Fault("dropout", 0.03, on_samples=_dropout),
-        Fault("saturation", 0.01, Status.SATURATED, _PULL, on_pull=_saturation),
+        Fault("saturation", 0.01, Status.SATURATED, _PULL, on_setup=_saturation),
         Fault("no-breakaway", 0.01, Status.NO_BREAKAWAY, _PULL, on_pull=_no_breakaway),
         Fault("no-peak", 0.01, Status.NO_PEAK, _PULL, on_pull=_no_peak),
         Fault("too-short", 0.005, Status.TOO_SHORT, on_samples=_too_short),
         Fault("high-tooth", 0.02, protocols=_PULL, on_pull=_high_tooth),
         Fault("drift", 0.02, protocols=_PULL, on_pull=_drift),
-        Fault("noisy", 0.01, on_pull=_noisy),
+        Fault("noisy", 0.01, on_setup=_noisy),
         Fault("clock-jitter", 0.01, on_samples=_clock_jitter),
         Fault("unreadable", 0.0025, Status.UNREADABLE, on_bytes=_unreadable),
     ],
@@ -254,7 +250,7 @@ def simulate_recording(
     *,
     lift_force_N: float,
     end_tension_N: float,
-    rng: np.random.Generator,
+    rng: Rng,
     faults: Sequence[str] = (),
     protocol: str = "breakaway",
     cell: str = "",
@@ -289,8 +285,10 @@ def simulate_recording(
         gain_error=bench.gain_error,
     )
     for fault in chosen:
-        if fault.on_pull:
-            pull, sensor = fault.on_pull(pull, sensor, bench, fault_rng)
+        if fault.on_setup:
+            pull, sensor = fault.on_setup(pull, sensor, bench, fault_rng)
+        elif fault.on_pull:
+            pull = fault.on_pull(cast("BreakawayPull", pull), fault_rng)  # by its protocols
     true_time_s = np.arange(math.floor(pull.end_s * bench.sampling_rate_Hz) + 1) / bench.sampling_rate_Hz
     true_force_N = pull.force_N(true_time_s)
     truth = pull.truth()

@@ -12,9 +12,7 @@ from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.start import guess
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
-from ropefric.systems.bandsaw.ends import CLAMPED, PINNED
-from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.bandsaw.span import CLAMPED, PINNED, Span, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.problem import HoistProblem
 from ropefric.traces.breakaway import PickSettings

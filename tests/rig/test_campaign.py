@@ -190,7 +190,7 @@ def test_nothing_is_overwritten(tmp_path):
 def test_impossible_plans_are_refused():
     with pytest.raises(InputError, match="seed -1 is negative"):
         plan_trials(small(), seed=-1)
-    with pytest.raises(InputError, match="needs a value for: d"):
+    with pytest.raises(InputError, match="no value for d"):
         small(parameters={"mu_inf": 0.4, "a": -0.2, "b": -0.3, "c": -0.4})
     with pytest.raises(UnknownNameError, match="did you mean 'mu_inf'"):
         small(parameters={"mu_ifn": 0.4})

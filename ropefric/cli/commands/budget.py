@@ -1,16 +1,16 @@
 """`ropefric budget`: what makes up the uncertainty of a force, a coefficient, or a predicted lift force."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
+from typer import Argument, BadParameter, Option
 
 from ropefric.cli.options import (
     NOT_TRUSTED,
     Answer,
     Command,
     campaign_file,
-    quantity_option,
+    quantity,
     read_fit,
     read_table,
     rope_radius,
@@ -22,73 +22,42 @@ if TYPE_CHECKING:
     from ropefric.fitting.measured_budget import MeasuredCondition
 
 
-Source = Annotated[
-    Path | None,
-    typer.Argument(metavar="[CAMPAIGN.toml|TRIALS.csv]", help="A campaign, or a trial table; or use --fit."),
-]
-Fit = Annotated[Path | None, typer.Option("--fit", metavar="FIT.json", help="Of a lift force by this fit.")]
-What = Annotated[str, typer.Option("--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ.")]
-Number = Annotated[int | None, typer.Option("--condition", min=1, help="Only this condition, in full.")]
-WheelRadius = Annotated[float | None, quantity_option("--wheel-radius", "m", "LENGTH", "R_w, with --fit.")]
-Wrap = Annotated[float | None, quantity_option("--wrap", "rad", "ANGLE", "φ, with --fit.")]
-EndTension = Annotated[float | None, quantity_option("--end-tension", "N", "FORCE", "F_B, with --fit.")]
-RopeDiameter = Annotated[
-    float | None, quantity_option("--rope-diameter", "m", "LENGTH", "Of another rope.", factor=0.5)
-]
-UWheel = Annotated[
-    float | None, quantity_option("--u-wheel-radius", "m", "LENGTH", "Standard uncertainty of R_w.")
-]
-URope = Annotated[
-    float | None, quantity_option("--u-rope-diameter", "m", "LENGTH", "Of the rope's diameter.", factor=0.5)
-]
-UWrap = Annotated[float | None, quantity_option("--u-wrap", "rad", "ANGLE", 'Of the wrap, such as "2 deg".')]
-UEnd = Annotated[float | None, quantity_option("--u-end-tension", "N", "FORCE", 'Of F_B, such as "0.5 N".')]
-Measured = Annotated[
-    bool,
-    typer.Option("--end-tension-measured", help="F_B is read by a second channel, no weights hang there."),
-]
-Gain = Annotated[
-    float | None,
-    quantity_option(
-        "--gain", "", "PART", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
-    ),
-]
-Gravity = Annotated[
-    float | None,
-    quantity_option(
-        "--gravity", "", "PART", 'Limit of error of g of the weights, such as "0 %" where it is known.'
-    ),
-]
-OnePull = Annotated[
-    bool, typer.Option("--one-pull", help="Of one pull with a new rope, not of the mean law.")
-]
-Level = Annotated[float, typer.Option(help="Coverage probability, between 0 and 1.")]
-Draws = Annotated[int, typer.Option(help="Draws that check the budget.")]
-Seed = Annotated[int, typer.Option(min=0, help="Of the draws.")]
-
-
 def budget(
     out: Output,
-    source: Source = None,
+    source: Path | None = Argument(
+        None, metavar="[CAMPAIGN.toml|TRIALS.csv]", help="A campaign, or a trial table; or use --fit."
+    ),
     *,
-    fit: Fit = None,
-    quantity: What = "force",
-    condition: Number = None,
-    wheel_radius: WheelRadius = None,
-    wrap: Wrap = None,
-    end_tension: EndTension = None,
-    rope_diameter: RopeDiameter = None,
-    u_wheel_radius: UWheel = None,
-    u_rope_diameter: URope = None,
-    u_wrap: UWrap = None,
-    u_end_tension: UEnd = None,
-    end_tension_measured: Measured = False,
-    gain: Gain = None,
-    gravity: Gravity = None,
-    one_pull: OnePull = False,
-    level: Level = 0.95,
-    draws: Draws = 200_000,
-    seed: Seed = 0,
+    fit: Path | None = Option(None, metavar="FIT.json", help="Of a lift force by this fit."),
+    quantity: str = Option("force", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ."),
+    condition: int | None = Option(None, min=1, help="Only this condition, in full."),
+    wheel_radius: float | None = quantity(None, "--wheel-radius", "m", "LENGTH", "R_w, with --fit."),
+    wrap: float | None = quantity(None, "--wrap", "rad", "ANGLE", "φ, with --fit."),
+    end_tension: float | None = quantity(None, "--end-tension", "N", "FORCE", "F_B, with --fit."),
+    rope_diameter: float | None = quantity(
+        None, "--rope-diameter", "m", "LENGTH", "Of another rope.", factor=0.5
+    ),
+    u_wheel_radius: float | None = quantity(
+        None, "--u-wheel-radius", "m", "LENGTH", "Standard uncertainty of R_w."
+    ),
+    u_rope_diameter: float | None = quantity(
+        None, "--u-rope-diameter", "m", "LENGTH", "Of the rope's diameter.", factor=0.5
+    ),
+    u_wrap: float | None = quantity(None, "--u-wrap", "rad", "ANGLE", 'Of the wrap, such as "2 deg".'),
+    u_end_tension: float | None = quantity(None, "--u-end-tension", "N", "FORCE", 'Of F_B, such as "0.5 N".'),
+    end_tension_measured: bool = Option(
+        False, "--end-tension-measured", help="F_B is read by a second channel, no weights hang there."
+    ),
+    gain: float | None = quantity(
+        None, "--gain", "", "PART", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
+    ),
+    gravity: float | None = quantity(
+        None, "--gravity", "", "PART", 'Limit of error of g of the weights, such as "0 %" where it is known.'
+    ),
+    one_pull: bool = Option(False, "--one-pull", help="Of one pull with a new rope, not of the mean law."),
+    level: float = Option(0.95, help="Coverage probability, between 0 and 1."),
+    draws: int = Option(200_000, help="Draws that check the budget."),
+    seed: int = Option(0, min=0, help="Of the draws."),
 ) -> Answer:
     """State an uncertainty after the GUM: a budget line by line, checked by draws, and what would shrink it.
 
@@ -97,7 +66,7 @@ def budget(
     """
     check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
     if (source is None) == (fit is None):
-        raise typer.BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
+        raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
     if fit is not None:
         wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
         uncertainty = {
@@ -108,10 +77,10 @@ def budget(
         }
         return _of_fit(out, fit, wheel, rope_diameter, uncertainty, one_pull=one_pull, check=check)
     from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.report.uncertainty import budgets_section, uncertainty_sections  # noqa: PLC0415
+    from ropefric.report.parts import budgets_section, uncertainty_sections  # noqa: PLC0415
 
     if quantity not in {"force", "mu"}:
-        raise typer.BadParameter(f"{quantity!r} is neither force nor mu", param_hint="--quantity")
+        raise BadParameter(f"{quantity!r} is neither force nor mu", param_hint="--quantity")
     found = _conditions(out, Path(str(source)), gravity)
     if condition is not None:
         found = (measured.condition_numbered(found, condition),)
@@ -180,13 +149,13 @@ def _of_fit(
 ) -> Answer:
     from ropefric.fitting.lift_budget import WheelUncertainty, state_lift  # noqa: PLC0415  (all: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
-    from ropefric.report.uncertainty import uncertainty_sections  # noqa: PLC0415
+    from ropefric.report.parts import uncertainty_sections  # noqa: PLC0415
 
     options = ("--wheel-radius", "--wrap", "--end-tension")
     missing = [name for name, value in zip(options, wheel.values(), strict=True) if value is None]
     if missing:
         text = f"a budget of a fit is of one wheel: {' and '.join(missing)} missing"
-        raise typer.BadParameter(text, param_hint=missing[0])
+        raise BadParameter(text, param_hint=missing[0])
     known = {name: float(value or 0.0) for name, value in wheel.items()}
     stored = read_fit(path, out)
     at = one_condition(rope_radius_m=rope_radius(stored, rope_m), **known)
@@ -201,9 +170,9 @@ def _of_fit(
 
 
 COMMAND = Command(
-    name="budget",
-    run=budget,
-    example='ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
+    "budget",
+    budget,
+    'ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
     order=130,
 )

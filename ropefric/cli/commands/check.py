@@ -4,9 +4,9 @@ import math
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
+from typer import Argument
 
 from ropefric.cli.options import Answer, Command, campaign_file
 from ropefric.cli.output import Output, make_table, number
@@ -19,15 +19,12 @@ if TYPE_CHECKING:
     from ropefric.trials.campaign_model import Campaign
 
 
-CheckedFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."
+def check(
+    out: Output,
+    campaign: Path = Argument(
+        ..., metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."
     ),
-]
-
-
-def check(out: Output, campaign: CheckedFile) -> Answer:
+) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
     A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
@@ -43,8 +40,7 @@ def check(out: Output, campaign: CheckedFile) -> Answer:
     if not out.json:
         out.problems(problems)
     tally = f"{campaign}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
-    keys = ("code", "severity", "message", "where", "fix")
-    listed = [{key: getattr(problem, key) for key in keys} for problem in problems]
+    listed = [problem.to_dict() | {"severity": problem.severity} for problem in problems]
     data: dict[str, Any] = {"ok": n_errors == 0, "problems": listed}
     try:
         raise_problems(problems)
@@ -123,4 +119,4 @@ def _listed(values: Iterable[float], factor: float, unit: str) -> str:
     return f"{', '.join(texts)} {unit}" if texts else ""
 
 
-COMMAND = Command(name="check", run=check, example="ropefric check data/prth-bench/campaign.toml", order=30)
+COMMAND = Command("check", check, "ropefric check data/prth-bench/campaign.toml", order=30)

@@ -1,19 +1,19 @@
 """`ropefric compare`: which friction law the data ask for."""
 
-from typing import Annotated
-
-import typer
+from typer import Option
 
 from ropefric.cli.options import Answer, Command, TableArgument, exit_code_of, read_table
 from ropefric.cli.output import Output, Progress
 
-Laws = Annotated[
-    list[str] | None,
-    typer.Option("--laws", metavar="NAME[,NAME…]", help="Laws to compare, all by default; repeatable."),
-]
 
-
-def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
+def compare(
+    out: Output,
+    trials: TableArgument,
+    *,
+    laws: list[str] | None = Option(
+        None, metavar="NAME[,NAME…]", help="Laws to compare, all by default; repeatable."
+    ),
+) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
 
     The two constant laws always stand in the comparison. Exits with 4 unless the best law is supported: when the
@@ -38,4 +38,4 @@ def compare(out: Output, trials: TableArgument, *, laws: Laws = None) -> Answer:
     )
 
 
-COMMAND = Command(name="compare", run=compare, example="ropefric compare fits/prth-trials.csv", order=100)
+COMMAND = Command("compare", compare, "ropefric compare fits/prth-trials.csv", order=100)

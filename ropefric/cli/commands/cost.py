@@ -1,26 +1,23 @@
 """`ropefric cost`: error and time of every numerical choice, measured here and now."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 from ropefric.cli.options import Answer, Command, Force, folder_option, open_folder, written_to
 from ropefric.cli.output import Output, Progress
 
-Names = Annotated[
-    list[str] | None, typer.Argument(metavar="[STUDY …]", help="Studies to measure, all by default.")
-]
-OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where figures, tables and page are written.")]
-Quick = Annotated[bool, typer.Option("--quick", help="Some settings only, and little time for each.")]
-
 
 def cost(
     out: Output,
-    studies: Names = None,
+    studies: list[str] | None = Argument(
+        None, metavar="[STUDY …]", help="Studies to measure, all by default."
+    ),
     *,
-    folder: OutFolder = Path("cost"),
-    quick: Quick = False,
+    folder: Path = folder_option(
+        Path("cost"), "--out", "-o", help="Where figures, tables and page are written."
+    ),
+    quick: bool = Option(False, "--quick", help="Some settings only, and little time for each."),
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
@@ -53,4 +50,4 @@ def cost(
     return Answer(data=data, show=lambda _: [*cost_sections(results, machine), said])
 
 
-COMMAND = Command(name="cost", run=cost, example="ropefric cost integral --out cost --quick", order=180)
+COMMAND = Command("cost", cost, "ropefric cost integral --out cost --quick", order=180)

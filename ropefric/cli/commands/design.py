@@ -3,22 +3,22 @@
 import math
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from typer import Option
 
 from ropefric.cli.options import (
     NOT_TRUSTED,
+    ROPE_DIAMETER,
     Answer,
     Command,
     FitOption,
     Force,
-    RopeDiameter,
     exit_code_of,
     figure_names,
     folder_option,
     open_folder,
-    quantity_option,
+    quantity,
     read_fit,
     rope_radius,
 )
@@ -26,32 +26,10 @@ from ropefric.cli.output import Output
 
 if TYPE_CHECKING:
     from ropefric.files.folder import Folder
-    from ropefric.fitting.design_result import Design
+    from ropefric.fitting.design import Design
     from ropefric.fitting.result import FitResult
     from ropefric.report.section import Section
 
-
-Lift = Annotated[float, quantity_option("--lift", "N", "FORCE", 'The load, such as "900 N".', needed=True)]
-SolveFor = Annotated[
-    str, typer.Option("--solve-for", metavar="wrap|radius|end-tension", help="What is looked for.")
-]
-WheelRadius = Annotated[
-    float | None, quantity_option("--wheel-radius", "m", "LENGTH", "R_w, unless looked for.")
-]
-Wrap = Annotated[float | None, quantity_option("--wrap", "rad", "ANGLE", "φ, unless looked for.")]
-EndTension = Annotated[
-    float | None, quantity_option("--end-tension", "N", "FORCE", "F_B, unless looked for.")
-]
-Probability = Annotated[
-    float, typer.Option(help="Probability, 0.5 or more, that one pull with a new rope lifts the load.")
-]
-Chart = Annotated[
-    Path | None,
-    folder_option(
-        "--chart", help="Draw the lift force over wheel radius and wrap at this end tension there."
-    ),
-]
-OnAverage = Annotated[bool, typer.Option("--on-average", help="Ask only that the mean law lifts the load.")]
 
 _SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius", 1e3, "mm"),
           "end_tension": ("end tension", 1.0, "N")}  # fmt: skip
@@ -61,15 +39,19 @@ def design(
     out: Output,
     *,
     fit: FitOption,
-    lift: Lift,
-    solve_for: SolveFor = "wrap",
-    wheel_radius: WheelRadius = None,
-    wrap: Wrap = None,
-    end_tension: EndTension = None,
-    rope_diameter: RopeDiameter = None,
-    probability: Probability = 0.95,
-    on_average: OnAverage = False,
-    chart: Chart = None,
+    lift: float = quantity(..., "--lift", "N", "FORCE", 'The load, such as "900 N".'),
+    solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
+    wheel_radius: float | None = quantity(None, "--wheel-radius", "m", "LENGTH", "R_w, unless looked for."),
+    wrap: float | None = quantity(None, "--wrap", "rad", "ANGLE", "φ, unless looked for."),
+    end_tension: float | None = quantity(None, "--end-tension", "N", "FORCE", "F_B, unless looked for."),
+    rope_diameter: float | None = ROPE_DIAMETER,
+    probability: float = Option(
+        0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
+    ),
+    on_average: bool = Option(False, "--on-average", help="Ask only that the mean law lifts the load."),
+    chart: Path | None = folder_option(
+        None, "--chart", help="Draw the lift force over wheel radius and wrap at this end tension there."
+    ),
     force: Force = False,
 ) -> Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
@@ -156,9 +138,9 @@ def _section(found: "Design") -> "Section":
 
 
 COMMAND = Command(
-    name="design",
-    run=design,
-    example='ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
+    "design",
+    design,
+    'ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
     '--end-tension "80 N"',
     order=140,
 )

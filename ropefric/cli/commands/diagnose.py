@@ -20,4 +20,4 @@ def diagnose(out: Output, trials: TableArgument) -> Answer:
     )
 
 
-COMMAND = Command(name="diagnose", run=diagnose, example="ropefric diagnose fits/prth-trials.csv", order=110)
+COMMAND = Command("diagnose", diagnose, "ropefric diagnose fits/prth-trials.csv", order=110)

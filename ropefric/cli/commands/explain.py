@@ -1,18 +1,19 @@
 """`ropefric explain`: which effects of a scene are simulated, why, and what they are worth."""
 
-from typing import Annotated
-
-import typer
+from typer import Option
 
 from ropefric.cli.options import Answer, Command, SceneArgument
 from ropefric.cli.output import Output
 
-Measure = Annotated[
-    bool, typer.Option("--measure", help="Solve with and without each effect, for its worth and its time.")
-]
 
-
-def explain(_out: Output, scene: SceneArgument, *, measure: Measure = False) -> Answer:
+def explain(
+    _out: Output,
+    scene: SceneArgument,
+    *,
+    measure: bool = Option(
+        False, "--measure", help="Solve with and without each effect, for its worth and its time."
+    ),
+) -> Answer:
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
     from ropefric.report.scene import explanation_sections  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.scenes.plan import explain_scene  # noqa: PLC0415
@@ -22,6 +23,4 @@ def explain(_out: Output, scene: SceneArgument, *, measure: Measure = False) -> 
     return Answer(data=found.to_dict(), show=lambda _: explanation_sections(found))
 
 
-COMMAND = Command(
-    name="explain", run=explain, example="ropefric explain data/scenes/hoist.toml --measure", order=170
-)
+COMMAND = Command("explain", explain, "ropefric explain data/scenes/hoist.toml --measure", order=170)

@@ -4,9 +4,9 @@ import logging
 import math
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from typer import Option
 
 from ropefric.cli.options import (
     Answer,
@@ -31,9 +31,6 @@ if TYPE_CHECKING:
     from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
 
 
-OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where tables and figures go.")]
-Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw one figure per condition.")]
-
 SERIAL_FIGURES = 8
 """Figures below which starting worker processes costs more than it saves."""
 MAX_ALIKE = 3
@@ -46,9 +43,9 @@ def extract(
     out: Output,
     campaign: CampaignArgument,
     *,
-    folder: OutFolder = Path("out"),
+    folder: Path = folder_option(Path("out"), "--out", "-o", help="Where tables and figures go."),
     jobs: Jobs = "auto",
-    figures: Figures = True,
+    figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
     cache: Cache = True,
     force: Force = False,
 ) -> Answer:
@@ -213,6 +210,4 @@ def _flagged_row(trial: "TrialResult") -> tuple[str, str, str]:
     return trial.trial, str(trial.breakaway.status), why
 
 
-COMMAND = Command(
-    name="extract", run=extract, example="ropefric extract data/prth-bench/campaign.toml --out out", order=50
-)
+COMMAND = Command("extract", extract, "ropefric extract data/prth-bench/campaign.toml --out out", order=50)

@@ -3,9 +3,8 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
 
-import typer
+from typer import Option
 
 from ropefric.cli.options import (
     Answer,
@@ -21,43 +20,24 @@ from ropefric.cli.output import Output, Progress
 _LARGE = 5_000_000
 """Bytes of a table that takes seconds."""
 
-Law = Annotated[str, typer.Option(help="The friction law: constant, wrap-power, coupled, …")]
-Fixed = Annotated[
-    list[str] | None, typer.Option("--fix", metavar="NAME=VALUE", help="Hold a parameter; repeatable.")
-]
-Bounds = Annotated[
-    list[str] | None,
-    typer.Option("--bound", metavar="NAME=LOW:HIGH", help="Bounds of a parameter; repeatable."),
-]
-Start = Annotated[
-    list[str] | None,
-    typer.Option("--start", metavar="NAME=VALUE", help="Start value; the law guesses others."),
-]
-Intervals = Annotated[
-    str,
-    typer.Option(metavar="covariance|profile|bootstrap", help="Where the 95 % intervals come from."),
-]
-Loss = Annotated[
-    str, typer.Option(help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers.")
-]
-Seed = Annotated[int, typer.Option(min=0, help="Of the search's further starts and of the bootstrap.")]
-FitFile = Annotated[Path | None, typer.Option("--out", "-o", metavar="FIT.json", help="Store the fit there.")]
-Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there and is no fit.")]
-
 
 def fit(
     out: Output,
     trials: TableArgument,
     *,
-    law: Law,
-    fix: Fixed = None,
-    bound: Bounds = None,
-    start: Start = None,
-    intervals: Intervals = "covariance",
-    loss: Loss = "linear",
-    seed: Seed = 0,
-    file: FitFile = None,
-    force: Force = False,
+    law: str = Option(..., help="The friction law: constant, wrap-power, coupled, …"),
+    fix: list[str] | None = Option(None, metavar="NAME=VALUE", help="Hold a parameter; repeatable."),
+    bound: list[str] | None = Option(
+        None, metavar="NAME=LOW:HIGH", help="Bounds of a parameter; repeatable."
+    ),
+    start: list[str] | None = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
+    intervals: str = Option(
+        "covariance", metavar="covariance|profile|bootstrap", help="Where the 95 % intervals come from."
+    ),
+    loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
+    seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
+    file: Path | None = Option(None, "--out", "-o", metavar="FIT.json", help="Store the fit there."),
+    force: bool = Option(False, "--force", help="Write over a file that is there and is no fit."),
 ) -> Answer:
     """Fit a friction law to a trial table: parameters with 95 % intervals, and whether to trust them.
 
@@ -104,9 +84,4 @@ def _steps(trials: Path, out: Output) -> Iterator[Callable[[int, str], None]]:
         yield lambda done, what: progress.update(done, 3, what)
 
 
-COMMAND = Command(
-    name="fit",
-    run=fit,
-    example="ropefric fit fits/prth-trials.csv --law coupled --out coupled.json",
-    order=80,
-)
+COMMAND = Command("fit", fit, "ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)

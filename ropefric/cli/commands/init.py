@@ -1,33 +1,25 @@
 """`ropefric init`: a commented campaign, or commented scenes, to fill in."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 from ropefric.cli.options import Answer, Command
 from ropefric.cli.output import Output
-
-Folder = Annotated[Path, typer.Argument(help="Where to write them; made where it is missing.")]
-Scenes = Annotated[bool, typer.Option("--scenes", help="Write all scenes instead of a campaign.")]
-SceneName = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--scene",
-        metavar="NAME",
-        help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
-    ),
-]
-Force = Annotated[bool, typer.Option("--force", help="Write over files that are already there.")]
 
 
 def init(
     out: Output,
     *,
-    folder: Folder = Path(),
-    scenes: Scenes = False,
-    scene: SceneName = None,
-    force: Force = False,
+    folder: Path = Argument(Path(), help="Where to write them; made where it is missing."),
+    scenes: bool = Option(False, "--scenes", help="Write all scenes instead of a campaign."),
+    scene: list[str] | None = Option(
+        None,
+        "--scene",
+        metavar="NAME",
+        help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
+    ),
+    force: bool = Option(False, "--force", help="Write over files that are already there."),
 ) -> Answer:
     """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
     if scenes or scene:
@@ -44,4 +36,4 @@ def init(
     return Answer(data={"written": written}, show=lambda _: "\n".join(f"wrote {path}" for path in written))
 
 
-COMMAND = Command(name="init", run=init, example="ropefric init my-scenes --scene hoist", order=10)
+COMMAND = Command("init", init, "ropefric init my-scenes --scene hoist", order=10)

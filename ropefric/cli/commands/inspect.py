@@ -3,11 +3,11 @@
 from functools import partial
 from itertools import accumulate
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from typer import Argument, Option
 
-from ropefric.cli.options import Answer, Command, quantity_option
+from ropefric.cli.options import Answer, Command, quantity
 from ropefric.cli.output import Output, make_table, number
 from ropefric.errors import DataError, InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
@@ -19,42 +19,32 @@ if TYPE_CHECKING:
     from ropefric.traces.readers.profile import ImportProfile
 
 
-RecordingFile = Annotated[Path, typer.Argument(metavar="FILE", help="A recording.")]
-Format = Annotated[
-    str,
-    typer.Option(
-        "--format", metavar="NAME", help="How it is written, where its name does not tell: delimited, …"
-    ),
-]
-Destination = Annotated[
-    Path | None,
-    typer.Option("--write-profile", metavar="PATH", help="Write the suggested [import] section there."),
-]
-Force = Annotated[bool, typer.Option("--force", help="Write over a file that is already there.")]
-Everything = Annotated[
-    bool, typer.Option("--all", help="Read a large text whole, not only its first and last megabyte.")
-]
-Memory = Annotated[
-    float | None,
-    quantity_option("--memory", "byte", "QUANTITY", "Most memory that reading it may take [2 GB]."),
-]
-Time = Annotated[
-    float | None, quantity_option("--time", "s", "QUANTITY", "Most time that reading it may take [120 s].")
-]
-
 _MARKS = {"\t": "tab", " ": "space", ",": "comma", ";": "semicolon", ".": "point", "|": "bar"}
 
 
 def inspect(
     out: Output,
-    file: RecordingFile,
+    file: Path = Argument(..., metavar="FILE", help="A recording."),
     *,
-    file_format: Format = "auto",
-    write_profile: Destination = None,
-    force: Force = False,
-    everything: Everything = False,
-    memory: Memory = None,
-    time: Time = None,
+    file_format: str = Option(
+        "auto",
+        "--format",
+        metavar="NAME",
+        help="How it is written, where its name does not tell: delimited, …",
+    ),
+    write_profile: Path | None = Option(
+        None, metavar="PATH", help="Write the suggested [import] section there."
+    ),
+    force: bool = Option(False, "--force", help="Write over a file that is already there."),
+    everything: bool = Option(
+        False, "--all", help="Read a large text whole, not only its first and last megabyte."
+    ),
+    memory: float | None = quantity(
+        None, "--memory", "byte", "QUANTITY", "Most memory that reading it may take [2 GB]."
+    ),
+    time: float | None = quantity(
+        None, "--time", "s", "QUANTITY", "Most time that reading it may take [120 s]."
+    ),
 ) -> Answer:
     """Look at a recording: columns, units, ranges, first rows, doubts, and the profile to read it with.
 
@@ -164,6 +154,4 @@ def _column_row(found: "Inspection", column: "ColumnSummary") -> tuple[str, ...]
     return str(column.number), column.name, column.unit, *limits, str(column.n_missing or ""), holds
 
 
-COMMAND = Command(
-    name="inspect", run=inspect, example="ropefric inspect run07.csv --write-profile import.toml", order=20
-)
+COMMAND = Command("inspect", inspect, "ropefric inspect run07.csv --write-profile import.toml", order=20)

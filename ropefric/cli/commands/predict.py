@@ -1,17 +1,17 @@
 """`ropefric predict`: the lift force of a wheel, from a stored fit."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from typer import Option
 
 from ropefric.cli.options import (
+    ROPE_DIAMETER,
     Answer,
     Command,
     FitOption,
     Level,
-    RopeDiameter,
     exit_code_of,
-    quantity_option,
+    quantity,
     read_fit,
     rope_radius,
 )
@@ -21,41 +21,21 @@ if TYPE_CHECKING:
     from ropefric.fitting.predict import Method
 
 
-WheelRadius = Annotated[
-    float, quantity_option("--wheel-radius", "m", "LENGTH", 'R_w, such as "35 mm".', needed=True)
-]
-Wrap = Annotated[
-    float, quantity_option("--wrap", "rad", "ANGLE", 'φ, such as "400 deg" or "1.5 turn".', needed=True)
-]
-EndTension = Annotated[
-    float, quantity_option("--end-tension", "N", "FORCE", 'F_B, such as "60 N".', needed=True)
-]
-Speed = Annotated[
-    float | None, quantity_option("--speed", "m/s", "SPEED", 'Of a running rope, such as "0.3 m/s".')
-]
-Density = Annotated[
-    float | None,
-    quantity_option("--linear-density", "kg/m", "DENSITY", 'Of a running rope, such as "62 g/m".'),
-]
-HowCarried = Annotated[
-    str, typer.Option("--method", metavar="linear|monte-carlo", help="How the uncertainty is carried over.")
-]
-Hand = Annotated[bool, typer.Option("--hand", help="Print the calculation, to be checked by hand.")]
-
-
 def predict(
     out: Output,
     *,
     fit: FitOption,
-    wheel_radius: WheelRadius,
-    wrap: Wrap,
-    end_tension: EndTension,
-    rope_diameter: RopeDiameter = None,
-    speed: Speed = None,
-    linear_density: Density = None,
+    wheel_radius: float = quantity(..., "--wheel-radius", "m", "LENGTH", 'R_w, such as "35 mm".'),
+    wrap: float = quantity(..., "--wrap", "rad", "ANGLE", 'φ, such as "400 deg" or "1.5 turn".'),
+    end_tension: float = quantity(..., "--end-tension", "N", "FORCE", 'F_B, such as "60 N".'),
+    rope_diameter: float | None = ROPE_DIAMETER,
+    speed: float | None = quantity(None, "--speed", "m/s", "SPEED", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: float | None = quantity(
+        None, "--linear-density", "kg/m", "DENSITY", 'Of a running rope, such as "62 g/m".'
+    ),
     level: Level = 0.95,
-    method: HowCarried = "linear",
-    hand: Hand = False,
+    method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
+    hand: bool = Option(False, "--hand", help="Print the calculation, to be checked by hand."),
 ) -> Answer:
     """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
 
@@ -87,9 +67,9 @@ def predict(
 
 
 COMMAND = Command(
-    name="predict",
-    run=predict,
-    example='ropefric predict --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
+    "predict",
+    predict,
+    'ropefric predict --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N"',
     order=120,
 )

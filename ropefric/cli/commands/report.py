@@ -1,37 +1,28 @@
 """`ropefric report`: the report of a campaign made again, from its folder of results or from the campaign."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
+from typer import Argument, BadParameter, Option
 
 from ropefric.cli.commands.run import work_through
 from ropefric.cli.options import Answer, Command, Force, Jobs, campaign_file, folder_option, parse_jobs
 from ropefric.cli.output import Output
 
-Source = Annotated[
-    Path,
-    typer.Argument(
-        metavar="OUT_DIR|CAMPAIGN.toml",
-        help="A folder that `run` wrote, or a campaign: its file or its folder.",
-    ),
-]
-OutFolder = Annotated[
-    Path | None,
-    folder_option("--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."),
-]
-Law = Annotated[str, typer.Option(help="Use this law, whichever wins; by default as in the run before.")]
-Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures of the report.")]
-
 
 def report(
     out: Output,
-    source: Source,
+    source: Path = Argument(
+        ...,
+        metavar="OUT_DIR|CAMPAIGN.toml",
+        help="A folder that `run` wrote, or a campaign: its file or its folder.",
+    ),
     *,
-    folder: OutFolder = None,
-    law: Law = "",
+    folder: Path | None = folder_option(
+        None, "--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."
+    ),
+    law: str = Option("", help="Use this law, whichever wins; by default as in the run before."),
     jobs: Jobs = "auto",
-    figures: Figures = True,
+    figures: bool = Option(True, "--figures/--no-figures", help="Draw the figures of the report."),
     force: Force = False,
 ) -> Answer:
     """Make report.html again, without extracting again what the cache holds.
@@ -44,7 +35,7 @@ def report(
 
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
-            raise typer.BadParameter("a folder of results is written to itself", param_hint="--out")
+            raise BadParameter("a folder of results is written to itself", param_hint="--out")
         folder, (campaign, law_before) = source, recorded_run(source)
         law = law or law_before
     else:
@@ -59,4 +50,4 @@ def report(
     return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, force=force)
 
 
-COMMAND = Command(name="report", run=report, example="ropefric report out", order=70)
+COMMAND = Command("report", report, "ropefric report out", order=70)

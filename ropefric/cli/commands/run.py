@@ -1,9 +1,9 @@
 """`ropefric run`: a campaign's whole way, from recordings to the lift force of a wheel."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from typer import Option
 
 from ropefric.cli.commands.extract import draw_figures, say_problems, what_was_kept
 from ropefric.cli.options import (
@@ -27,22 +27,16 @@ if TYPE_CHECKING:
     from ropefric.trials.result import Extraction
 
 
-OutFolder = Annotated[Path, folder_option("--out", "-o", help="Where everything is written.")]
-Law = Annotated[str, typer.Option(help="Use this law, whichever wins.")]
-Figures = Annotated[
-    bool,
-    typer.Option("--figures/--no-figures", help="Draw figures: one per condition, and those of the report."),
-]
-
-
 def run(
     out: Output,
     campaign: CampaignArgument,
     *,
-    folder: OutFolder = Path("out"),
-    law: Law = "",
+    folder: Path = folder_option(Path("out"), "--out", "-o", help="Where everything is written."),
+    law: str = Option("", help="Use this law, whichever wins."),
     jobs: Jobs = "auto",
-    figures: Figures = True,
+    figures: bool = Option(
+        True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
+    ),
     cache: Cache = True,
     force: Force = False,
 ) -> Answer:
@@ -79,12 +73,8 @@ def work_through(
     `law` is the one to use, "" for the best; `drawing` names the figures: those of the "report", those of "conditions".
     """
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.pipeline.run import (
-        campaign_folder,
-        run_campaign,
-    )
-    from ropefric.report.summary import summary_sections  # noqa: PLC0415
-    from ropefric.report.write import write_report  # noqa: PLC0415
+    from ropefric.pipeline.run import campaign_folder, run_campaign  # noqa: PLC0415
+    from ropefric.report.campaign import summary_sections, write_report  # noqa: PLC0415
 
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
@@ -125,6 +115,4 @@ def work_through(
     )
 
 
-COMMAND = Command(
-    name="run", run=run, example="ropefric run data/prth-bench/campaign.toml --out out", order=60
-)
+COMMAND = Command("run", run, "ropefric run data/prth-bench/campaign.toml --out out", order=60)

@@ -1,17 +1,14 @@
 """`ropefric show`: a stored fit, told to people."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
+from typer import Argument
 
 from ropefric.cli.options import Answer, Command, exit_code_of, read_fit
 from ropefric.cli.output import Output
 
-FitFile = Annotated[Path, typer.Argument(metavar="FIT.json", help="A stored fit.")]
 
-
-def show(out: Output, file: FitFile) -> Answer:
+def show(out: Output, file: Path = Argument(..., metavar="FIT.json", help="A stored fit.")) -> Answer:
     """Show a stored fit: its parameters, whether to trust it, what it was made from, where it holds.
 
     Exits with 4 when its law is not supported: undecided, or not judged.
@@ -27,4 +24,4 @@ def show(out: Output, file: FitFile) -> Answer:
     )
 
 
-COMMAND = Command(name="show", run=show, example="ropefric show fits/prth-coupled.json", order=90)
+COMMAND = Command("show", show, "ropefric show fits/prth-coupled.json", order=90)

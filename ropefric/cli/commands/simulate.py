@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+from typer import Argument, Option
 
 from ropefric.cli.options import Answer, Command, parse_assignments
 from ropefric.cli.output import Output, Progress
@@ -12,37 +12,25 @@ from ropefric.errors import UnknownNameError
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
-Folder = Annotated[Path, typer.Argument(help="A new or empty folder.")]
-Seed = Annotated[
-    int | None, typer.Option(min=0, help="The same seed writes the same bytes; default: the bench's own.")
-]
-Bench = Annotated[str, typer.Option(help="Which campaign to simulate: prth-bench.")]
-Law = Annotated[str, typer.Option(help="The friction law that is true, instead of the bench's own.")]
-Parameters = Annotated[
-    list[str] | None,
-    typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="A true parameter of the law; repeatable."),
-]
-Repeats = Annotated[int | None, typer.Option(min=1, help="Recordings per condition.")]
-Conditions = Annotated[int | None, typer.Option(min=1, help="Only the first so many conditions.")]
-Fault = Annotated[
-    list[str] | None,
-    typer.Option("--fault", metavar="NAME=RATE", help="Only this fault, at this rate (0 to 1); repeatable."),
-]
-NoFaults = Annotated[bool, typer.Option("--no-faults", help="Nothing goes wrong.")]
-
 
 def simulate(
     out: Output,
-    folder: Folder = Path("simulated"),
+    folder: Path = Argument(Path("simulated"), help="A new or empty folder."),
     *,
-    seed: Seed = None,
-    bench: Bench = "prth-bench",
-    law: Law = "",
-    parameter: Parameters = None,
-    repeats: Repeats = None,
-    conditions: Conditions = None,
-    fault: Fault = None,
-    no_faults: NoFaults = False,
+    seed: int | None = Option(
+        None, min=0, help="The same seed writes the same bytes; default: the bench's own."
+    ),
+    bench: str = Option("prth-bench", help="Which campaign to simulate: prth-bench."),
+    law: str = Option("", help="The friction law that is true, instead of the bench's own."),
+    parameter: list[str] | None = Option(
+        None, "--parameter", "-p", metavar="NAME=VALUE", help="A true parameter of the law; repeatable."
+    ),
+    repeats: int | None = Option(None, min=1, help="Recordings per condition."),
+    conditions: int | None = Option(None, min=1, help="Only the first so many conditions."),
+    fault: list[str] | None = Option(
+        None, metavar="NAME=RATE", help="Only this fault, at this rate (0 to 1); repeatable."
+    ),
+    no_faults: bool = Option(False, "--no-faults", help="Nothing goes wrong."),
 ) -> Answer:
     """Simulate a campaign with known truth: campaign.toml, trials.csv, recordings and truth.toml.
 
@@ -88,6 +76,4 @@ def simulate(
     return Answer(data=data, show=lambda _: f"{made}, law {plan.law}, seed {seed} → {campaign}")
 
 
-COMMAND = Command(
-    name="simulate", run=simulate, example="ropefric simulate my-bench --seed 7 --repeats 6", order=40
-)
+COMMAND = Command("simulate", simulate, "ropefric simulate my-bench --seed 7 --repeats 6", order=40)

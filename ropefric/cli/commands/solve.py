@@ -2,9 +2,9 @@
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
+from typer import Option
 
 from ropefric.cli.options import (
     NOT_TRUSTED,
@@ -25,20 +25,6 @@ if TYPE_CHECKING:
     from ropefric.scenes.sweep import Sweep
 
 
-SweepOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--sweep",
-        metavar="KEY=START:STOP:COUNT",
-        help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
-    ),
-]
-OutFolder = Annotated[
-    Path | None, folder_option("--out", "-o", help="Write the answer (and a sweep's CSV and figure) there.")
-]
-Plot = Annotated[str, typer.Option(help="Which number of a sweep the figure shows; by default the first.")]
-Level = Annotated[float, typer.Option(help="Coverage of the intervals, between 0 and 1; a sweep has none.")]
-
 _LISTED_POINTS = 1000
 _SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
 
@@ -47,10 +33,17 @@ def solve(
     out: Output,
     scene: SceneArgument,
     *,
-    sweep: SweepOption = None,
-    level: Level = 0.95,
-    folder: OutFolder = None,
-    plot: Plot = "",
+    sweep: list[str] | None = Option(
+        None,
+        "--sweep",
+        metavar="KEY=START:STOP:COUNT",
+        help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
+    ),
+    level: float = Option(0.95, help="Coverage of the intervals, between 0 and 1; a sweep has none."),
+    folder: Path | None = folder_option(
+        None, "--out", "-o", help="Write the answer (and a sweep's CSV and figure) there."
+    ),
+    plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
     force: Force = False,
 ) -> Answer:
     """Solve a scene: a hoist, belt press, band saw, traction sheave or belt drive, with the effects it calls for.
@@ -180,8 +173,8 @@ def _tree(found: "Sweep") -> dict[str, Any]:
 
 
 COMMAND = Command(
-    name="solve",
-    run=solve,
-    example="ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/",
+    "solve",
+    solve,
+    "ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/",
     order=160,
 )

@@ -2,9 +2,9 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from typer import Argument
 
 from ropefric.cli.options import NOT_TRUSTED, Answer, Command
 from ropefric.cli.output import Output, make_table, number
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-FitFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of the stored fits.")]
-
-
-def verify(out: Output, folder: FitFolder = Path("fits")) -> Answer:
+def verify(
+    out: Output,
+    folder: Path = Argument(Path("fits"), metavar="FOLDER", help="The folder of the stored fits."),
+) -> Answer:
     """Fit every stored fit of a folder again from its data, and compare.
 
     Exits with 4 when one does not come out again.
@@ -41,4 +41,4 @@ def verify(out: Output, folder: FitFolder = Path("fits")) -> Answer:
     )
 
 
-COMMAND = Command(name="verify", run=verify, example="ropefric verify fits/", order=190)
+COMMAND = Command("verify", verify, "ropefric verify fits/", order=190)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.planning.plan import plan_tests
-from ropefric.fitting.planning.precision import MeanScatter
+from ropefric.fitting.next_tests import MeanScatter, plan_tests
 from ropefric.fitting.predict import predict
 
 # What a plan must be better by in the width of the interval of the wanted lift force.
@@ -68,7 +67,7 @@ def test_a_plan_pulled_on_the_virtual_rig_beats_one_factor_at_a_time(bench, gues
 
 
 def pulled(planned, conditions, folder, seed):
-    from ropefric.api.inputs import trial_table
+    from ropefric.api.recordings import trial_table
     from ropefric.rig.bench import Bench
     from ropefric.rig.campaign import CampaignPlan, RigCondition, simulate_campaign
     from ropefric.trials.campaign import load_campaign

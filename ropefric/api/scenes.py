@@ -1,4 +1,4 @@
-"""Scenes: what a hoist, a belt press or a band saw does, and which effects that takes."""
+"""Scenes: what a hoist, a belt press, a band saw, a sheave or a belt drive does, and which effects that takes."""
 
 from collections.abc import Callable
 

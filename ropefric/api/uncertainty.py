@@ -15,11 +15,9 @@ from ropefric.fitting.measured_budget import (
     conditions_of_table,
     state_condition,
 )
-from ropefric.fitting.planning.exchange import Criterion
-from ropefric.fitting.planning.limits import RigLimits
-from ropefric.fitting.planning.plan import plan_tests as find_plan
-from ropefric.fitting.planning.precision import PlannedLaw, planned_fit
-from ropefric.fitting.planning.result import LabPlan
+from ropefric.fitting.next_tests import LabPlan, PlannedLaw, planned_fit
+from ropefric.fitting.next_tests import plan_tests as find_plan
+from ropefric.fitting.plan_search import Criterion, RigLimits
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import one_condition
 from ropefric.trials.result import Extraction
@@ -188,7 +186,7 @@ def plan_tests(
     Parameters
     ----------
     known : FitResult, PlannedLaw or path-like
-        A fit or its file; or a law with guessed parameters, from `ropefric.fitting.planning.precision.planned_guess`.
+        A fit or its file; or a law with guessed parameters, from `ropefric.fitting.next_tests.planned_guess`.
     wheels_m, wraps_rad, end_tensions_N : sequence of float
         Settings the rig has: R_w [m], φ [rad], F_B [N].
     wheel_radius_m, wrap_angle_rad, end_tension_N : float
@@ -198,7 +196,7 @@ def plan_tests(
     largest_force_N : float
         The largest F_A the cell takes [N].
     n_conditions, repeats, criterion, level, starts, seed
-        As `ropefric.fitting.planning.plan.plan_tests`.
+        As `ropefric.fitting.next_tests.plan_tests`.
 
     Raises
     ------
@@ -207,7 +205,7 @@ def plan_tests(
 
     Examples
     --------
-    >>> from ropefric.fitting.planning.precision import MeanScatter, planned_guess
+    >>> from ropefric.fitting.next_tests import MeanScatter, planned_guess
     >>> from ropefric.friction.laws import LAWS
     >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
     >>> plan = plan_tests(law, wheels_m=[0.03, 0.04], wraps_rad=[3.0, 6.0, 9.0, 12.0], end_tensions_N=[20.0, 40.0],

@@ -8,14 +8,13 @@ import numpy.typing as npt
 from ropefric.api.campaigns import PathLike, as_campaign
 from ropefric.api.inputs import as_fit
 from ropefric.arrays import FloatArray
+from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
-from ropefric.fitting.design_result import Design, SolveFor
 from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
-from ropefric.pipeline.folder import campaign_folder
-from ropefric.pipeline.run import CampaignRun, run_campaign
+from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
 from ropefric.trials.campaign_model import Campaign
 
 

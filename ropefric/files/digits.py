@@ -36,9 +36,12 @@ def to_share(value: float, std: float) -> float:
 
 
 def rounded_tree(tree: Any, digits: int = MEASURED_DIGITS) -> Any:
-    """Return a JSON tree with its numbers to so many significant digits, standard errors (`std`, `std_*`) to four."""
+    """Return a JSON tree with its numbers to so many significant digits, standard errors (`std`, `std_*`) to four.
+
+    A number that is not there or infinite is None.
+    """
     if isinstance(tree, float):
-        return significant(tree, digits)
+        return significant(tree, digits) if math.isfinite(tree) else None
     if isinstance(tree, Mapping):
         return {
             key: rounded_tree(item, min(digits, STD_DIGITS) if _is_std(str(key)) else digits)

@@ -137,8 +137,7 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
         )
     if method == "covariance":
         return fit
-    if fit.problem is None:
-        raise InputError(f"the fit of {fit.law} carries no data", key="intervals", fix="fit the trials again")
+    problem = fit.data
     if fit.provenance.get("settings", {}).get("loss", "linear") != "linear":
         raise InputError(
             f"{method} intervals are those of least squares, not of a robust loss",
@@ -147,13 +146,13 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
         )
     how: dict[str, str | int] = {"method": method}
     if method == "profile":
-        ends, notes = _profile(fit, fit.problem)
+        ends, notes = _profile(fit, problem)
     else:
         found = fit.statistics
-        many = found.n_conditions >= max(_ENOUGH_TO_DRAW, fit.problem.n_varying + 1)
+        many = found.n_conditions >= max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
         repeated = found.n_conditions < found.n
         drawn = bootstrap(
-            fit.problem, fit.theta, kind="clustered" if many and repeated else "parametric", n=n, seed=seed
+            problem, fit.theta, kind="clustered" if many and repeated else "parametric", n=n, seed=seed
         )
         ends, notes = drawn.interval(), drawn.notes
         how |= {"n": n, "seed": seed}

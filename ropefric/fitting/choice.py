@@ -11,9 +11,9 @@ from ropefric.errors import FitError, RopefricError
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.standing import NESTED
 from ropefric.fitting.verdict import RIVAL, Doubt, FitStatus, Verdict, same_lift, verdict_of
 from ropefric.friction.condition import Conditions
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -50,34 +50,45 @@ class Choice:
 
 def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
     """Return the best law of a comparison whose fit may be used as it stands, or the law that is asked for."""
-    fitted = [entry for entry in comparison.ranking if entry.fit is not None]
+    fits = {entry.law: entry.fit for entry in comparison.ranking if entry.fit is not None}
+    fitted = [entry for entry in comparison.ranking if entry.law in fits]
     if law:
         chosen = comparison[law]
-        if chosen.fit is None:
+        if law not in fits:
             raise FitError(f"{law} has no answer on these data: {chosen.note}", fix="use another law")
     else:
-        good = [
-            entry for entry in fitted if entry.counted and entry.fit is not None and entry.fit.trustworthy
-        ]
+        good = [entry for entry in fitted if entry.counted and fits[entry.law].trustworthy]
         chosen = (good or fitted)[0]
-    assert chosen.fit is not None  # noqa: S101  (looked at above)
-    rivals = _rivals(comparison, chosen, fitted)
-    doubts = [
-        *_of_place(comparison, chosen, fitted[0], forced=bool(law)),
-        *chosen.fit.doubts,
-        *_of_rivals(chosen, rivals, wheel),
+    fit = fits[chosen.law]
+    # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
+    rivals = [
+        fits[entry.law]
+        for entry in fitted
+        if entry is not chosen
+        and (
+            entry.counted and entry.delta_aicc <= RIVAL and fits[entry.law].status in _ANSWERING
+            if comparison.conclusive
+            else fits[entry.law].status is FitStatus.OK
+        )
     ]
+    doubts = [*_of_place(comparison, chosen, fitted[0], forced=bool(law)), *fit.doubts]
+    other = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
+    if other:
+        where = "on the conditions tested" if wheel is None else "for the wheel asked for"
+        text = f"are within {RIVAL:g} in AICc and answer differently {where}"
+        doubts.append(("undecided", f"{chosen.law} and {' and '.join(other)} {text}"))
     weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"
-    alike = f"; {_listed(rivals)} answer{'s' * (len(rivals) == 1)} alike" if rivals else ""
+    names = " and ".join(rival.law for rival in rivals)
+    alike = f"; {names} answer{'s' * (len(rivals) == 1)} alike" if rivals else ""
     place = "has the lowest AICc" if chosen.delta_aicc <= 0.0 else f"is within {RIVAL:g} of the lowest AICc"
     text = f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
     return Choice(
-        fit=chosen.fit,
+        fit=fit,
         entry=chosen,
         forced=bool(law),
         verdict=verdict_of(doubts, text),
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
-        rivals=tuple(entry.fit for entry in rivals if entry.fit is not None),
+        rivals=tuple(rivals),
     )
 
 
@@ -89,74 +100,34 @@ def _of_place(
         ranked = [entry.law for entry in comparison.ranking if entry.counted]
         named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
         where = counted(comparison.n, comparison.unit[:-1])
-        return [
-            (
-                "not judged",
-                f"no choice of law: {named} ranked on {where}; measure more conditions",
-            )
-        ]
+        return [("not judged", f"no choice of law: {named} ranked on {where}; measure more conditions")]
     if not chosen.counted:
         return [("not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}")]
     lead = chosen.delta_aicc - (first.delta_aicc if first.counted else 0.0)
     if chosen is first or lead <= 0.0:
         return []
-    word: Doubt = (
-        "undecided" if lead > RIVAL else "supported",
-        f"{first.law} stands {lead:.1f} in AICc before",
-    )
+    text = f"{first.law} stands {lead:.1f} in AICc before"
     if forced:
-        return [(word[0], f"{chosen.law} was asked for; {word[1]} it")]
-    return [(word[0], f"{word[1]} {chosen.law}, but is not to be used as it stands: {first.status}")]
+        text = f"{chosen.law} was asked for; {text} it"
+    else:
+        text = f"{text} {chosen.law}, but is not to be used as it stands: {first.status}"
+    return [("undecided" if lead > RIVAL else "supported", text)]
 
 
-def _rivals(
-    comparison: Comparison, chosen: ComparisonEntry, fitted: Sequence[ComparisonEntry]
-) -> list[ComparisonEntry]:
-    """Return the laws that the data do not tell from the one used: all that fit, where none could be weighed."""
-    if not comparison.conclusive:
-        return [e for e in fitted if e is not chosen and e.fit is not None and e.fit.status is FitStatus.OK]
-    return [
-        entry
-        for entry in fitted
-        if entry is not chosen
-        and entry.counted
-        and entry.delta_aicc <= RIVAL
-        and entry.fit is not None
-        and entry.fit.status in _ANSWERING
-    ]
-
-
-def _of_rivals(
-    chosen: ComparisonEntry, rivals: Sequence[ComparisonEntry], wheel: Conditions | None
-) -> list[Doubt]:
-    """Return which rivals give another lift force than the law used."""
-    others = [entry.law for entry in rivals if entry.counted and not _agree(chosen, entry, wheel)]
-    if not others:
-        return []
-    where = "on the conditions tested" if wheel is None else "for the wheel asked for"
-    return [
-        (
-            "undecided",
-            f"{chosen.law} and {' and '.join(others)} are within {RIVAL:g} in AICc and answer differently {where}",
-        )
-    ]
-
-
-def _agree(chosen: ComparisonEntry, rival: ComparisonEntry, wheel: Conditions | None) -> bool:
-    assert chosen.fit is not None  # noqa: S101  (only fitted laws come here)
-    assert rival.fit is not None  # noqa: S101
-    problem = chosen.fit.problem
+def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
+    """Return whether two laws give the same lift force for a wheel, or on the conditions tested."""
     if wheel is None:
-        if problem is None:
+        if fit.problem is None:
             return True
-        wheel = problem.conditions.select(np.unique(problem.group, return_index=True)[1])
+        wheel = fit.problem.conditions.select(np.unique(fit.problem.group, return_index=True)[1])
     try:
-        own, other = (predict(entry.fit, wheel, check=False) for entry in (chosen, rival) if entry.fit)
+        own, other = (predict(one, wheel, check=False) for one in (fit, rival))
     except RopefricError:
         return False
-    nested = chosen.law in NESTED.get(rival.law, ()) or rival.law in NESTED.get(chosen.law, ())
+    laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
+    nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
     # Of a law on a bound no interval is known, and only its force can be looked at.
-    known = rival.fit.status is FitStatus.OK
+    known = rival.status is FitStatus.OK
     return same_lift(
         other.log_lift - own.log_lift, own.log_half_width, other.log_half_width, nested=nested or not known
     )
@@ -175,13 +146,6 @@ def _candidates(prediction: Prediction, fits: Sequence[FitResult]) -> tuple[Cand
         lift_N = float(other.lift_force_N[0])
         if not any(math.isclose(lift_N, item.lift_force_N, rel_tol=1e-6) for item in found):
             low, high = other.interval_N[0].tolist()
-            found.append(
-                Candidate(
-                    law=fit.law, lift_force_N=lift_N, std_N=float(other.std_N[0]), interval_N=(low, high)
-                )
-            )
+            std_N = float(other.std_N[0])
+            found.append(Candidate(law=fit.law, lift_force_N=lift_N, std_N=std_N, interval_N=(low, high)))
     return tuple(found)
-
-
-def _listed(rivals: Sequence[ComparisonEntry]) -> str:
-    return " and ".join(entry.law for entry in rivals)

@@ -2,18 +2,16 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
 
-from ropefric.errors import InputError, RopefricError, UnknownNameError
+from ropefric.errors import RopefricError, UnknownNameError
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.standing import (
-    NESTED,
     Standing,
     leave_one_out,
     measured_residual,
@@ -62,31 +60,22 @@ class ComparisonEntry:
 
     law: str
     n: int
-    k: int
-    chi2: float
-    aicc: float
-    bic: float
-    delta_aicc: float
-    weight: float
-    loco_error: float
-    status: str
-    counted: bool
+    k: int = 0
+    chi2: float = math.nan
+    aicc: float = math.nan
+    bic: float = math.nan
+    delta_aicc: float = math.nan
+    weight: float = 0.0
+    loco_error: float = math.nan
+    status: str = REFUSED
+    counted: bool = False
     note: str
-    fit: FitResult | None
+    fit: FitResult | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON object of the entry; None where there is no number."""
-        numbers = ("chi2", "aicc", "delta_aicc", "weight", "bic", "loco_error")
-        values = {name: getattr(self, name) for name in numbers}
-        plain = {name: float(value) if math.isfinite(value) else None for name, value in values.items()}
-        return {
-            "law": self.law,
-            "n": self.n,
-            "k": self.k,
-            "status": self.status,
-            "counted": self.counted,
-            "note": self.note,
-        } | _rounded(plain)
+        names = (item.name for item in fields(self) if item.name != "fit")
+        return _rounded({name: getattr(self, name) for name in names})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -136,26 +125,17 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
+        tests = [_rounded(asdict(test)) for test in self.tests]
         return _rounded({
-            "ranking": [entry.to_dict() for entry in self.ranking],
-            "f_tests": [
-                {"simpler": t.simpler, "fuller": t.fuller, "f": t.f if math.isfinite(t.f) else None,
-                 "dof": list(t.dof), "p_value": t.p_value}
-                for t in self.tests
-            ],
-            "unit": self.unit,
-            "n": self.n,
-            "n_trials": self.n_trials,
-            "scatter_within": self.scatter_within if math.isfinite(self.scatter_within) else None,
-            "conclusive": self.conclusive,
+            "ranking": [entry.to_dict() for entry in self.ranking], "f_tests": tests, "unit": self.unit, "n": self.n,
+            "n_trials": self.n_trials, "scatter_within": self.scatter_within, "conclusive": self.conclusive,
             "notes": list(self.notes),
         })  # fmt: skip
 
 
 def _rounded(tree: dict[str, Any]) -> dict[str, Any]:
     """Return numbers to six digits: criteria are differences of logarithms, weights and p-values their powers."""
-    plain: dict[str, Any] = rounded_tree(tree, _DIGITS)
-    return plain
+    return dict(rounded_tree(tree, _DIGITS))
 
 
 def compare_laws(
@@ -163,39 +143,48 @@ def compare_laws(
     laws: Iterable[str | FrictionLaw] | None = None,
     *,
     unit: Unit = "conditions",
-    law_options: Mapping[str, Mapping[str, Any]] | None = None,
     progress: Callable[[str, int, int], None] | None = None,
-    **fit_options: Any,
 ) -> Comparison:
     """Return how friction laws stand against each other on a trial table."""
-    chosen = _chosen(laws)
-    options = {name: dict(values) for name, values in (law_options or {}).items()}
-    for name in options:
-        if name not in {law.name for law in chosen}:
-            raise InputError(f"options for {name!r}, which is not compared", key=name)
-    fits: dict[str, FitResult | RopefricError] = {}
-    for number, law in enumerate(chosen, start=1):
+    if isinstance(laws, str | FrictionLaw):
+        laws = [laws]
+    given = LAWS.values() if laws is None else [ALL_LAWS[x] if isinstance(x, str) else x for x in laws]
+    # In one order whatever was asked for, so that ties are always settled alike.
+    chosen = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
+    fits: dict[str, FitResult] = {}
+    notes: dict[str, str] = {}
+    for number, (name, law) in enumerate(chosen.items(), start=1):
         if progress is not None:
-            progress(law.name, number, len(chosen))
+            progress(name, number, len(chosen))
         try:
-            fits[law.name] = fit_law(table, law, **(fit_options | options.get(law.name, {})))
+            fits[name] = fit_law(table, law)
+            notes[name] = _why_not(fits[name])
         except RopefricError as error:
-            if law.name == "constant":
+            if name == "constant":
                 raise
             # The law itself knows best why it has no answer on these conditions.
             reasons = law.validity([parameter.start for parameter in law.parameters], table.conditions())
-            fits[law.name] = InputError(reasons[0], code="RF420") if reasons else error
-    constant = _problem(fits["constant"])
+            notes[name] = reasons[0] if reasons else str(error)
+    constant = fits["constant"].data
     means = condition_means(
         constant if unit == "conditions" else replace(constant, group=np.arange(constant.n_points))
     )
     slack = table.measures_slack
-    standings = {
-        name: standing(_problem(fit), means, fit.theta, slack=slack)
-        for name, fit in fits.items()
-        if isinstance(fit, FitResult)
-    }
-    ranking, tests = _ranking(fits, standings, means), _tests(standings)
+    standings = {name: standing(fit.data, means, fit.theta, slack=slack) for name, fit in fits.items()}
+    for name, stands in standings.items():
+        notes[name] = (
+            notes[name]
+            or _too_few(stands, means)
+            or _strayed(fits[name], stands, means)
+            or _twin(name, standings, notes)
+        )
+    ranking = _ranking(fits, standings, notes, len(means))
+    tests = tuple(
+        FTest(simpler=simpler, fuller=fuller, f=found[0], dof=found[1], p_value=found[2])
+        for fuller, stands in standings.items()
+        for simpler in (case.name for case in stands.problem.law.special_cases)
+        if simpler in standings and (found := nested_test(standings[simpler], stands)) is not None
+    )
     return Comparison(
         ranking=ranking,
         tests=tests,
@@ -207,101 +196,51 @@ def compare_laws(
     )
 
 
-def _chosen(laws: Iterable[str | FrictionLaw] | None) -> list[FrictionLaw]:
-    if isinstance(laws, str | FrictionLaw):
-        laws = [laws]
-    given = (
-        LAWS.values() if laws is None else [ALL_LAWS[law] if isinstance(law, str) else law for law in laws]
-    )
-    # In one order whatever was asked for, so that ties are always settled alike.
-    unique = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
-    return list(unique.values())
-
-
-def _problem(fit: FitResult | RopefricError) -> FitProblem:
-    if isinstance(fit, RopefricError):
-        raise fit
-    if fit.problem is None:
-        raise InputError(f"the fit of {fit.law} carries no data", fix="compare fits that were just made")
-    return fit.problem
-
-
 def _ranking(
-    fits: Mapping[str, FitResult | RopefricError], standings: Mapping[str, Standing], means: ConditionMeans
+    fits: Mapping[str, FitResult], standings: Mapping[str, Standing], notes: Mapping[str, str], n: int
 ) -> tuple[ComparisonEntry, ...]:
-    notes = {name: _why_not(fit) for name, fit in fits.items()}
+    """Return all laws, those without a note weighed and first."""
+    ranked = [name for name, note in notes.items() if not note]
+    best = min((standings[name].aicc for name in ranked), default=math.nan)
+    weights = dict(
+        zip(ranked, akaike_weights([standings[name].aicc for name in ranked]).tolist(), strict=True)
+    )
+    # Weights say nothing of one law, nor of the constant ones where others went unjudged: a law that the data show to
+    # be a simpler one was judged, one without an answer, or with too few data, was not.
+    judged = len(fits) == len(notes) and all(
+        fit.status not in _NO_ANSWER and standings[name].aicc < math.inf for name, fit in fits.items()
+    )
+    if len(ranked) < 2 or (set(ranked) <= set(ALWAYS) and not judged):
+        weights = dict.fromkeys(ranked, math.nan)
+    entries = []
     for name, note in notes.items():
-        notes[name] = (
-            note
-            or _too_few(standings[name], means)
-            or _strayed(fits[name], standings[name], means)
-            or _twin(name, standings, notes)
+        if name not in fits:
+            entries.append(ComparisonEntry(law=name, n=n, note=note))
+            continue
+        stands = standings[name]
+        entries.append(
+            ComparisonEntry(
+                law=name,
+                n=n,
+                k=stands.k,
+                chi2=stands.chi2,
+                aicc=stands.aicc,
+                bic=stands.bic,
+                # Two laws that follow the data exactly both stand at −inf, no distance apart.
+                delta_aicc=0.0 if stands.aicc == best else stands.aicc - best,
+                weight=weights.get(name, 0.0),
+                loco_error=math.nan if note else leave_one_out(stands),
+                status=fits[name].status.value,
+                counted=not note,
+                note=note,
+                fit=fits[name],
+            )
         )
-    counted = [name for name in fits if not notes[name]]
-    best = min((standings[name].aicc for name in counted), default=math.nan)
-    shares = akaike_weights([standings[name].aicc for name in counted])
-    if not _weighable(counted, fits, standings):
-        shares = np.full_like(shares, math.nan)
-    weights = dict(zip(counted, shares.tolist(), strict=True))
-    entries = [
-        _entry(name, fit, standings.get(name), means, best=best, weight=weights.get(name), note=notes[name])
-        for name, fit in fits.items()
-    ]
     return tuple(sorted(entries, key=lambda e: (not e.counted, math.inf if math.isnan(e.aicc) else e.aicc)))
 
 
-def _weighable(
-    counted: list[str], fits: Mapping[str, FitResult | RopefricError], standings: Mapping[str, Standing]
-) -> bool:
-    """Return whether weights say anything: not of one law, nor of the constant ones where others went unjudged."""
-    if len(counted) < 2 or not set(counted) <= set(ALWAYS):
-        return len(counted) > 1
-    # A law that the data show to be a simpler one was judged; one without an answer, or with too few data, was not.
-    return all(
-        isinstance(fit, FitResult) and fit.status not in _NO_ANSWER and standings[name].aicc < math.inf
-        for name, fit in fits.items()
-    )
-
-
-def _entry(
-    name: str,
-    fit: FitResult | RopefricError,
-    stands: Standing | None,
-    means: ConditionMeans,
-    *,
-    best: float,
-    weight: float | None,
-    note: str,
-) -> ComparisonEntry:
-    nan = math.nan
-    if stands is None or isinstance(fit, RopefricError):
-        return ComparisonEntry(
-            law=name, n=len(means), k=0, chi2=nan, aicc=nan, bic=nan, delta_aicc=nan, weight=0.0,
-            loco_error=nan, status=REFUSED, counted=False, note=note, fit=None,
-        )  # fmt: skip
-    # Two laws that follow the data exactly both stand at −inf, no distance apart.
-    delta = 0.0 if stands.aicc == best else stands.aicc - best
-    return ComparisonEntry(
-        law=name,
-        n=len(means),
-        k=stands.k,
-        chi2=stands.chi2,
-        aicc=stands.aicc,
-        bic=stands.bic,
-        delta_aicc=delta,
-        weight=weight or 0.0,
-        loco_error=nan if weight is None else leave_one_out(stands),
-        status=fit.status.value,
-        counted=weight is not None,
-        note=note,
-        fit=fit,
-    )
-
-
-def _why_not(fit: FitResult | RopefricError) -> str:
+def _why_not(fit: FitResult) -> str:
     """Return why a fit has no say in the weights; empty if it has."""
-    if isinstance(fit, RopefricError):
-        return str(fit)
     if fit.status in _NO_ANSWER:
         return fit.status.advice
     if fit.identifiability.unseen:
@@ -317,9 +256,9 @@ def _too_few(stands: Standing, means: ConditionMeans) -> str:
     return ""
 
 
-def _strayed(fit: FitResult | RopefricError, stands: Standing, means: ConditionMeans) -> str:
+def _strayed(fit: FitResult, stands: Standing, means: ConditionMeans) -> str:
     """Return whether the fit of ln F_A missed the measured end tensions; empty if it did not."""
-    if not stands.slack or isinstance(fit, RopefricError):
+    if not stands.slack:
         return ""
     residual = measured_residual(stands.problem, fit.theta, slack=True)
     if scatter_fit(residual, means).deviance <= stands.scatter.deviance + _STRAYED:
@@ -338,17 +277,6 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
         if simpler and not notes[other] and float(np.abs(theirs.log_lift() - mine.log_lift()).max()) <= _SAME:
             return f"gives the same forces as {other} on these data, and is counted once"
     return ""
-
-
-def _tests(standings: Mapping[str, Standing]) -> tuple[FTest, ...]:
-    tests = []
-    for fuller, stands in standings.items():
-        for simpler in NESTED.get(fuller, ()):
-            found = nested_test(standings[simpler], stands) if simpler in standings else None
-            if found is not None:
-                F, dof, p_value = found
-                tests.append(FTest(simpler=simpler, fuller=fuller, f=F, dof=dof, p_value=p_value))
-    return tuple(tests)
 
 
 def _notes(

@@ -1,16 +1,204 @@
-"""The inverse of a prediction: the smallest wrap, wheel or end tension that lifts a load with a given probability."""
+"""The inverse of a prediction: the smallest wrap, wheel or end tension that lifts a load with a given probability.
 
+In: a fit and the load. Out: a `Design` with what was found, or why there is none; `design_chart` gives the lift forces
+over wheels and wraps. The mean law is solved by Newton's method, then the first place is found where its lower bound
+suffices.
+"""
+
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import BoolArray, FloatArray
-from ropefric.fitting.design_result import QUANTITIES, Design, DesignStatus, SolveFor
-from ropefric.fitting.design_search import CHUNK, DesignSearch, LiftBound
-from ropefric.fitting.predict import outside_range
+from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.errors import InputError
+from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_range
+from ropefric.fitting.propagation import linear_std
 from ropefric.fitting.result import FitResult
+from ropefric.fitting.rising_root import first_crossing, rising_root
 from ropefric.friction.condition import Conditions
+from ropefric.friction.law import FrictionLaw, LiftModel
+from ropefric.uncertainty.quantity import quantile
+
+SolveFor = Literal["wrap", "radius", "end_tension"]
+
+QUANTITIES: dict[str, tuple[str, str, tuple[float, float]]] = {
+    "radius": ("wheel_radius_m", "m", (1e-3, 10.0)),
+    "wrap": ("wrap_angle_rad", "rad", (0.0, 40.0 * math.pi)),
+    "end_tension": ("end_tension_N", "N", (1.0, 1e5)),
+}
+"""The name and unit of each quantity a design can look for, and where unless told otherwise."""
+
+# Designs worked on at a time: their temporaries stay in the processor's cache.
+_CHUNK = 16384
+# A wrap of zero has no slope in some laws; this much wrap lifts nothing.
+_LEAST_WRAP_RAD = 1e-9
+
+
+class DesignStatus(IntEnum):
+    """What became of a design."""
+
+    OK = 0
+    LOWER_LIMIT = 1
+    OUT_OF_REACH = 2
+    TOO_UNCERTAIN = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Design:
+    """Designs that lift a load; NaN where there is none.
+
+    Attributes
+    ----------
+    solve_for : {"wrap", "radius", "end_tension"}
+        What was looked for.
+    value : ndarray, shape (n,)
+        The smallest that does: φ [rad], R_w [m] or F_B [N].
+    wheel_radius_m, rope_radius_m, wrap_angle_rad, end_tension_N : ndarray, shape (n,)
+        The designs, `value` among them.
+    required_N : ndarray, shape (n,)
+        The load to lift [N].
+    lift_force_N, lower_bound_N : ndarray, shape (n,)
+        F_A of the mean law, and what one new rope exceeds with the probability [N].
+    probability : float or None
+        Probability that a new rope lifts the load; None: the mean law does.
+    status : ndarray of int8, shape (n,)
+        `DesignStatus`: OK; LOWER_LIMIT, the lower limit already does; OUT_OF_REACH, not even the upper limit does
+        on average; TOO_UNCERTAIN, it does on average, but nowhere up to the limit with the probability.
+    limits : tuple of float
+        Where it was looked for.
+    limit_lift_N, limit_bound_N : ndarray, shape (n,)
+        F_A and lower bound at the upper limit, for those without a design [N].
+    extrapolated : ndarray of bool, shape (n,)
+        Whether the design lies outside what was tested.
+    """
+
+    solve_for: SolveFor
+    value: FloatArray
+    wheel_radius_m: FloatArray
+    rope_radius_m: FloatArray
+    wrap_angle_rad: FloatArray
+    end_tension_N: FloatArray
+    required_N: FloatArray
+    lift_force_N: FloatArray
+    lower_bound_N: FloatArray
+    probability: float | None
+    status: npt.NDArray[np.int8]
+    limits: tuple[float, float]
+    limit_lift_N: FloatArray
+    limit_bound_N: FloatArray
+    extrapolated: BoolArray
+
+    def __len__(self) -> int:
+        return self.value.size
+
+    @property
+    def reached(self) -> BoolArray:
+        """Return which designs exist, shape (n,)."""
+        return self.status <= DesignStatus.LOWER_LIMIT
+
+    def explain(self, index: int = 0) -> str:
+        """Return in words what became of one design."""
+        name, unit, _limits = QUANTITIES[self.solve_for]
+        need, high = f"{self.required_N[index]:.6g} N", f"{name} = {self.limits[1]:.6g} {unit}"
+        code = DesignStatus(int(self.status[index]))
+        if code is DesignStatus.OUT_OF_REACH:
+            return (
+                f"out of reach: even {high} lifts {self.limit_lift_N[index]:.6g} N on average, less than {need}; "
+                "change another quantity or raise the limit"
+            )
+        if code is DesignStatus.TOO_UNCERTAIN:
+            return (
+                f"too uncertain: nothing up to {high} lifts {need} with a probability of {self.probability:g}; there "
+                f"the mean is {self.limit_lift_N[index]:.6g} N and the bound {self.limit_bound_N[index]:.6g} N; "
+                "measure nearer to the design, or accept a lower probability"
+            )
+        found = f"{name} = {self.value[index]:.6g} {unit}"
+        if code is DesignStatus.LOWER_LIMIT:
+            return f"the lower limit {found} already lifts {need}"
+        return f"{found} lifts {need}" + (
+            "" if self.probability is None else f" with probability {self.probability:g}"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree: one object for one design, `{"designs": [...]}` for several."""
+        rows = [self._row(i) for i in range(len(self))]
+        return rows[0] if len(rows) == 1 else {"designs": rows}
+
+    def _row(self, i: int) -> dict[str, Any]:
+        names = (
+            "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "required_N", "lift_force_N",
+            "lower_bound_N", "limit_lift_N", "limit_bound_N",
+        )  # fmt: skip
+        numbers = {name: float(getattr(self, name)[i]) for name in names}
+        row: dict[str, Any] = {name: value if np.isfinite(value) else None for name, value in numbers.items()}
+        return row | {
+            "solve_for": self.solve_for,
+            "probability": self.probability,
+            "status": DesignStatus(int(self.status[i])).name.lower().replace("_", "-"),
+            "explanation": self.explain(i),
+            "extrapolated": bool(self.extrapolated[i]),
+            "limits": list(self.limits),
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LiftBound:
+    """ln F_A of a fitted law and what one new rope exceeds with a probability."""
+
+    law: FrictionLaw
+    theta: FloatArray
+    covariance: FloatArray
+    reach: float
+    scatter: float
+
+    @classmethod
+    def of(cls, fit: FitResult, probability: float | None) -> "LiftBound":
+        """Return the bound of a fit."""
+        reach, scatter = 0.0, 0.0
+        if probability is not None:
+            if not 0.5 <= probability < 1.0:
+                raise InputError(
+                    f"the probability is {probability:g}",
+                    key="probability",
+                    fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
+                )
+            reach, scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
+            if not (math.isfinite(scatter) and np.isfinite(fit.covariance).all()):
+                raise InputError(
+                    f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
+                    key="probability",
+                    fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
+                )
+        return cls(
+            law=fit.friction_law,
+            theta=np.asarray(fit.theta),
+            covariance=np.asarray(fit.covariance),
+            reach=reach,
+            scatter=scatter,
+        )
+
+    def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
+        """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
+        eta, bound = np.full((2, len(conditions)), np.nan)
+        rows = np.flatnonzero(self.law.answers(self.theta, conditions))
+        for first in range(0, rows.size, _CHUNK):
+            some = rows[first : first + _CHUNK]
+            chosen = conditions.select(some)
+            eta[some] = self.law.log_lift(self.theta, chosen)
+            bound[some] = eta[some] - self.margin(chosen)
+        return eta, bound
+
+    def margin(self, conditions: Conditions) -> FloatArray:
+        """Return by how much the bound lies below the mean in ln F_A, shape (n,)."""
+        if self.reach == 0.0:
+            return np.zeros(len(conditions))
+        std = linear_std(LiftModel(law=self.law), self.theta, self.covariance, conditions)
+        return self.reach * np.hypot(std, self.scatter)
 
 
 def design(
@@ -30,18 +218,27 @@ def design(
     ln F_A rises with each of the three, so the mean law has one crossing, found by Newton's method in brackets. The
     bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken.
     """
-    search = DesignSearch.checked(
-        fit, solve_for, probability, limits,
+    given, load_N, (low, high) = _checked(
+        fit, solve_for, limits,
         lift_N=lift_N, rope_radius_m=rope_radius_m, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    n = search.log_load.size
-    parts = [search.solve(slice(first, min(first + CHUNK, n))) for first in range(0, n, CHUNK)]
-    x, status, eta, bound, at_limit, bound_at_limit = (
+    n, bound, log_load = load_N.size, LiftBound.of(fit, probability), np.log(load_N)
+    starts = range(0, n, _CHUNK)
+    parts = [
+        _search(
+            bound,
+            solve_for,
+            (low, high),
+            {name: values[part] for name, values in given.items()},
+            log_load[part],
+        )
+        for part in (slice(first, first + _CHUNK) for first in starts)
+    ]
+    x, status, eta, lower, at_limit, bound_at_limit = (
         np.concatenate(part) for part in zip(*parts, strict=True)
     )
-    arrays = dict(search.given)
-    arrays[QUANTITIES[solve_for][0]] = x
+    arrays = given | {QUANTITIES[solve_for][0]: x}
     reached = status <= DesignStatus.LOWER_LIMIT
     extrapolated = np.zeros(n, dtype=np.bool_)
     if reached.any():
@@ -51,17 +248,132 @@ def design(
         return Design(
             solve_for=solve_for,
             value=x,
-            required_N=np.exp(search.log_load),
+            required_N=np.exp(log_load),
             lift_force_N=np.exp(eta),
-            lower_bound_N=np.exp(bound),
+            lower_bound_N=np.exp(lower),
             probability=probability,
             status=status.astype(np.int8),
-            limits=search.limits,
+            limits=(low, high),
             limit_lift_N=np.exp(at_limit),
             limit_bound_N=np.exp(bound_at_limit),
             extrapolated=extrapolated,
             **arrays,
         )
+
+
+def _checked(
+    fit: FitResult,
+    solve_for: SolveFor,
+    limits: tuple[float, float] | None,
+    **quantities: npt.ArrayLike | None,
+) -> tuple[dict[str, FloatArray], FloatArray, tuple[float, float]]:
+    """Return what is given of n designs, their loads [N], and where to look; everything that is wrong is said here."""
+    if solve_for not in QUANTITIES:
+        raise InputError(
+            f"cannot solve for {solve_for!r}", key="solve_for", fix=f"use one of {', '.join(QUANTITIES)}"
+        )
+    target, unit, usual = QUANTITIES[solve_for]
+    if quantities.pop(target) is not None:
+        raise InputError(f"{target} is given and looked for", key=target, fix="leave it out")
+    arrays = {}
+    for name, value in quantities.items():
+        if value is None:
+            raise InputError(f"{name} is missing", key=name, fix="give every quantity but the one looked for")
+        try:
+            arrays[name] = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        except (TypeError, ValueError):
+            raise InputError(
+                f"{name} is not a number or a list of numbers", key=name, fix="give SI numbers"
+            ) from None
+    if solve_for == "radius" and "size" not in fit.friction_law.effects:
+        raise InputError(
+            f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found",
+            key="solve_for",
+            fix="solve for the wrap or the end tension, or fit a law with a size effect",
+        )
+    low, high = (float(end) for end in (limits or usual))
+    if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):
+        raise InputError(
+            f"limits {low:g} to {high:g} {unit} are none", key="limits", fix="give 0 < low < high in SI"
+        )
+    try:
+        same = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+    except ValueError:
+        lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
+        raise InputError(
+            f"the designs disagree in length: {lengths}", fix="give one value each, or one for all"
+        ) from None
+    load_N = same.pop("lift_N")
+    # Every quantity is looked at here, so that no search meets a bad one.
+    Conditions(**same, **{target: np.array(high)})
+    if load_N.size and not (np.isfinite(load_N) & (load_N > 0.0)).all():
+        worst = int(np.argmin(np.where(np.isfinite(load_N), load_N, -np.inf)))
+        raise InputError(
+            f"lift_N[{worst}] is {load_N[worst]:g} N; it must be finite and positive", key="lift_N"
+        )
+    return same, load_N, (low, high)
+
+
+def _search(
+    bound: LiftBound,
+    solve_for: SolveFor,
+    limits: tuple[float, float],
+    given: Mapping[str, FloatArray],
+    load: FloatArray,
+) -> tuple[npt.NDArray[Any], ...]:
+    """Return value, status, ln F_A, ln bound, and both at the upper limit, of designs for ln loads.
+
+    The search moves in the wrap itself, and in the logarithm of a radius or an end tension.
+    """
+    n, wrap, law, theta = load.size, solve_for == "wrap", bound.law, bound.theta
+    target, column = QUANTITIES[solve_for][0], list(QUANTITIES).index(solve_for)
+    low, high = (max(end, _LEAST_WRAP_RAD) if wrap else math.log(end) for end in limits)
+
+    def conditions(x: FloatArray, rows: npt.NDArray[Any]) -> Conditions:
+        return Conditions(**{name: values[rows] for name, values in given.items()}, **{target: x})
+
+    def value_of(x: FloatArray) -> FloatArray:
+        return np.where(x <= _LEAST_WRAP_RAD, limits[0], x) if wrap else np.exp(x)
+
+    def above(at: FloatArray, rows: IntArray, *, bounded: bool) -> tuple[FloatArray, FloatArray]:
+        """Return how far above the load ln F_A is and its slope; −inf where the law has no answer."""
+        tried = conditions(at if wrap else np.exp(at), rows)
+        value, slope = np.full(rows.size, -np.inf), np.full(rows.size, np.nan)
+        good = np.flatnonzero(law.answers(theta, tried))
+        if good.size:
+            chosen = tried if good.size == rows.size else tried.select(good)
+            value[good] = law.log_lift(theta, chosen) - load[rows[good]]
+            if bounded:
+                value[good] -= bound.margin(chosen)
+            by = law.log_lift_gradient_conditions(theta, chosen)[:, column]
+            slope[good] = by * chosen.wheel_radius_m if solve_for == "radius" else by
+        return value, slope
+
+    x, status = np.full(n, np.nan), np.full(n, DesignStatus.OK, dtype=np.int8)
+    lows, highs, everything = np.full(n, low), np.full(n, high), np.arange(n)
+    enough = above(lows, everything, bounded=True)[0] >= 0.0
+    x[enough], status[enough] = low, DesignStatus.LOWER_LIMIT
+    status[~enough & (above(highs, everything, bounded=False)[0] < 0.0)] = DesignStatus.OUT_OF_REACH
+    rows = np.flatnonzero(status == DesignStatus.OK)
+    if rows.size:
+        root = lows[rows]
+        below = above(root, rows, bounded=False)[0] < 0.0
+        some = rows[below]
+        root[below] = rising_root(lambda at, i: above(at, some[i], bounded=False), lows[some], highs[some])
+        if bound.reach > 0.0:
+            left, right = first_crossing(lambda at, i: above(at, rows[i], bounded=True), root, highs[rows])
+            held = ~np.isnan(right)
+            status[rows[~held]] = DesignStatus.TOO_UNCERTAIN
+            rows, left, right = rows[held], left[held], right[held]
+            root = rising_root(lambda at, i: above(at, rows[i], bounded=True), left, right, start=left)
+        x[rows] = root
+    x, lost = value_of(x), status > DesignStatus.LOWER_LIMIT
+    found, at_limit = np.full((2, n), np.nan), np.full((2, n), np.nan)
+    if not lost.all():
+        found[:, ~lost] = bound.evaluate(conditions(x[~lost], ~lost))
+    if lost.any():
+        at_limit[:, lost] = bound.evaluate(conditions(value_of(highs[lost]), lost))
+    return x, status, *found, *at_limit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,10 +400,8 @@ def design_chart(
     probability: float = 0.95,
 ) -> DesignChart:
     """Return lift force and lower bound over a grid of r wheel radii [m] and w wraps [rad]."""
-    radii, wraps = (
-        np.atleast_1d(np.asarray(wheel_radius_m, float)),
-        np.atleast_1d(np.asarray(wrap_angle_rad, float)),
-    )
+    radii = np.atleast_1d(np.asarray(wheel_radius_m, dtype=np.float64))
+    wraps = np.atleast_1d(np.asarray(wrap_angle_rad, dtype=np.float64))
     grid = np.meshgrid(radii, wraps, indexing="ij")
     conditions = Conditions(
         wheel_radius_m=grid[0].ravel(),
@@ -99,12 +409,7 @@ def design_chart(
         wrap_angle_rad=grid[1].ravel(),
         end_tension_N=np.array(end_tension_N),
     )
-    bound = LiftBound.of(fit, probability)
-    found = [
-        bound.evaluate(conditions.select(np.arange(first, min(first + CHUNK, len(conditions)))))
-        for first in range(0, len(conditions), CHUNK)
-    ]
-    eta, lower = (np.concatenate(part) for part in zip(*found, strict=True))
+    eta, lower = LiftBound.of(fit, probability).evaluate(conditions)
     with np.errstate(over="ignore"):
         return DesignChart(
             wheel_radius_m=radii,

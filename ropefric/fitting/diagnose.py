@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -50,7 +50,7 @@ _OFFSET_TEST = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Cause:
     """A reason why a rope may not obey the capstan equation."""
 
@@ -58,7 +58,7 @@ class Cause:
     supported: Supported
     evidence: str
     experiment: str
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    numbers: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,25 +96,13 @@ class Diagnosis:
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
-        return {
-            "summary": self.summary,
-            "verdict": self.verdict.to_dict(),
-            "causes": [
-                {
-                    "cause": item.cause,
-                    "supported": item.supported,
-                    "evidence": item.evidence,
-                    "experiment": item.experiment,
-                    "numbers": dict(item.numbers),
-                }
-                for item in self.causes
-            ],
-        }
+        causes = [asdict(item) for item in self.causes]
+        return {"summary": self.summary, "verdict": self.verdict.to_dict(), "causes": causes}
 
 
-def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_options: Any) -> Diagnosis:
+def diagnose(table: TrialTable, comparison: Comparison | None = None) -> Diagnosis:
     """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do."""
-    ranked = compare_laws(table, ALL_LAWS.values(), **fit_options) if comparison is None else comparison
+    ranked = compare_laws(table, ALL_LAWS.values()) if comparison is None else comparison
     constant = ranked["constant"].fit
     if constant is None or constant.problem is None:
         raise InputError(
@@ -127,7 +115,7 @@ def diagnose(table: TrialTable, comparison: Comparison | None = None, **fit_opti
         "wrap-dependence": np.log(np.maximum(means.conditions.wrap_angle_rad, 1e-9)),
     }
     causes = [_offset(ranked, means)]
-    causes += [_effect(title, ranked, means, levels) for title in _EFFECTS]
+    causes += [_effect(title, ranked, means, levels[effect]) for title, (effect, *_) in _EFFECTS.items()]
     causes += [_no_slip(table), _scatter(ranked, means)]
     return Diagnosis(
         causes=tuple(causes), summary=_summary(ranked, causes), verdict=choose_law(ranked).verdict
@@ -141,57 +129,43 @@ def _best(ranked: Comparison, effect: str, *, with_it: bool) -> ComparisonEntry 
     return None
 
 
-def _verdict(ranked: Comparison, effect: str) -> tuple[Supported, str, dict[str, float]]:
-    """Return the verdict on an effect, why, and the differences of AICc behind it."""
-    plain = ranked["constant"]
+def _judged(
+    ranked: Comparison, effect: str, found: Mapping[str, float]
+) -> tuple[Supported, str, dict[str, float]]:
+    """Return the verdict on an effect with what is known of its trend, why, and the numbers behind it."""
+    plain, numbers = ranked["constant"], dict(found)
     best, other = _best(ranked, effect, with_it=True), _best(ranked, effect, with_it=False)
     if best is None or not math.isfinite(plain.aicc):
-        return "cannot-tell", f"{ranked.n} {ranked.unit} are too few for any law with it", {}
+        return "cannot-tell", f"{ranked.n} {ranked.unit} are too few for any law with it", numbers
     rival = plain if other is None else other
     gain, lead = plain.aicc - best.aicc, rival.aicc - best.aicc
-    numbers = {"gain_on_constant": gain, "lead_on_others": lead}
+    numbers = {"gain_on_constant": gain, "lead_on_others": lead} | numbers
     text = f"AICc of the best law with it, {best.law}, is {_against(gain)} the constant law's"
     if rival.law != "constant":
         text += f" and {_against(lead)} that of {rival.law}, which does without"
     if lead >= _STRONG:
         return "yes", text, numbers
-    if gain < _WEAK or lead <= -_STRONG:
+    # A "no" that rests on few conditions alone, where a trend is there to be seen, is none.
+    explained_by_another = lead < gain and lead <= -_STRONG
+    if (gain < _WEAK or lead <= -_STRONG) and (
+        explained_by_another or found.get("p_value", 1.0) >= _SIGNIFICANT
+    ):
         return "no", text, numbers
     return "cannot-tell", text, numbers
-
-
-def _doubted(supported: Supported, p_value: float, numbers: Mapping[str, float]) -> Supported:
-    """Return "cannot-tell" for a "no" that rests on few conditions alone, where a trend is there to be seen."""
-    gain, lead = numbers.get("gain_on_constant", 0.0), numbers.get("lead_on_others", 0.0)
-    explained_by_another = lead < gain and lead <= -_STRONG
-    return (
-        "cannot-tell"
-        if supported == "no" and p_value < _SIGNIFICANT and not explained_by_another
-        else supported
-    )
 
 
 def _against(difference: float) -> str:
     return f"{abs(difference):.1f} {'below' if difference > 0 else 'above'}"
 
 
-def _effect(title: str, ranked: Comparison, means: ConditionMeans, levels: dict[str, FloatArray]) -> Cause:
+def _effect(title: str, ranked: Comparison, means: ConditionMeans, level: FloatArray) -> Cause:
     effect, quantity, experiment = _EFFECTS[title]
-    level = levels[effect]
     if distinct(np.exp(level)).size < 2:
-        return Cause(
-            cause=title,
-            supported="cannot-tell",
-            evidence=f"all conditions have one {quantity}",
-            experiment=experiment,
-        )
-    supported, why, numbers = _verdict(ranked, effect)
+        return Cause(title, "cannot-tell", f"all conditions have one {quantity}", experiment)
     trend, found = _trend(means, level, quantity)
-    supported = _doubted(supported, found.get("p_value", 1.0), numbers)
+    supported, why, numbers = _judged(ranked, effect, found)
     evidence = "; ".join(part for part in (trend, why, _lookalike(title, ranked)) if part)
-    return Cause(
-        cause=title, supported=supported, evidence=evidence, experiment=experiment, numbers=numbers | found
-    )
+    return Cause(title, supported, evidence, experiment, numbers)
 
 
 def _lookalike(title: str, ranked: Comparison) -> str:
@@ -226,84 +200,58 @@ def _trend(means: ConditionMeans, level: FloatArray, quantity: str) -> tuple[str
 
 
 def _offset(ranked: Comparison, means: ConditionMeans) -> Cause:
-    wraps = distinct(means.conditions.wrap_angle_rad)
     fit = ranked["constant-offset"].fit
-    if wraps.size < 2 or fit is None:
-        return Cause(
-            cause="offset",
-            supported="cannot-tell",
-            evidence="all conditions have one wrap, where an offset cannot be told from μ",
-            experiment=_OFFSET_TEST,
-        )
-    supported, why, numbers = _verdict(ranked, "offset")
+    if distinct(means.conditions.wrap_angle_rad).size < 2 or fit is None:
+        text = "all conditions have one wrap, where an offset cannot be told from μ"
+        return Cause("offset", "cannot-tell", text, _OFFSET_TEST)
     k = fit["k"]
-    test = next((t for t in ranked.tests if (t.simpler, t.fuller) == ("constant", "constant-offset")), None)
     evidence = f"offset of ln F_A k = {k.value:+.3g} ± {k.std:.2g}"
-    numbers["k"], numbers["k_std"] = k.value, k.std
-    if test is not None:
-        evidence += f" (F-test p = {test.p_value:.2g})"
-        numbers["p_value"] = test.p_value
-        supported = _doubted(supported, test.p_value, numbers)
-    return Cause(
-        cause="offset",
-        supported=supported,
-        evidence=f"{evidence}; {why}",
-        experiment=_OFFSET_TEST,
-        numbers=numbers,
-    )
+    found = {"k": k.value, "k_std": k.std}
+    for test in ranked.tests:
+        if (test.simpler, test.fuller) == ("constant", "constant-offset"):
+            evidence += f" (F-test p = {test.p_value:.2g})"
+            found["p_value"] = test.p_value
+    supported, why, numbers = _judged(ranked, "offset", found)
+    return Cause("offset", supported, f"{evidence}; {why}", _OFFSET_TEST, numbers)
 
 
 def _no_slip(table: TrialTable) -> Cause:
+    title = "no gross slip"
     experiment = "raise the motor torque until the rope slides all round, and record the slide after the peak"
-    bad = Counter(word for word in table.status if word != "ok")
-    share = sum(bad.values()) / max(len(table), 1)
-    words = ", ".join(f"{count} {word}" for word, count in sorted(bad.items()))
-    numbers = {"not_ok": float(sum(bad.values())), "trials": float(len(table))}
+    bad, n = Counter(word for word in table.status if word != "ok"), len(table)
+    numbers = {"not_ok": float(bad.total()), "trials": float(n)}
     if not bad:
-        evidence = (
-            f"all {len(table)} trials have status ok; the recordings, which decide this, are not in the table"
-        )
-        return Cause(
-            cause="no gross slip", supported="no", evidence=evidence, experiment=experiment, numbers=numbers
-        )
-    supported: Supported = "yes" if bad["no-breakaway"] > _MANY * len(table) else "cannot-tell"
-    evidence = f"{sum(bad.values())} of {len(table)} trials ({share:.0%}) gave no break-away force: {words}"
-    return Cause(
-        cause="no gross slip", supported=supported, evidence=evidence, experiment=experiment, numbers=numbers
-    )
+        text = f"all {n} trials have status ok; the recordings, which decide this, are not in the table"
+        return Cause(title, "no", text, experiment, numbers)
+    words = ", ".join(f"{count} {word}" for word, count in sorted(bad.items()))
+    text = f"{bad.total()} of {n} trials ({bad.total() / n:.0%}) gave no break-away force: {words}"
+    supported: Supported = "yes" if bad["no-breakaway"] > _MANY * n else "cannot-tell"
+    return Cause(title, supported, text, experiment, numbers)
 
 
 def _scatter(ranked: Comparison, means: ConditionMeans) -> Cause:
     """Return whether conditions lie further off the best law than their repeats allow."""
+    title = "condition scatter"
     experiment = "repeat each condition with a new rope in random order, and again with the same rope"
     repeats = int(means.size.sum()) - len(means)
     if repeats < 1 or len(means) < 3:
-        evidence = "no condition was repeated, or there are fewer than three"
-        return Cause(
-            cause="condition scatter", supported="cannot-tell", evidence=evidence, experiment=experiment
-        )
+        text = "no condition was repeated, or there are fewer than three"
+        return Cause(title, "cannot-tell", text, experiment)
     best = ranked.best.fit
     left = len(means) - ranked.best.k + 1
     if best is None or left < 2:
-        evidence = f"{len(means)} conditions are too few to tell scatter between them from an effect"
-        return Cause(
-            cause="condition scatter", supported="cannot-tell", evidence=evidence, experiment=experiment
-        )
+        text = f"{len(means)} conditions are too few to tell scatter between them from an effect"
+        return Cause(title, "cannot-tell", text, experiment)
     excess = (best.friction_law.log_lift(best.theta, means.conditions) - means.log_lift) / means.std
     F = float((excess**2).sum()) / left
     p_value = float(fdtrc(left, repeats, F))
-    evidence = (
+    text = (
         f"condition means lie {math.sqrt(F):.2g} times as far off {ranked.best.law} as their repeats allow "
         f"(p = {p_value:.2g}), by new ropes, settings, or an effect it misses; repeats scatter by "
         f"{100 * means.scatter_within:.2g} %"
     )
-    return Cause(
-        cause="condition scatter",
-        supported="yes" if p_value < _SIGNIFICANT else "no",
-        evidence=evidence,
-        experiment=experiment,
-        numbers={"ratio": math.sqrt(F), "p_value": p_value, "scatter_within": means.scatter_within},
-    )
+    numbers = {"ratio": math.sqrt(F), "p_value": p_value, "scatter_within": means.scatter_within}
+    return Cause(title, "yes" if p_value < _SIGNIFICANT else "no", text, experiment, numbers)
 
 
 def _summary(ranked: Comparison, causes: list[Cause]) -> str:

@@ -15,20 +15,12 @@ from ropefric.errors import InputError
 from ropefric.files.digits import significant, to_share
 from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import (
-    LOSSES,
-    MANY,
-    FitProblem,
-    FitSettings,
-    Loss,
-    check_settings,
-    pooled,
-    reduced,
-)
+from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, reduced
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.friction.start import guess
 from ropefric.trials.table import TrialTable
 
 # Beyond this the squares of residuals and slopes, and their sums, are no floats.
@@ -112,8 +104,8 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
     spans = [settings.bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
     lower, upper = np.array(spans, dtype=np.float64).T
     given = {item.name: item.start for item in law.parameters if item.fixed} | settings.start | settings.fixed
-    guess = np.clip(law.guess(conditions, log_lift), lower, upper)
-    start = np.array([given.get(n, g) for n, g in zip(law.parameter_names, guess, strict=True)], np.float64)
+    found = np.clip(guess(law, conditions, log_lift), lower, upper)
+    start = np.array([given.get(n, g) for n, g in zip(law.parameter_names, found, strict=True)], np.float64)
     vary = [
         item.name not in settings.fixed
         and (not item.fixed or item.name in settings.start or item.name in settings.bounds)
@@ -244,8 +236,6 @@ def _starts(problem: FitProblem, settings: FitSettings) -> FloatArray:
 
 def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[FloatArray, bool, tuple[str, ...]]:
     """Return the best end of the searches from some starts, whether it is a minimum, and others as good in words."""
-    if problem.n_points >= MANY and loss == "linear":
-        problem = pooled(problem)[0]
     ends = batched_fit(problem, starts=starts, loss=loss, tolerance=_TIGHT)
     every = np.flatnonzero(ends.converged) if ends.converged.any() else np.zeros(1, dtype=np.intp)
     least = ends.chi2[every].min()

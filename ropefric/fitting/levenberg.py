@@ -10,9 +10,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.problem import FitProblem, Loss, Reduced, reduced
-
-Rows = npt.NDArray[np.intp]
+from ropefric.fitting.problem import FitProblem, Loss, Reduced, Rows, reduced
 
 _EPS = float(np.finfo(np.float64).eps)
 _FIRST_DAMPING = 1e-4

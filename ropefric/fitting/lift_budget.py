@@ -11,12 +11,17 @@ from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_w
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw
-from ropefric.friction.physics import refusals_of
 from ropefric.uncertainty.budget import MeasurementModel, effective_dof
 from ropefric.uncertainty.quantity import Block, Quantity, normal
 from ropefric.uncertainty.statement import BudgetStatus, Statement, state_uncertainty
 
 _STEP = 1e-5
+_SETTINGS = {
+    "wheel_radius_m": ("wheel radius", "R_w", "m"),
+    "rope_radius_m": ("rope radius", "R_r", "m"),
+    "wrap_angle_rad": ("wrap angle", "φ", "rad"),
+    "end_tension_N": ("end tension", "F_B", "N"),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,25 +32,6 @@ class WheelUncertainty:
     rope_radius_m: float = 0.0
     wrap_angle_rad: float = 0.0
     end_tension_N: float = 0.0
-
-
-def paired_log_lift(law: FrictionLaw, theta: FloatArray, conditions: Conditions) -> FloatArray:
-    """Return ln(F_A / 1 N) of m parameter sets, each at its own condition, shape (m,); NaN where there is no answer.
-
-    `FrictionLaw.log_lift` gives every set at every condition, of which this is the diagonal.
-    """
-    columns = tuple(theta.T)
-    good = np.ones(len(conditions), dtype=bool)
-    for refusal in refusals_of(law.physics, columns, conditions):
-        good &= ~refusal.mask
-    found = np.full(len(conditions), np.nan)
-    if good.any():
-        part = conditions.select(good)
-        # Every number is looked at by the caller, so overflow need not be warned about.
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            log_lift = part.log_end_tension + law.physics.rise(tuple(theta[good].T), part)
-        found[good] = np.where(np.isfinite(log_lift), log_lift, np.nan)
-    return found
 
 
 def lift_model(
@@ -79,10 +65,9 @@ def lift_model(
             sets[:, free] = rows[:, k:]
             # As in every prediction: a draw beyond a bound of the law counts as on it.
             sets = np.clip(sets, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
+            at = Conditions(**dict(zip(_SETTINGS, rows.T[:4], strict=True)))
             with np.errstate(over="ignore"):
-                found[answered] = np.exp(
-                    paired_log_lift(law, sets, _conditions(rows)) + rows[:, 4:k].sum(axis=1)
-                )
+                found[answered] = np.exp(law.log_lift_of_pairs(sets, at) + rows[:, 4:k].sum(axis=1))
         return found
 
     by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
@@ -121,15 +106,9 @@ def state_lift(
 
 
 def _settings(wheel: Conditions, uncertainty: WheelUncertainty) -> list[Quantity]:
-    rows = (
-        ("wheel radius", "R_w", "m", "wheel_radius_m"),
-        ("rope radius", "R_r", "m", "rope_radius_m"),
-        ("wrap angle", "φ", "rad", "wrap_angle_rad"),
-        ("end tension", "F_B", "N", "end_tension_N"),
-    )
     return [
         normal(name, symbol, unit, getattr(uncertainty, key), estimate=float(getattr(wheel, key)[0]))
-        for name, symbol, unit, key in rows
+        for key, (name, symbol, unit) in _SETTINGS.items()
     ]
 
 
@@ -153,15 +132,6 @@ def _rope(fit: FitResult) -> tuple[Quantity, ...]:
             type="A",
             dof=effective_dof(parts.tolist(), counts),
         ),
-    )
-
-
-def _conditions(rows: FloatArray) -> Conditions:
-    return Conditions(
-        wheel_radius_m=rows[:, 0],
-        rope_radius_m=rows[:, 1],
-        wrap_angle_rad=rows[:, 2],
-        end_tension_N=rows[:, 3],
     )
 
 

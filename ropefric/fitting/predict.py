@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -10,10 +10,11 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.propagation import LiftModel, drawn_range, linear_std
+from ropefric.fitting.propagation import drawn_range, linear_std
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.verdict import Doubt, Verdict, doubts_of_interval, verdict_of
 from ropefric.friction.condition import Conditions
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.uncertainty.quantity import quantile
 
@@ -70,15 +71,6 @@ class Candidate:
     lift_force_N: float
     std_N: float
     interval_N: tuple[float, float]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return a JSON tree; None where there is no number."""
-        return {
-            "law": self.law,
-            "lift_force_N": self.lift_force_N,
-            "std_N": _number(self.std_N),
-            "interval_N": [_number(end) for end in self.interval_N],
-        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -170,26 +162,24 @@ class Prediction:
     def verdict(self, index: int = 0) -> Verdict:
         """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
         doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
-        if self.linear_agrees is not None and not self.linear_agrees[index]:
+        for text in self._disagreement(index) if self.method == "linear" else ():
             drawn = None if self.drawn_interval_N is None else self.drawn_interval_N[index]
-            linear = self.interval_N[index]
-            if self.method == "linear":
-                doubts += doubts_of_interval(linear, drawn, self._disagreement(index))
+            doubts += doubts_of_interval(self.interval_N[index], drawn, text)
         return verdict_of(doubts, self.judged.reason.removesuffix("."))
 
     def notes(self, index: int = 0) -> tuple[str, ...]:
         """Return what to know about one condition before trusting its numbers; empty if nothing."""
-        notes = list(outside_words(self.validity, self.conditions, index))
-        if self.linear_agrees is not None and not self.linear_agrees[index]:
-            notes.append(self._disagreement(index))
-        return tuple(notes)
+        return (*outside_words(self.validity, self.conditions, index), *self._disagreement(index))
 
-    def _disagreement(self, index: int) -> str:
+    def _disagreement(self, index: int) -> tuple[str, ...]:
+        """Return how far the linear and the drawn interval lie apart, where they disagree."""
+        if self.linear_agrees is None or self.linear_agrees[index]:
+            return ()
         text = "the interval depends on how the parameters' uncertainty is carried over: linearly"
         if self.drawn_interval_N is None:
-            return f"{text} only, for the law has no answer for most of what they may be"
+            return (f"{text} only, for the law has no answer for most of what they may be",)
         (near, far), (low, high) = self.interval_N[index], self.drawn_interval_N[index]
-        return f"{text} {near:.4g}–{far:.4g} N, drawn from their covariance {low:.4g}–{high:.4g} N"
+        return (f"{text} {near:.4g}–{far:.4g} N, drawn from their covariance {low:.4g}–{high:.4g} N",)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: one flat object for one condition, `{"predictions": [...]}` for several."""
@@ -198,33 +188,23 @@ class Prediction:
 
     def _row(self, i: int) -> dict[str, Any]:
         at = self.conditions
-        given = {
-            "law": self.law,
-            "wheel_radius_m": float(at.wheel_radius_m[i]),
-            "rope_radius_m": float(at.rope_radius_m[i]),
-            "wrap_angle_rad": float(at.wrap_angle_rad[i]),
-            "end_tension_N": float(at.end_tension_N[i]),
-        }
+        given = {name: float(getattr(at, name)[i]) for name in REGRESSORS}
         found = {
             "lift_force_N": float(self.lift_force_N[i]),
-            "std_N": _number(self.std_N[i]),
-            "interval_N": [_number(end) for end in self.interval_N[i]],
-            "prediction_interval_N": [_number(end) for end in self.prediction_interval_N[i]],
+            "std_N": float(self.std_N[i]),
+            "interval_N": self.interval_N[i].tolist(),
+            "prediction_interval_N": self.prediction_interval_N[i].tolist(),
             "level": self.level,
-            "dof": _number(self.dof),
+            "dof": self.dof,
             "extrapolated": bool(self.extrapolated[i]),
             "method": self.method,
             "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
             "notes": list(self.notes(i)),
             "verdict": self.verdict(i).to_dict(),
-            "candidates": [item.to_dict() for item in self.candidates],
-            "spread_N": None if self.spread_N is None else list(self.spread_N),
+            "candidates": [asdict(item) for item in self.candidates],
+            "spread_N": self.spread_N,
         }
-        return given | dict(rounded_tree(found))
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+        return {"law": self.law, **given, **rounded_tree(found)}
 
 
 def predict(
@@ -241,15 +221,7 @@ def predict(
 ) -> Prediction:
     """Return the lift force of a fitted law for n conditions, with its intervals."""
     model = _model(fit, linear_density_kg_m, speed_m_s)
-    if not 0.0 < level < 1.0:
-        raise InputError(
-            f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
-        )
-    if method not in {"linear", "monte-carlo"}:
-        raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
-    if not 100 <= n <= _MOST_DRAWS:
-        few = "few" if n < 100 else "many"
-        raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
+    _check_arguments(level, method, n)
     theta, covariance = np.asarray(fit.theta), np.asarray(fit.covariance)
     log_lift = model.log_lift(theta, conditions)
     if (log_lift > _LARGEST).any():
@@ -272,13 +244,17 @@ def predict(
     if (method == "monte-carlo" and dof > 0.0) or check:
         draws = n if method == "monte-carlo" else _CHECKING_DRAWS
         rng = np.random.default_rng(seed)
-        drawn = _drawn(
-            model, fit, conditions, dof=dof, level=level, n=draws, rng=rng, needed=method != "linear"
-        )
-        if drawn is None:
+        try:
+            drawn = drawn_range(model, theta, covariance, conditions, dof=dof, level=level, n=draws, rng=rng)
+        except InputError:
+            if method == "monte-carlo":
+                raise
             agrees = np.zeros(len(conditions), dtype=np.bool_)
         else:
-            agrees = _ends_agree(ends, drawn[1], draws)
+            # The 97.5 % point of N draws scatters by about 2.7 σ/√N; three times that is no disagreement.
+            room = _DISAGREEMENT + 3.0 * 2.7 / 1.96 / math.sqrt(draws)
+            apart = np.abs(drawn[1] - ends)
+            agrees = np.asarray((apart <= 0.5 * room * np.diff(ends, axis=1) + 1e-12).all(axis=1))
             std, ends = drawn if method == "monte-carlo" else (std, ends)
     # About the middle of the law's own interval, which is not quite log_lift where draws are skew.
     middle, half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
@@ -305,6 +281,18 @@ def predict(
             seed=seed,
             judged=fit.verdict,
         )
+
+
+def _check_arguments(level: float, method: str, n: int) -> None:
+    if not 0.0 < level < 1.0:
+        raise InputError(
+            f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
+        )
+    if method not in {"linear", "monte-carlo"}:
+        raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
+    if not 100 <= n <= _MOST_DRAWS:
+        few = "few" if n < 100 else "many"
+        raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
 
 
 def degrees_of_freedom(fit: FitResult) -> float:
@@ -335,30 +323,4 @@ def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftMo
             key=missing,
             fix="give both, or neither for a rope at rest",
         )
-    rho, v = density or 0.0, speed or 0.0
-    if not (math.isfinite(rho) and math.isfinite(v) and rho >= 0.0):
-        raise InputError(
-            f"mass per length {rho:g} kg/m and speed {v:g} m/s must be finite and the mass zero or more",
-            key="linear_density_kg_m",
-        )
-    return LiftModel(law=ALL_LAWS[fit.law], linear_density_kg_m=rho, speed_m_s=v)
-
-
-def _drawn(
-    model: LiftModel, fit: FitResult, conditions: Conditions, *, needed: bool, **options: Any
-) -> tuple[FloatArray, FloatArray] | None:
-    """Return the range of the draws; None where they fail and only served as a check."""
-    try:
-        return drawn_range(model, np.asarray(fit.theta), np.asarray(fit.covariance), conditions, **options)
-    except InputError:
-        if needed:
-            raise
-        return None
-
-
-def _ends_agree(linear: FloatArray, drawn: FloatArray, draws: int) -> BoolArray:
-    """Return where both ends agree within 10 % of the half width, with room for the noise of few draws."""
-    half = 0.5 * np.diff(linear, axis=1)
-    # The 97.5 % point of N draws scatters by about 2.7 σ/√N; three times that is no disagreement.
-    room = _DISAGREEMENT + 3.0 * 2.7 / 1.96 / math.sqrt(draws)
-    return np.asarray((np.abs(drawn - linear) <= room * half + 1e-12).all(axis=1))
+    return LiftModel(law=ALL_LAWS[fit.law], linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)

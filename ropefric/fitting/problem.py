@@ -5,7 +5,7 @@ is therefore evaluated once per condition and not once per trial, however many r
 weighs each trial by its own residual, so there the trials stay as they are.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from numbers import Integral
 from typing import Any, Literal
@@ -19,29 +19,25 @@ from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
 
+Rows = npt.NDArray[np.intp]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
 
 LOSSES: dict[Loss, Callable[[FloatArray], tuple[FloatArray, FloatArray]]] = {
     "linear": lambda z: (z, np.ones_like(z)),
     "soft_l1": lambda z: (2.0 * (np.sqrt(1.0 + z) - 1.0), 1.0 / np.sqrt(1.0 + z)),
-    "huber": lambda z: (
-        np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
-        1.0 / np.sqrt(np.maximum(z, 1.0)),
-    ),
+    "huber": lambda z: (np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0), 1.0 / np.sqrt(np.maximum(z, 1.0))),
     "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z)),
     "arctan": lambda z: (np.arctan(z), 1.0 / (1.0 + z**2)),
 }
 """Losses of squared residuals in standard deviations: cost, and the weight left to each; the first is χ²."""
 
 MANY = 2000
-"""From so many trials on, the repeats of a condition are put together before a law is fitted or resampled."""
+"""From so many trials on, the repeats of a condition are put together before a law is resampled."""
 
 # Starts of a search; beyond some hundreds nothing new is found.
 _MOST_STARTS = 10_000
 # Sets times conditions evaluated in one go: the temporaries of a law then stay in the processor's cache.
 _BLOCK = 16384
-# Numbers per array while repeats are summed: bounds the memory of thousands of resamples of thousands of trials.
-_WIDE_BLOCK = 2_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,19 +164,22 @@ class Reduced:
         """Return the weighted sum of squares of the means, shape (1,) or (m,): rounding errors scale with it."""
         return np.asarray((self.weight * self.mean**2).sum(axis=-1))
 
-    def chi2(self, theta: FloatArray, rows: npt.NDArray[np.intp] | None = None) -> FloatArray:
+    def chi2(self, theta: FloatArray, rows: Rows | None = None) -> FloatArray:
         """Return the weighted sums of squares, infinite where the law has no answer."""
         chosen = np.zeros(len(theta), dtype=np.intp) if rows is None else rows
         chi2 = np.empty(len(theta))
         for part in self._blocks(len(theta)):
             (values,), has_answer = _each(
-                self._log_lift, theta[part], self.conditions, (len(self.conditions),)
+                lambda *asked: [self.law.log_lift(*asked)],
+                theta[part],
+                self.conditions,
+                self.weight.shape[1:],
             )
             chi2[part] = self._misfit(values, has_answer, chosen[part])[0]
         return chi2
 
     def evaluate(
-        self, theta: FloatArray, rows: npt.NDArray[np.intp], limit: FloatArray
+        self, theta: FloatArray, rows: Rows, limit: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return χ², JᵀWJ and JᵀW(y − f) of parameter sets."""
         (r, p), k = theta.shape, len(self.conditions)
@@ -225,11 +224,8 @@ class Reduced:
             np.broadcast_to(downhill, (m, p)).copy(),
         )
 
-    def _log_lift(self, theta: FloatArray, conditions: Conditions) -> tuple[FloatArray]:
-        return (self.law.log_lift(theta, conditions),)
-
     def _misfit(
-        self, values: FloatArray, has_answer: BoolArray, rows: npt.NDArray[np.intp]
+        self, values: FloatArray, has_answer: BoolArray, rows: Rows
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the cost, the residuals and the weights of their squares."""
         residual, weight = _row(self.mean, rows) - values, _row(self.weight, rows)
@@ -256,31 +252,27 @@ def reduced(
     loss: Loss = "linear",
 ) -> Reduced:
     """Return the data of a problem, or m data sets at its conditions, by distinct condition."""
-    y = _table("log_lift", problem.log_lift if log_lift is None else log_lift, problem)
-    s = _table("std", problem.std if std is None else std, problem)
-    count = _table("multiplicity", np.ones(1) if multiplicity is None else multiplicity, problem)
-    _check("log_lift", np.isfinite(y), "finite")
-    _check("std", s > 0.0, "positive")
-    _check("multiplicity", (count >= 0.0) & np.isfinite(count), "finite and zero or more")
+    y = _table(problem, "log_lift", problem.log_lift if log_lift is None else log_lift)
+    s = _table(problem, "std", problem.std if std is None else std)
+    count = _table(problem, "multiplicity", np.ones(1) if multiplicity is None else multiplicity)
     order, starts = _distinct(problem.conditions)
     repeated = starts.size < order.size and loss == "linear"
     if not repeated:
         # Nothing to put together, so the points stay as they are.
         order = starts = np.arange(order.size)
-    rows = max(len(y), len(s), len(count))
-    size = max(1, _WIDE_BLOCK // problem.n_points)
-    parts = [
-        _sums(y[_part(y, at, size)], s[_part(s, at, size)], count[_part(count, at, size)], order, starts)
-        for at in range(0, rows, size)
-    ]
-    weight, mean, rest = (np.concatenate(column) for column in zip(*parts, strict=True))
-    shared_weight = len(s) == 1 and len(count) == 1
+    w, y = (count / s**2)[:, order], y[:, order]
+    weight = np.add.reduceat(w, starts, axis=1)
+    safe = np.where(weight > 0.0, weight, 1.0)
+    # Sums about a point near the data keep the digits that sums of the data themselves would cancel.
+    reference = y[:, starts]
+    sizes = np.diff(np.append(starts, order.size))
+    mean = reference + np.add.reduceat(w * (y - np.repeat(reference, sizes, axis=1)), starts, axis=1) / safe
     return Reduced(
         law=problem.law,
         conditions=problem.conditions.select(order[starts]) if repeated else problem.conditions,
-        weight=weight[:1] if shared_weight else weight,
+        weight=weight,
         mean=mean,
-        rest=rest,
+        rest=(w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1),
         loss=loss,
     )
 
@@ -305,7 +297,7 @@ def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:
     return whole, share
 
 
-def _distinct(conditions: Conditions) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
     """Return an order that puts repeats side by side, and where in it each distinct condition begins."""
     columns = [getattr(conditions, field.name) for field in fields(Conditions)]
     order = np.lexsort(columns)
@@ -314,23 +306,15 @@ def _distinct(conditions: Conditions) -> tuple[npt.NDArray[np.intp], npt.NDArray
     return order, np.flatnonzero(new)
 
 
-def _sums(
-    y: FloatArray, s: FloatArray, count: FloatArray, order: npt.NDArray[np.intp], starts: npt.NDArray[np.intp]
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return weight, mean and rest; the rows of the last two are as many as there are data sets."""
-    w = np.broadcast_to(count / s**2, (max(len(count), len(s)), y.shape[1]))[:, order]
-    y = y[:, order]
-    weight = np.add.reduceat(w, starts, axis=1)
-    safe = np.where(weight > 0.0, weight, 1.0)
-    # Sums about a point near the data keep the digits that sums of the data themselves would cancel.
-    reference = y[:, starts]
-    sizes = np.diff(np.append(starts, y.shape[1]))
-    mean = reference + np.add.reduceat(w * (y - np.repeat(reference, sizes, axis=1)), starts, axis=1) / safe
-    rest = (w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1)
-    return weight, mean, rest
+_ALLOWED: dict[str, tuple[str, Callable[[FloatArray], BoolArray]]] = {
+    "log_lift": ("finite", np.isfinite),
+    "std": ("positive", lambda values: values > 0.0),
+    "multiplicity": ("finite and zero or more", lambda values: (values >= 0.0) & np.isfinite(values)),
+}
 
 
-def _table(name: str, values: npt.ArrayLike, problem: FitProblem) -> FloatArray:
+def _table(problem: FitProblem, name: str, values: npt.ArrayLike) -> FloatArray:
+    """Return what is given for each point, shape (m, n) or (1, n), checked."""
     array = np.atleast_2d(np.asarray(values, dtype=np.float64))
     if array.ndim != 2 or array.shape[1] not in {1, problem.n_points}:
         raise InputError(
@@ -339,43 +323,36 @@ def _table(name: str, values: npt.ArrayLike, problem: FitProblem) -> FloatArray:
             key=name,
             fix=f"give ({problem.n_points},) or (m, {problem.n_points})",
         )
-    return np.broadcast_to(array, (len(array), problem.n_points))
-
-
-def _check(name: str, good: BoolArray, rule: str) -> None:
+    rule, allowed = _ALLOWED[name]
+    good = allowed(array)
     if not good.all():
         row, point = (int(i) for i in np.argwhere(~good)[0])
         raise InputError(f"{name} of point {point} in data set {row} must be {rule}", code="RF400", key=name)
+    return np.broadcast_to(array, (len(array), problem.n_points))
 
 
-def _part(array: FloatArray, at: int, size: int) -> slice:
-    return slice(None) if len(array) == 1 else slice(at, at + size)
-
-
-def _row(array: FloatArray, rows: npt.NDArray[np.intp]) -> FloatArray:
+def _row(array: FloatArray, rows: Rows) -> FloatArray:
     """Return the rows of an array that may stand for all data sets with its only one."""
     return array if len(array) == 1 else array[rows]
 
 
 def _each(
-    question: Callable[[FloatArray, Conditions], tuple[FloatArray, ...]],
+    question: Callable[[FloatArray, Conditions], Sequence[FloatArray]],
     theta: FloatArray,
     conditions: Conditions,
     *shapes: tuple[int, ...],
-) -> tuple[tuple[FloatArray, ...], BoolArray]:
+) -> tuple[Sequence[FloatArray], BoolArray]:
     """Return the answers of a law, of these shapes a set, and which sets have them; the others' are zero."""
     has_answer = np.ones(len(theta), dtype=np.bool_)
     try:
         # Nearly always all sets have an answer, so it is asked for before it is asked about.
         return question(theta, conditions), has_answer
     except InputError:
-        tables = tuple(np.zeros((len(theta), *shape)) for shape in shapes)
+        tables = [np.zeros((len(theta), *shape)) for shape in shapes]
     for i, one in enumerate(theta):
         try:
-            answers = question(one, conditions)
+            for table, answer in zip(tables, question(one, conditions), strict=True):
+                table[i] = answer
         except InputError:
             has_answer[i] = False
-            continue
-        for table, answer in zip(tables, answers, strict=True):
-            table[i] = answer
     return tables, has_answer

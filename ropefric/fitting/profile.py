@@ -14,10 +14,9 @@ from scipy.stats import f as f_distribution
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem, reduced
+from ropefric.fitting.problem import FitProblem, Rows, reduced
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
-Rows = npt.NDArray[np.intp]
 
 _RIDGE = 1e-12
 _LOWER_MINIMUM = 1e-3

@@ -105,6 +105,13 @@ class FitResult:
         return np.array([parameter.value for parameter in self.parameters])
 
     @property
+    def data(self) -> FitProblem:
+        """Return what was fitted; refuse a fit from a file, which does not carry it."""
+        if self.problem is None:
+            raise InputError(f"the fit of {self.law} carries no data", fix="fit the trials again")
+        return self.problem
+
+    @property
     def friction_law(self) -> FrictionLaw:
         """Return the law itself."""
         return ALL_LAWS[self.law]

@@ -24,21 +24,6 @@ _ROUNDS = 4
 _NO_ANSWER = 1e3
 _MAX_EVALUATIONS = 100
 
-NESTED: dict[str, tuple[str, ...]] = {
-    "constant-offset": ("constant",),
-    "size-power": ("constant",),
-    "size-exponential": ("constant",),
-    "wrap-exponential": ("constant",),
-    "wrap-exponential-from-zero": ("constant",),
-    "wrap-power": ("constant",),
-    "wrap-power-from-zero": ("constant",),
-    "coupled": ("constant", "size-exponential", "wrap-power"),
-    "coupled-from-zero": ("constant", "size-exponential", "wrap-power-from-zero"),
-    "howell": ("constant",),
-    "bending": ("constant",),
-}
-"""The laws that are special or limiting cases of another."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Standing:
@@ -64,11 +49,7 @@ def standing(
     """Return how the law of a problem stands on condition means."""
     at, K = np.asarray(theta, dtype=np.float64), len(means)
     on_means = replace(
-        problem,
-        conditions=means.conditions,
-        log_lift=means.log_lift,
-        std=means.std,
-        group=np.arange(K),
+        problem, conditions=means.conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
     )
     for _ in range(_ROUNDS):
         at = refit(on_means, at, slack=slack)[0][0]

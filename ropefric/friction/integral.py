@@ -1,17 +1,112 @@
-"""The integral of the local coefficient over the wrap, eqs. (11)-(17), in closed form and all in ln F.
+"""Closed forms of ∫μ over the wrap, eqs. (11)-(17), that keep their digits where the textbook expressions cancel.
 
-These are the wrap laws by themselves, on plain arrays and with a reference force of one's own; a
-`FrictionLaw` adds the wheel's size and holds F_0 = 1 N.
+Local coefficients μ(φ) = a φ^b + c and a e^{bφ} + c over [p, p + δ], and the wrap φ0 that an end tension stands for:
+∫₀^{φ0} μ dφ = ln(F_B/F_0), eqs. (11)-(13). An end tension acts as if the rope had already gone round φ0. F_0 = 1 N is
+a physical reference, not a free scale, and F_B < F_0 has no φ0.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import exprel, wrightomega
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
-from ropefric.friction.end_tension import exponential_start_rad, power_log_start
-from ropefric.friction.exponential_wrap import exponential_rise, exponential_rise_slopes
-from ropefric.friction.power_span import power_span
+from ropefric.errors import SolverError
+
+# Below this the direct form has lost a factor 20, above it nine series terms leave 1e-16.
+_SERIES_BELOW = 0.1
+_EXPREL_SLOPE_SERIES = [
+    1.0 / (factorial * (k + 2)) for k, factorial in enumerate(np.cumprod([1.0, *range(1, 10)]))
+]
+_LOG1PREL_SLOPE_SERIES = [(-1.0) ** (k + 1) * (k + 1) / (k + 2) for k in range(16)]
+# e^-800 is zero in floats, so an integral from this far below differs from one from zero by nothing.
+_FROM_ZERO = 800.0
+# Each step roughly squares the error (constant <= 1/2), so a step below this leaves less than rounding.
+_LAST_STEP = 1e-8
+_LAST_RELATIVE_STEP = 1e-9
+# b + 1 = 1e-16 needs about 45 steps, b >= -0.9 at most 6.
+_MAX_STEPS = 80
+
+
+def exprel_slope(z: npt.ArrayLike) -> FloatArray:
+    """Return ψ(z) = ∫₀¹ t e^{zt} dt = (z e^z − expm1 z)/z², the derivative of exprel(z) = expm1(z)/z."""
+    z = np.asarray(z, dtype=np.float64)
+    small = np.abs(z) < _SERIES_BELOW
+    safe = np.where(small, 1.0, z)
+    direct = (np.exp(safe) - exprel(safe)) / safe
+    return np.where(small, _horner(_EXPREL_SLOPE_SERIES, np.where(small, z, 0.0)), direct)
+
+
+def log1prel(z: npt.ArrayLike) -> FloatArray:
+    """Return log1p(z)/z, and 1 at z = 0."""
+    z = np.asarray(z, dtype=np.float64)
+    safe = np.where(z == 0.0, 1.0, z)
+    return np.where(z == 0.0, 1.0, np.log1p(safe) / safe)
+
+
+def log1prel_slope(z: npt.ArrayLike) -> FloatArray:
+    """Return the derivative of log1p(z)/z, that is (z/(1 + z) − log1p z)/z²; −1/2 at z = 0."""
+    z = np.asarray(z, dtype=np.float64)
+    small = np.abs(z) < _SERIES_BELOW
+    safe = np.where(small, 1.0, z)
+    direct = (1.0 / (1.0 + safe) - np.log1p(safe) / safe) / safe
+    return np.where(small, _horner(_LOG1PREL_SLOPE_SERIES, np.where(small, z, 0.0)), direct)
+
+
+def _horner(coefficients: list[float], z: FloatArray) -> FloatArray:
+    total = np.full_like(z, coefficients[-1])
+    for coefficient in coefficients[-2::-1]:
+        total = total * z + coefficient
+    return total
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PowerSpan:
+    """A stretch of wrap [p, p + δ] seen through φ^b: ∫ φ^b dφ over it and what its slope needs."""
+
+    s: FloatArray
+    log_start: FloatArray
+    log_end: FloatArray
+    length: FloatArray
+    scale: FloatArray
+    z: FloatArray
+
+    def integral(self) -> FloatArray:
+        """Return ∫ φ^b dφ = e^{s·u} L exprel(s L), exact through s = 0."""
+        return self.scale * exprel(self.z)
+
+    def slope(self) -> FloatArray:
+        """Return ∂/∂b ∫ φ^b dφ = ∫ φ^b ln φ dφ."""
+        from_end = self.s >= 0.0
+        reference = np.where(from_end, self.log_end, self.log_start)
+        inward = np.where(from_end, -self.length, self.length)
+        return self.scale * (reference * exprel(self.z) + inward * exprel_slope(self.z))
+
+
+def power_span(log_start: npt.ArrayLike, wrap_rad: npt.ArrayLike, b: npt.ArrayLike) -> PowerSpan:
+    """Return the stretch of wrap that starts at e^{log_start} rad and is wrap_rad long.
+
+    The lower end enters as its logarithm and the wrap as itself: p underflows as b → −1, and p + δ loses δ.
+    """
+    s = np.asarray(b, dtype=np.float64) + 1.0
+    log_wrap = np.log(wrap_rad)
+    with np.errstate(divide="ignore"):
+        floor = np.where(s > 0.0, log_wrap - _FROM_ZERO / np.abs(s), -np.inf)
+    u = np.maximum(log_start, floor)
+    x = log_wrap - u
+    above = np.log1p(np.exp(-np.abs(x)))
+    length = np.maximum(x, 0.0) + above
+    log_end = np.maximum(u, log_wrap) + above
+    reference = np.where(s >= 0.0, log_end, u)
+    return PowerSpan(
+        s=s,
+        log_start=u,
+        log_end=log_end,
+        length=length,
+        scale=np.exp(s * reference) * length,
+        z=-np.abs(s) * length,
+    )
 
 
 def power_integral(
@@ -27,151 +122,91 @@ def power_integral(
     Exact through b = −1, where it is a logarithm; the wrap is passed by itself because a difference of two
     angles would lose it.
     """
-    delta, p, a, b, c = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b, c=c)
-    _check_start(p, b)
+    delta = np.asarray(wrap_rad, dtype=np.float64)
     some = delta > 0.0
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        span = power_span(np.log(p), np.where(some, delta, 1.0), b)
-        return _all_finite(np.where(some, a * span.integral() + c * delta, 0.0))
+        span = power_span(np.log(start_rad), np.where(some, delta, 1.0), b)
+        return np.where(some, np.asarray(a) * span.integral() + np.asarray(c) * delta, 0.0)
 
 
-def power_integral_slopes(
-    wrap_rad: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, *, start_rad: npt.ArrayLike = 0.0
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the derivatives of `power_integral` by a, b and c; arguments and refusals are its own."""
-    delta, p, a, b = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b)
-    _check_start(p, b)
-    some = delta > 0.0
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        span = power_span(np.log(p), np.where(some, delta, 1.0), b)
-        by_a, by_b = np.where(some, span.integral(), 0.0), np.where(some, a * span.slope(), 0.0)
-    return _all_finite(by_a), _all_finite(by_b), delta.copy()
+def power_log_start(y: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, c: npt.ArrayLike) -> FloatArray:
+    """Return ln φ0 for μ = a φ^b + c, where a φ0^{b+1}/(b+1) + c φ0 = y.
 
+    The logarithm comes back because φ0 underflows as b → −1 (b = −0.999, y = 1, a = 0.2: ln φ0 = −5298).
 
-def exponential_integral(
-    wrap_rad: npt.ArrayLike,
-    a: npt.ArrayLike,
-    b: npt.ArrayLike,
-    c: npt.ArrayLike = 0.0,
-    *,
-    start_rad: npt.ArrayLike = 0.0,
-) -> FloatArray:
-    """Return ∫ (a e^{bφ} + c) dφ over [start, start + wrap], eq. (14) in eq. (11); exact through b = 0."""
-    delta, p, a, b, c = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b, c=c)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return _all_finite(exponential_rise(p, delta, a, b, c))
-
-
-def exponential_integral_slopes(
-    wrap_rad: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, *, start_rad: npt.ArrayLike = 0.0
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the derivatives of `exponential_integral` by a, b and c; arguments and refusals are its own."""
-    delta, p, a, b = _arrays(wrap_rad=wrap_rad, start_rad=start_rad, a=a, b=b)
-    with np.errstate(over="ignore", invalid="ignore"):
-        by_a, by_b, by_c = exponential_rise_slopes(p, delta, a, b)
-    return _all_finite(by_a), _all_finite(by_b), by_c.copy()
-
-
-def log_force_ratio(end_tension_N: npt.ArrayLike, reference_N: npt.ArrayLike = 1.0) -> FloatArray:
-    """Return y = ln(F_B/F_0), to full precision also for F_B → F_0."""
-    F_B, F_0 = _arrays(end_tension_N=end_tension_N, reference_N=reference_N)
-    _refuse_where(F_0 <= 0.0, F_0, "the reference force F_0 is {} N; it must be positive")
-    _refuse_where(
-        F_B < F_0, F_B, "F_B = {} N is below the reference force F_0, so no wrap angle stands for it"
-    )
-    # Near F_0 the difference is exact and the quotient is not; far from it the quotient may be no float.
-    with np.errstate(over="ignore"):
-        near, quotient = F_B < 2.0 * F_0, F_B / F_0
-        return np.select(
-            [near, np.isfinite(quotient)],
-            [np.log1p((F_B - F_0) / F_0), np.log(quotient)],
-            np.log(F_B) - np.log(F_0),
-        )
-
-
-def log_lift_power(
-    a: npt.ArrayLike,
-    b: npt.ArrayLike,
-    c: npt.ArrayLike,
-    *,
-    wrap_rad: npt.ArrayLike,
-    end_tension_N: npt.ArrayLike,
-    reference_N: npt.ArrayLike = 1.0,
-) -> FloatArray:
-    """Return ln(F_A / 1 N) of μ = a φ^b + c with the end tension counted as wrap, eqs. (15), (17)."""
-    y = log_force_ratio(end_tension_N, reference_N)
-    delta, a, b, c = _arrays(wrap_rad=wrap_rad, a=a, b=b, c=c)
-    _check_coefficients(a, c, y)
-    _refuse_where(b <= -1.0, b, "the exponent b is {}; for b <= -1 the integral from 0 diverges: no φ0")
-    some = delta > 0.0
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        span = power_span(power_log_start(y, a, b, c), np.where(some, delta, 1.0), b)
-        rise = np.where(some, a * span.integral() + c * delta, 0.0)
-        return _all_finite(np.log(end_tension_N) + rise)
-
-
-def log_lift_exponential(
-    a: npt.ArrayLike,
-    b: npt.ArrayLike,
-    c: npt.ArrayLike,
-    *,
-    wrap_rad: npt.ArrayLike,
-    end_tension_N: npt.ArrayLike,
-    reference_N: npt.ArrayLike = 1.0,
-) -> FloatArray:
-    """Return ln(F_A / 1 N) of μ = a e^{bφ} + c with the end tension counted as wrap, eqs. (14), (17).
-
-    Arguments and refusals are those of `log_lift_power`, with b in 1/rad and zero or less; c = 0 also needs
-    ln(F_B/F_0) < a/|b|, where the integral saturates.
+    With u = ln φ0 the equation reads ln(e^{s(u − u_a)} + e^{u − u_c}) = 0, s = b + 1, where u_a and u_c are the
+    roots of the single terms. It is convex and increasing, so Newton's method from the smaller of them comes
+    down on the root monotonically.
     """
-    y = log_force_ratio(end_tension_N, reference_N)
-    delta, a, b, c = _arrays(wrap_rad=wrap_rad, a=a, b=b, c=c)
-    _check_coefficients(a, c, y)
-    _refuse_where(b > 0.0, b, "the rate b is {} per rad; it must be zero or negative")
-    with np.errstate(over="ignore", invalid="ignore"):
-        saturated = (c == 0.0) & (y > 0.0) & (-b * y >= a)
-        _refuse_where(
-            saturated, y + 0.0 * a, "ln(F_B/F_0) = {} is beyond a/|b|, where the integral saturates: no φ0"
-        )
-        rise = exponential_rise(exponential_start_rad(y, a, b, c), delta, a, b, c)
-        return _all_finite(np.log(end_tension_N) + rise)
+    y, a, c = np.asarray(y, np.float64), np.asarray(a, np.float64), np.asarray(c, np.float64)
+    s = np.asarray(b, np.float64) + 1.0
+    positive = np.where(y > 0.0, y, 1.0)
+    with np.errstate(divide="ignore", over="ignore"):
+        # One logarithm of a ratio: a difference of two would lose |ln| digits, and 1/s multiplies the loss.
+        from_power = np.log(positive * s / a) / s
+        from_linear = np.log(positive / c)
+    power_leads = from_power <= from_linear
+    lead = np.where(power_leads, from_power, from_linear)
+    rate = np.where(power_leads, s, 1.0)
+    excess = np.where(power_leads, 1.0 - s, s - 1.0)
+    with np.errstate(invalid="ignore"):
+        gap = np.abs(from_power - from_linear)
+    other = -np.where(power_leads, 1.0, s) * np.where(np.isnan(gap), 0.0, gap)
+    return np.where(y > 0.0, lead + _descend(rate, excess, other), -np.inf)
 
 
-def _arrays(**values: npt.ArrayLike) -> list[FloatArray]:
-    """Return float arrays, finite; those called `…_rad` zero or more."""
-    arrays = []
-    for name, value in values.items():
-        array = np.asarray(value, dtype=np.float64)
-        _refuse_where(~np.isfinite(array), array, f"{name} is {{}}; it must be finite")
-        if name.endswith("_rad"):
-            _refuse_where(array < 0.0, array, f"{name} is {{}} rad; an angle is zero or more")
-        arrays.append(array)
-    return arrays
+def _descend(rate: FloatArray, excess: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the root t <= 0 of rate·t + log1p(e^{excess·t + other}) = 0."""
+    t = np.zeros(np.broadcast_shapes(rate.shape, excess.shape, other.shape))
+    for _ in range(_MAX_STEPS):
+        term = np.exp(excess * t + other)
+        step = (rate * t + np.log1p(term)) / (rate + excess * (term / (1.0 + term)))
+        t -= step
+        if not (step > _LAST_STEP).any():
+            return t
+    raise SolverError("the equivalent wrap angle of the end tension did not converge")  # pragma: no cover
 
 
-def _check_start(p: FloatArray, b: FloatArray) -> None:
-    _refuse_where(
-        (p == 0.0) & (b <= -1.0), b + 0.0 * p, "the exponent b is {}; from zero the integral diverges"
-    )
+def exponential_start_rad(
+    y: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike, c: npt.ArrayLike
+) -> FloatArray:
+    """Return φ0 [rad] for μ = a e^{bφ} + c, where a φ0 exprel(b φ0) + c φ0 = y.
+
+    Starts from the Wright-omega form and finishes with Newton steps on the integral itself, which is concave:
+    after one step the iteration rises to the root monotonically. The start alone cancels for b → 0 and c → 0.
+    """
+    y, a, b, c = np.broadcast_arrays(*(np.asarray(v, np.float64) for v in (y, a, b, c)))
+    lower, upper = _exponential_bracket(y, a, b, c)
+    phi = np.clip(_omega_start(y, a, b, c, lower), lower, upper)
+    for _ in range(_MAX_STEPS):
+        slope = a * np.exp(b * phi) + c
+        step = (phi * (a * exprel(b * phi) + c) - y) / np.where(slope > 0.0, slope, 1.0)
+        new = np.clip(phi - step, lower, upper)
+        moved = np.abs(new - phi) > _LAST_RELATIVE_STEP * phi
+        phi = new
+        if not moved.any():
+            break
+    return phi
 
 
-def _check_coefficients(a: FloatArray, c: FloatArray, y: FloatArray) -> None:
-    _refuse_where(a < 0.0, a, "a is {}, negative: μ must not be")
-    _refuse_where(c < 0.0, c, "c is {}, negative: μ must not be")
-    nothing = (a <= 0.0) & (c <= 0.0) & (y > 0.0)
-    _refuse_where(nothing, np.zeros_like(y), "μ is {} everywhere: no wrap stands for F_B")
+def _exponential_bracket(
+    y: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return bounds of φ0: G lies below its tangent at 0 and its asymptote, and above each of its terms."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        filled = np.where(a > 0.0, -b * y / a, np.inf)
+        below = filled < 1.0
+        from_exponential = np.where(below, y / a * log1prel(-np.where(below, filled, 0.0)), np.inf)
+        from_linear = np.where(c > 0.0, y / c, np.inf)
+        asymptote = np.where((c > 0.0) & (b < 0.0), (y + a / b) / c, 0.0)
+        tangent = np.where(a + c > 0.0, y / (a + c), 0.0)
+    upper = np.where(y > 0.0, np.minimum(from_exponential, from_linear), 0.0)
+    lower = np.where(c > 0.0, np.maximum(asymptote, tangent), upper)
+    return np.minimum(lower, upper), upper
 
 
-def _refuse_where(where: npt.ArrayLike, values: FloatArray, message: str) -> None:
-    mask, values = np.broadcast_arrays(np.asarray(where, dtype=np.bool_), values)
-    if mask.any():
-        first = int(np.argmax(mask))
-        place = f" at index {first}" if mask.size > 1 else ""
-        raise InputError(message.format(f"{values.ravel()[first]:g}") + place, code="RF420")
-
-
-def _all_finite(values: FloatArray) -> FloatArray:
-    _refuse_where(
-        ~np.isfinite(values), values, "the integral is {}: a coefficient is so large that floats overflow"
-    )
-    return values
+def _omega_start(y: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, lower: FloatArray) -> FloatArray:
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        shifted = y + a / b
+        start = shifted / c - wrightomega(b * shifted / c + np.log(a / c)) / b
+    return np.where(np.isfinite(start), start, lower)

@@ -1,21 +1,102 @@
 """What a friction law is: one question (ln F_A for a condition), its gradient, and how far it may be trusted."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Literal
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.parameter import Parameter, columns_of, vector_from
-from ropefric.friction.physics import Columns, Physics, evaluated, reason, refusals_of
+from ropefric.registry import did_you_mean
 
-__all__ = ["FrictionLaw", "Parameter"]
+Columns = tuple[FloatArray, ...]
+"""The parameters one by one: each of shape () for one parameter set, or (m, 1) for m sets."""
+
+FROM_ZERO = "use the law that counts the wrap from zero (NAME-from-zero; in Python law.without_end_tension())"
+"""What to do where no wrap angle stands for an end tension."""
 
 _LEAST_WRAP_RAD = 1e-290
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter of a law: its name, unit, typical value, bounds and meaning; a fixed one is not fitted."""
+
+    name: str
+    unit: str
+    _: KW_ONLY
+    start: float
+    lower: float
+    upper: float
+    meaning: str
+    fixed: bool = False
+
+
+class Refusal(NamedTuple):
+    """Where a law has no answer, the numbers it is refused for, why (`{value}` is the first of them), and a way out."""
+
+    mask: npt.ArrayLike
+    values: FloatArray
+    what: str
+    fix: str
+
+    def words(self, conditions: Conditions) -> str:
+        """Return the refusal in words, with the first condition it concerns."""
+        mask, values = np.broadcast_arrays(np.atleast_1d(self.mask), self.values)
+        where = np.argwhere(mask)[0]
+        condition = int(where[-1]) if mask.shape[-1] == len(conditions) else 0
+        parameter_set = f", parameter set {where[0]}" if mask.ndim > 1 and mask.shape[0] > 1 else ""
+        text = self.what.format(value=f"{values[tuple(where)]:.6g}")
+        return f"{text} at {conditions.describe(condition)}{parameter_set}"
+
+
+def below_reference(conditions: Conditions) -> Refusal:
+    """Return the refusal of end tensions below F_0 = 1 N, for laws that count the end tension as wrap."""
+    F_B = conditions.end_tension_N
+    what = "F_B = {value} N is below F_0 = 1 N, so no wrap angle stands for it"
+    return Refusal(F_B < 1.0, F_B, what, f"leave it out, or {FROM_ZERO}")
+
+
+class Physics(Protocol):
+    """The formulae behind a law, on parameter columns that broadcast against the n conditions."""
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return ln F_A − ln F_B, shape (n,) or (m, n)."""
+        ...
+
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return the rise and its derivative by each parameter, what both need made once.
+
+        The rise is that of `rise` to the last bit, and each slope broadcasts to it.
+        """
+        ...
+
+    def condition_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the derivative of ln F_A by R_w, φ and ln F_B; each broadcasts to the rise."""
+        ...
+
+    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return the local coefficient at an angle from the slack end."""
+        ...
+
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+        """Return where there is no answer."""
+        ...
+
+
+def combinations(*axes: npt.ArrayLike) -> FloatArray:
+    """Return every combination of one value from each axis, shape (m, number of axes)."""
+    grid = np.meshgrid(*(np.asarray(axis, dtype=np.float64) for axis in axes), indexing="ij")
+    return np.stack([values.ravel() for values in grid], axis=-1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,10 +120,15 @@ class FrictionLaw:
         What it can describe: "size", "wrap-dependence", "end-tension", "bending-stiffness", "offset", "groove".
     physics : Physics
         The formulae.
-    start : callable
-        `start(law, conditions, log_lift) -> (p,)`; use `guess`.
+    candidates : callable
+        `candidates(mu, conditions, log_lift) -> (m, p)`: parameter sets worth trying as the start of a fit to measured
+        ln F_A, whose median average coefficient is mu.
+    special_cases : tuple of FrictionLaw
+        Simpler laws that are special or limiting cases of it: a comparison tests it against them.
+    arithmetic : callable, optional
+        `arithmetic(sheet) -> value`: writes ln(F_A/F_B) as lines a pocket calculator can follow, see `Sheet`.
     variant : FrictionLaw, optional
-        The same law without the equivalence of end tension and wrap, where it has one.
+        The same law without the equivalence of end tension and wrap, where it has one; see `with_variant`.
 
     Examples
     --------
@@ -59,7 +145,9 @@ class FrictionLaw:
     coefficient: Literal["local", "average"]
     effects: frozenset[str]
     physics: Physics
-    start: "Callable[[FrictionLaw, Conditions, FloatArray], FloatArray]"
+    candidates: Callable[[float, Conditions, FloatArray], npt.ArrayLike]
+    special_cases: "tuple[FrictionLaw, ...]" = ()
+    arithmetic: Callable[[Sheet], float] | None = None
     variant: "FrictionLaw | None" = None
 
     @property
@@ -110,9 +198,8 @@ class FrictionLaw:
         ndarray, shape (n, p) or (m, n, p)
             One column a parameter, in 1/(its unit).
         """
-        columns = self._checked(theta, conditions)
-        return evaluated(
-            lambda: self.physics.rise_and_slopes(columns, conditions)[1], columns, conditions, self.name
+        return self._table(
+            theta, conditions, lambda columns: self.physics.rise_and_slopes(columns, conditions)[1]
         )
 
     def log_lift_and_jacobian(
@@ -135,13 +222,12 @@ class FrictionLaw:
         >>> log_lift.round(4).tolist(), jacobian.tolist()
         ([4.9957], [[10.0]])
         """
-        columns = self._checked(theta, conditions)
 
-        def formula() -> tuple[FloatArray, ...]:
+        def formula(columns: Columns) -> tuple[FloatArray, ...]:
             rise, slopes = self.physics.rise_and_slopes(columns, conditions)
             return rise, *slopes
 
-        table = evaluated(formula, columns, conditions, self.name)
+        table = self._table(theta, conditions, formula)
         return conditions.log_end_tension + table[..., 0], table[..., 1:]
 
     def log_lift_gradient_conditions(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
@@ -155,9 +241,8 @@ class FrictionLaw:
         ndarray, shape (n, 3) or (m, n, 3)
             Columns in 1/m, 1/rad and [-].
         """
-        columns = self._checked(theta, conditions)
-        return evaluated(
-            lambda: self.physics.condition_slopes(columns, conditions), columns, conditions, self.name
+        return self._table(
+            theta, conditions, lambda columns: self.physics.condition_slopes(columns, conditions)
         )
 
     def local_mu(self, theta: npt.ArrayLike, wrap_rad: npt.ArrayLike, conditions: Conditions) -> FloatArray:
@@ -180,11 +265,9 @@ class FrictionLaw:
         angle = np.asarray(wrap_rad, dtype=np.float64)
         if not (np.isfinite(angle) & (angle >= 0.0)).all():
             raise InputError(f"wrap_rad must be finite and zero or more, got {angle.min():g}", key="wrap_rad")
-        columns = self._checked(theta, conditions)
-        table = evaluated(
-            lambda: (self.physics.local_mu(columns, angle, conditions),), columns, conditions, self.name
-        )
-        return table[..., 0]
+        return self._table(
+            theta, conditions, lambda columns: (self.physics.local_mu(columns, angle, conditions),)
+        )[..., 0]
 
     def average_mu(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return the average coefficient μ̄ = (ln F_A − ln F_B)/φ, eq. (2).
@@ -203,47 +286,43 @@ class FrictionLaw:
             )
         return self._rise(theta, conditions, per=conditions.wrap_angle_rad)
 
-    def guess(self, conditions: Conditions, log_lift: npt.ArrayLike) -> FloatArray:
-        """Return parameters to start a fit from, inside the bounds.
-
-        Parameters
-        ----------
-        conditions : Conditions
-            n conditions.
-        log_lift : array_like, shape (n,)
-            Measured ln(F_A / 1 N).
-
-        Returns
-        -------
-        ndarray, shape (p,)
-            The start; the parameters' typical values where no number of the data leads to a better one.
-        """
-        data = np.asarray(log_lift, dtype=np.float64)
-        if data.shape != (len(conditions),) or not np.isfinite(data).all():
-            raise InputError(
-                f"{self.name}: {data.shape} finite values of ln F_A are needed for {len(conditions)} conditions",
-                key="log_lift",
-            )
-        start = self.start(self, conditions, data)
-        return np.clip(start, self.lower, self.upper)
-
     def validity(self, theta: npt.ArrayLike, conditions: Conditions) -> tuple[str, ...]:
         """Return why the law has no answer for some of the conditions; empty where it has one for all."""
-        columns = self._columns(theta)
         return tuple(
-            reason(refusal, conditions) for refusal in refusals_of(self.physics, columns, conditions)
+            refusal.words(conditions) for refusal in self._refusals(self._columns(theta), conditions)
         )
+
+    def answers(self, theta: npt.ArrayLike, conditions: Conditions) -> BoolArray:
+        """Return for which conditions the law has an answer, shape (n,) or (m, n)."""
+        columns = self._columns(theta)
+        answered = np.ones((*columns[0].shape[:-1], len(conditions)), dtype=np.bool_)
+        for refusal in self._refusals(columns, conditions):
+            answered &= ~np.asarray(refusal.mask)
+        return answered
 
     def admissible(self, theta: npt.ArrayLike, conditions: Conditions) -> BoolArray:
         """Return which parameter sets have an answer for every condition, shape () or (m,).
 
         A fit that tries many sets at once uses this to turn down a step without an exception.
         """
-        columns = self._columns(theta)
-        bad = np.zeros((*columns[0].shape[:-1], len(conditions)), dtype=bool)
-        for refusal in refusals_of(self.physics, columns, conditions):
-            bad |= refusal.mask
-        return np.asarray(~bad.any(axis=-1))
+        return np.asarray(self.answers(theta, conditions).all(axis=-1))
+
+    def log_lift_of_pairs(self, theta: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return ln(F_A / 1 N) of m parameter sets, each at its own condition, shape (m,); NaN where there is no answer.
+
+        `log_lift` gives every set at every condition, of which this is the diagonal.
+        """
+        good = np.ones(len(conditions), dtype=np.bool_)
+        for refusal in self._refusals(tuple(theta.T), conditions):
+            good &= ~np.asarray(refusal.mask)
+        found = np.full(len(conditions), np.nan)
+        if good.any():
+            part = conditions.select(good)
+            # Every number is looked at right after, so overflow need not be warned about.
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                log_lift = part.log_end_tension + self.physics.rise(tuple(theta[good].T), part)
+            found[good] = np.where(np.isfinite(log_lift), log_lift, np.nan)
+        return found
 
     def theta_from(self, mapping: Mapping[str, float]) -> FloatArray:
         """Return theta, shape (p,), from named parameters; a fixed parameter may be left out.
@@ -255,7 +334,20 @@ class FrictionLaw:
         InputError
             For a parameter that is missing.
         """
-        return vector_from(mapping, self.parameters, self.name)
+        names = self.parameter_names
+        for name in mapping:
+            if name not in names:
+                raise UnknownNameError(
+                    f"{self.name} has no parameter {name!r}", fix=did_you_mean(name, names)
+                )
+        values = {parameter.name: parameter.start for parameter in self.parameters if parameter.fixed}
+        values |= mapping
+        missing = [name for name in names if name not in values]
+        if missing:
+            raise InputError(
+                f"{self.name}: no value for {', '.join(missing)}", fix=f"it needs {', '.join(names)}"
+            )
+        return np.array([float(values[name]) for name in names])
 
     def as_mapping(self, theta: npt.ArrayLike) -> dict[str, float]:
         """Return one parameter set, shape (p,), as a mapping from name to value.
@@ -283,19 +375,162 @@ class FrictionLaw:
             raise InputError(f"{self.name} does not count an end tension as wrap", fix="use it as it is")
         return self.variant
 
+    def calculation(self, theta: npt.ArrayLike, conditions: Conditions, index: int = 0) -> tuple[str, ...]:
+        """Return the lift force of one condition as lines of arithmetic.
+
+        Lines `name = arithmetic = value` use `ln`, `exp`, `sqrt`, `sin`, `acos`, `^` and the numbers above them; the
+        others are words.
+        """
+        if self.arithmetic is None:
+            raise InputError(
+                f"there is no hand calculation for law {self.name}",
+                fix="declare its `arithmetic`, see FrictionLaw",
+            )
+        at = conditions.select([index])
+        sheet = Sheet(self.effects)
+        sheet.say(f"law {self.name}: {self.equation}")
+        for name, value in self.as_mapping(theta).items():
+            sheet.given(name, value)
+        sheet.given("R_w", float(at.wheel_radius_m[0]), "R_w [m]")
+        sheet.given("R_r", float(at.rope_radius_m[0]), "R_r [m]")
+        sheet.given("phi", float(at.wrap_angle_rad[0]), "phi [rad]")
+        sheet.given("F_B", float(at.end_tension_N[0]), "F_B [N]")
+        sheet.line("ln F_B", "ln(F_B)", "y")
+        sheet["rise"] = self.arithmetic(sheet)
+        log_lift = sheet.line("ln F_A", "y + rise", "log_lift")
+        if log_lift > 700.0:
+            raise InputError(f"ln F_A = {log_lift:g}: the force overflows a calculator", code="RF420")
+        lift_N = sheet.line("F_A [N]", "exp(log_lift)")
+        exact_N = math.exp(self.log_lift(theta, at)[0])
+        sheet.say(f"at full precision F_A is {exact_N:.10g} N; by hand {lift_N:.10g} N")
+        return tuple(sheet.lines)
+
     def _rise(
         self, theta: npt.ArrayLike, conditions: Conditions, per: FloatArray | float = 1.0
     ) -> FloatArray:
-        columns = self._checked(theta, conditions)
-        return evaluated(
-            lambda: (self.physics.rise(columns, conditions) / per,), columns, conditions, self.name
+        return self._table(
+            theta, conditions, lambda columns: (self.physics.rise(columns, conditions) / per,)
         )[..., 0]
 
     def _columns(self, theta: npt.ArrayLike) -> Columns:
-        return columns_of(theta, self.parameter_names, self.name)
+        """Return theta, shape (p,) or (m, p), as p columns of shape () or (m, 1)."""
+        try:
+            array = np.asarray(theta, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"{self.name}: theta is not an array of numbers", key="theta") from None
+        p = len(self.parameters)
+        if array.ndim not in {1, 2} or array.shape[-1] != p:
+            raise InputError(
+                f"{self.name}: theta has shape {array.shape}; it needs ({p},) or (m, {p})",
+                key="theta",
+                fix=f"its parameters are {', '.join(self.parameter_names)}",
+            )
+        if not np.isfinite(array).all():
+            raise InputError(
+                f"{self.name}: a parameter is not finite", key="theta", fix="give finite numbers"
+            )
+        return tuple(array[..., i] if array.ndim == 1 else array[:, i, np.newaxis] for i in range(p))
 
-    def _checked(self, theta: npt.ArrayLike, conditions: Conditions) -> Columns:
+    def _refusals(self, columns: Columns, conditions: Conditions) -> list[Refusal]:
+        """Return the refusals that concern any condition."""
+        # Absurd parameters overflow on the way to being refused.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return [item for item in self.physics.refusals(columns, conditions) if np.any(item.mask)]
+
+    def _table(
+        self,
+        theta: npt.ArrayLike,
+        conditions: Conditions,
+        formula: Callable[[Columns], tuple[FloatArray, ...]],
+    ) -> FloatArray:
+        """Return the parts of a formula side by side on a last axis, shape (n, k) or (m, n, k), all finite."""
         columns = self._columns(theta)
-        for refusal in refusals_of(self.physics, columns, conditions):
-            raise InputError(f"{self.name}: {reason(refusal, conditions)}", code="RF420", fix=refusal.fix)
-        return columns
+        for refusal in self._refusals(columns, conditions):
+            raise InputError(f"{self.name}: {refusal.words(conditions)}", code="RF420", fix=refusal.fix)
+        # Overflow is not warned about where it happens, because every number is looked at right after.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            parts = formula(columns)
+        table = np.empty((*columns[0].shape[:-1], len(conditions), len(parts)))
+        for i, part in enumerate(parts):
+            table[..., i] = part
+        wrong = ~np.isfinite(table)
+        if wrong.any():
+            condition = int(np.argwhere(wrong)[0][-2])
+            raise InputError(
+                f"{self.name}: no finite value at {conditions.describe(condition)}: the coefficient is infinite where "
+                "the wrap starts from nothing, or a parameter is so large or small that floats overflow",
+                code="RF420",
+                fix="ask at a wrap angle above zero, with parameters inside their bounds",
+            )
+        return table
+
+
+def with_variant(law: FrictionLaw) -> FrictionLaw:
+    """Return a law that counts the end tension as wrap together with its own form that does not.
+
+    Its physics is a dataclass with a field `equivalence`.
+    """
+    physics: Any = law.physics
+    variant = replace(
+        law,
+        name=f"{law.name}-from-zero",
+        equation=law.equation.replace("from phi0 to phi0 + phi", "from 0 to phi"),
+        effects=law.effects - {"end-tension"},
+        physics=replace(physics, equivalence=False),
+        special_cases=tuple(case.variant or case for case in law.special_cases),
+    )
+    return replace(law, variant=variant)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LiftModel:
+    """A law and how fast its rope runs: ln F_A and its gradient, at rest or moving.
+
+    The part ρv² of the tension only bends the rope's path and presses nothing. Friction sees F − ρv² everywhere, in
+    the equivalence of end tension and wrap too: F_A − ρv² = (F_B − ρv²) exp ∫μ holds for every law.
+    """
+
+    law: FrictionLaw
+    linear_density_kg_m: float = 0.0
+    speed_m_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        rho, v = self.linear_density_kg_m, self.speed_m_s
+        if not (math.isfinite(rho) and math.isfinite(v) and rho >= 0.0):
+            raise InputError(
+                f"mass per length {rho:g} kg/m and speed {v:g} m/s must be finite and the mass zero or more",
+                key="linear_density_kg_m",
+            )
+
+    @property
+    def inertia_N(self) -> float:
+        """Return ρv² [N]."""
+        speed_m_s = float(self.speed_m_s)
+        return float(self.linear_density_kg_m) * (speed_m_s * speed_m_s)
+
+    def log_lift(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
+        """Return ln(F_A / 1 N), shape (n,) or (m, n)."""
+        pressing = self.law.log_lift(theta, self.pressing(conditions))
+        return pressing if self.inertia_N == 0.0 else np.logaddexp(math.log(self.inertia_N), pressing)
+
+    def jacobian(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
+        """Return ∂ ln F_A/∂θ, shape (n, p) or (m, n, p); only F_A − ρv² depends on the parameters."""
+        slopes = self.law.jacobian(theta, self.pressing(conditions))
+        if self.inertia_N == 0.0:
+            return slopes
+        share = -np.expm1(math.log(self.inertia_N) - self.log_lift(theta, conditions))
+        return np.asarray(slopes * share[..., np.newaxis])
+
+    def pressing(self, conditions: Conditions) -> Conditions:
+        """Return the conditions with F_B − ρv², the part of the end tension that presses on the wheel."""
+        if self.inertia_N == 0.0:
+            return conditions
+        left_N = conditions.end_tension_N - self.inertia_N
+        if not (left_N > 0.0).all():
+            raise InputError(
+                f"rho v^2 = {self.inertia_N:.6g} N is not below F_B at "
+                f"{conditions.describe(int(np.argmin(left_N)))}: the rope lifts off the wheel",
+                code="RF420",
+                fix="raise the end tension or lower the speed",
+            )
+        return replace(conditions, end_tension_N=left_N)

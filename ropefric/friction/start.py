@@ -1,7 +1,5 @@
 """Where a fit starts: the best of a few candidates, brought near the data by damped Gauss-Newton steps."""
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
@@ -29,40 +27,37 @@ def mean_mu(conditions: Conditions, log_lift: FloatArray) -> float:
     return max(float(np.median(rise / conditions.wrap_angle_rad[wrapped])), 1e-3)
 
 
-def product(*axes: npt.ArrayLike) -> FloatArray:
-    """Return every combination of one value from each axis, shape (m, number of axes)."""
-    grid = np.meshgrid(*(np.asarray(axis, dtype=np.float64) for axis in axes), indexing="ij")
-    return np.stack([values.ravel() for values in grid], axis=-1)
+def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> FloatArray:
+    """Return parameters to start a fit of any law from, shape (p,), inside its bounds.
 
-
-def searched_start(
-    law: FrictionLaw,
-    conditions: Conditions,
-    log_lift: FloatArray,
-    *,
-    candidates: Callable[[Conditions, FloatArray], FloatArray],
-) -> FloatArray:
-    """Return a start for a fit of any law, shape (p,), inside its bounds."""
+    They are its typical values where no number of the data, measured ln(F_A / 1 N) of shape (n,), leads to better ones.
+    """
+    data = np.asarray(log_lift, dtype=np.float64)
+    if data.shape != (len(conditions),) or not np.isfinite(data).all():
+        raise InputError(
+            f"{law.name}: {data.shape} finite values of ln F_A are needed for {len(conditions)} conditions",
+            key="log_lift",
+        )
     typical = np.array([parameter.start for parameter in law.parameters])
     try:
         # Data at the ends of what a float holds overflow on the way.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            found = _searched(law, conditions, log_lift, candidates)
+            found = _searched(law, conditions, data)
     except (InputError, np.linalg.LinAlgError):
-        return typical
-    return found if np.isfinite(found).all() else typical
+        found = typical
+    return np.clip(found if np.isfinite(found).all() else typical, law.lower, law.upper)
 
 
 def _searched(
     law: FrictionLaw,
     conditions: Conditions,
     log_lift: FloatArray,
-    candidates: Callable[[Conditions, FloatArray], FloatArray],
 ) -> FloatArray:
     if len(conditions) > _MAX_CONDITIONS:
         rows = np.linspace(0, len(conditions) - 1, _MAX_CONDITIONS).round().astype(np.int64)
         conditions, log_lift = conditions.select(rows), log_lift[rows]
-    theta = np.clip(candidates(conditions, log_lift), law.lower, law.upper)
+    candidates = law.candidates(mean_mu(conditions, log_lift), conditions, log_lift)
+    theta = np.clip(np.asarray(candidates, dtype=np.float64), law.lower, law.upper)
     theta = theta[law.admissible(theta, conditions)]
     if not len(theta):
         return np.array([parameter.start for parameter in law.parameters])

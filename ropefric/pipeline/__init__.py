@@ -1,3 +1,5 @@
-"""A campaign's whole way: recordings to forces, forces to a law, the law to the lift force of a wheel."""
+"""A campaign's whole way: recordings to forces, forces to a law, the law to the lift force of a wheel.
 
-__all__: list[str] = []
+`run` does it and writes tables, fits and prediction; `evidence` adds what a report shows beyond the answer; `provenance`
+says what a result was made from, in a manifest by which it can be made again.
+"""

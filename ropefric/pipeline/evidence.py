@@ -1,22 +1,36 @@
 """What a report shows beyond the answer: budgets, what the design is sensitive to, what to measure next."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TypeVar
+
+import numpy as np
 
 from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
-from ropefric.fitting.design import DesignChart
-from ropefric.fitting.hand import hand_calculation
+from ropefric.fitting.design import DesignChart, design_chart
+from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
 from ropefric.fitting.measured_budget import MeasuredCondition, conditions_of_extraction, force_model
-from ropefric.fitting.planning.result import LabPlan
-from ropefric.pipeline.design_views import chart_of_design, plan_for_design, state_design, swings_of_design
+from ropefric.fitting.next_tests import LabPlan, plan_tests, planned_fit
+from ropefric.fitting.plan_search import RigLimits, geometric_levels, linear_levels
+from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
+from ropefric.fitting.result import FitResult
+from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun
 from ropefric.uncertainty.budget import LinearBudget, linear_budget
 from ropefric.uncertainty.statement import Statement, state_uncertainty
 
 T = TypeVar("T")
+
+STEP = 0.05
+"""By how much of itself each setting of a design is changed to see what it is worth [-]."""
+
+_WHEELS, _WRAPS = 4, 80
+_BEYOND = 1.2
+_LEVELS = 12
+_PLANNED = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +95,7 @@ def gather_evidence(run: CampaignRun) -> Evidence:
         swings=attempt("sensitivities", lambda: swings_of_design(fit, prediction)) or (),
         chart=attempt("design chart", lambda: chart_of_design(fit, wheel)),
         plan=attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
-        hand=attempt("hand calculation", lambda: hand_calculation(fit, wheel)) or (),
+        hand=attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
         missing=tuple(missing),
     )
 
@@ -102,3 +116,96 @@ def evidence_files(evidence: Evidence) -> dict[str, str]:
     if evidence.plan is not None:
         texts["next_tests.csv"] = evidence.plan.to_csv()
     return texts
+
+
+def state_design(fit: FitResult, wheel: Conditions) -> Statement:
+    """Return the uncertainty of the lift force of one wheel whose settings are exact.
+
+    Of one pull with one new rope where the fit knows how far they scatter, else of the mean law.
+    """
+    return state_lift(fit, wheel, WheelUncertainty(), one_pull=math.isfinite(new_rope_std(fit)))
+
+
+def swings_of_design(
+    fit: FitResult, prediction: Prediction, index: int = 0
+) -> tuple[tuple[str, float, float, float], ...]:
+    """Return the lift force of one wheel when one input changes: name, low, high, as designed [N].
+
+    Each setting goes `STEP` down and up; the law and the rope go from end to end of the intervals of the prediction.
+    NaN stands where the law has no answer, or the fit knows no scatter.
+    """
+    at = prediction.conditions.select([index])
+    base_N = float(prediction.lift_force_N[index])
+    rows = [
+        (
+            f"{title} ± {100 * STEP:g} %",
+            _lift_N(fit, at, name, 1.0 - STEP),
+            _lift_N(fit, at, name, 1.0 + STEP),
+            base_N,
+        )
+        for name, (title, _unit, _factor) in REGRESSORS.items()
+    ]
+    for words, ends in (
+        ("mean law: confidence interval", prediction.interval_N[index]),
+        ("new rope: prediction interval", prediction.prediction_interval_N[index]),
+    ):
+        low_N, high_N = (float(end) if math.isfinite(end) else math.nan for end in ends)
+        rows.append((f"{words} {100 * prediction.level:g} %", low_N, high_N, base_N))
+    return tuple(rows)
+
+
+def _lift_N(fit: FitResult, at: Conditions, name: str, factor: float) -> float:
+    """Return the lift force with one setting changed; NaN where the law has no answer."""
+    settings = {item.name: getattr(at, item.name) for item in fields(at)}
+    settings[name] = factor * settings[name]
+    try:
+        return math.exp(float(fit.friction_law.log_lift(fit.theta, Conditions(**settings))[0]))
+    except (RopefricError, OverflowError):
+        return math.nan
+
+
+def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
+    """Return the lift force of the tested wheels, and of the one asked for, over wraps up to and beyond the tested."""
+    (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
+    own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
+    farthest_rad = _BEYOND * max(most_rad, wrap_rad)
+    return design_chart(
+        fit,
+        np.unique(np.append(np.linspace(small_m, large_m, _WHEELS), own_m)),
+        np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS),
+        float(wheel.end_tension_N[0]),
+        rope_radius_m=float(wheel.rope_radius_m[0]),
+    )
+
+
+def plan_for_design(run: CampaignRun, wheel: Conditions) -> LabPlan:
+    """Return the tests, within what the campaign's rig has done, that make the lift force of a wheel most certain.
+
+    Wheels are those that were used; wraps and end tensions lie between the smallest and the largest that were; the
+    largest force is that of the campaign's largest cell, or the largest measured where it names none.
+    """
+    fit, table = run.answer.fit, run.answer.table
+    used = table.used
+    wraps_deg = [float(f"{math.degrees(end):.12g}") for end in fit.validity["wrap_angle_rad"]]
+    low_N, high_N = fit.validity["end_tension_N"]
+    cells_N = [cell.full_scale_N for cell in run.campaign.cells.values()]
+    limits = RigLimits(
+        wheel_radius_m=tuple(distinct(table.wheel_radius_m[used]).tolist()),
+        wrap_angle_rad=tuple(math.radians(x) for x in _between(wraps_deg[0], wraps_deg[1], step=45.0)),
+        end_tension_N=_between(low_N, high_N),
+        rope_radius_m=float(wheel.rope_radius_m[0]),
+        largest_force_N=max(cells_N, default=float(np.max(table.peak_N[used]))),
+    )
+    repeats = sorted(summary.n_recorded for summary in run.extraction.conditions)
+    return plan_tests(
+        planned_fit(fit), limits, wheel, n_conditions=_PLANNED, repeats=repeats[len(repeats) // 2]
+    )
+
+
+def _between(low: float, high: float, step: float | None = None) -> tuple[float, ...]:
+    """Return settings from low to high, or the one there is."""
+    if not high > low * (1.0 + 1e-9):
+        return (low,)
+    return (
+        geometric_levels(low, high, _LEVELS) if step is None else linear_levels(low, high, _LEVELS, step=step)
+    )

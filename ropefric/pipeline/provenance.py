@@ -5,14 +5,13 @@ import os
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ropefric.errors import DataError
 from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file, read_file
-from ropefric.files.toml import read_toml
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignRun
 
@@ -26,8 +25,7 @@ _DRAWN_WITH = ("matplotlib", "jinja2")
 _NO_SETTINGS = frozenset({"trials", "warnings", "path", "folder"})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class InputFile:
+class InputFile(NamedTuple):
     """A file that went in: its path relative to the campaign's folder, and the SHA-256 of its bytes, "" if unread."""
 
     path: str
@@ -77,45 +75,20 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> Provenance:
         seeds["uncertainty budget"] = evidence.lift.drawn.seed
     if evidence.plan is not None:
         seeds["plan of tests"] = evidence.plan.seed
+    recordings: dict[str, str] = {}
+    for trial in run.extraction.trials:
+        recordings.setdefault(trial.file, trial.sha256)
     settings = {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS}
     return Provenance(
         command=shlex.join(words),
-        campaign=_hashed(campaign.path, campaign.path.name),
-        trial_list=_trial_list(campaign.path),
-        recordings=_recordings(run),
-        versions=dict(fit.provenance.get("versions", {})) | _drawn_with(),
+        campaign=InputFile(campaign.path.name, hash_file(campaign.path)),
+        trial_list=InputFile(campaign.relative(campaign.trial_list), hash_file(campaign.trial_list)),
+        recordings=tuple(InputFile(*item) for item in recordings.items()),
+        versions=dict(fit.provenance.get("versions", {})) | {name: version(name) for name in _DRAWN_WITH},
         seeds=seeds,
         settings=settings,
         law=law,
     )
-
-
-def _drawn_with() -> dict[str, str]:
-    found = {}
-    for name in _DRAWN_WITH:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:  # pragma: no cover - both are requirements
-            continue
-    return found
-
-
-def _trial_list(campaign: Path) -> InputFile:
-    name = read_toml(campaign, "campaign file").data["trials"]
-    return _hashed(
-        campaign.parent / name, Path(name).as_posix() if not Path(name).is_absolute() else Path(name).name
-    )
-
-
-def _hashed(path: Path, name: str) -> InputFile:
-    return InputFile(path=name, sha256=hash_file(path))
-
-
-def _recordings(run: CampaignRun) -> tuple[InputFile, ...]:
-    found: dict[str, str] = {}
-    for trial in run.extraction.trials:
-        found.setdefault(trial.file, trial.sha256)
-    return tuple(InputFile(path=name, sha256=sha256) for name, sha256 in found.items())
 
 
 def manifest_text(provenance: Provenance, campaign: Path, folder: Path) -> str:

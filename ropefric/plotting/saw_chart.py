@@ -12,8 +12,7 @@ from ropefric.systems.bandsaw.saw import Side
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropefric.systems.bandsaw.campbell import SawChart
-    from ropefric.systems.bandsaw.resonance import Crossing, Excitation
+    from ropefric.systems.bandsaw.resonance import Crossing, Excitation, SawChart
 
 
 MODE_HEADER = ("side", "mode", "speed_m_s", "frequency_Hz")

@@ -7,7 +7,7 @@ import numpy as np
 
 from ropefric.fitting.compare import Comparison
 from ropefric.fitting.diagnose import Diagnosis
-from ropefric.fitting.planning.result import LabPlan, Outlook
+from ropefric.fitting.next_tests import LabPlan, Outlook
 from ropefric.fitting.predict import REGRESSORS, Candidate, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.verdict import Verdict

@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
-from ropefric.pipeline.answer import CampaignAnswer
 from ropefric.pipeline.evidence import Evidence
-from ropefric.pipeline.run import CampaignRun
+from ropefric.pipeline.run import CampaignAnswer, CampaignRun
 from ropefric.plotting.conditions import conditions_of, draw_repeatability
 from ropefric.plotting.design_chart import draw_design_chart
 from ropefric.plotting.figure import FigureWithData, save_figure

@@ -10,8 +10,6 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import columns_of
-from ropefric.friction.physics import refusals_of
 
 EVERYTHING = frozenset({"wrap", "end-tension", "size"})
 """What of a contact a law may be told: how far the rope wraps, how tight it is, how large the wheel is."""
@@ -113,11 +111,7 @@ class WrapFriction:
             wrap_angle_rad=wrap_angle_rad,
             end_tension_N=slack_tension_N,
         )
-        columns = columns_of(self.theta, self.law.parameter_names, self.law.name)
-        answered = np.ones(len(contacts), dtype=np.bool_)
-        for refusal in refusals_of(self.law.physics, columns, contacts):
-            answered &= ~refusal.mask
-        return answered
+        return self.law.answers(self.theta, contacts)
 
     def _seen(
         self, arrays: dict[str, FloatArray], told: frozenset[str]

@@ -130,6 +130,7 @@ def _read(
     rate_Hz = model.import_.sampling_rate_Hz or (model.sampling.rate if model.sampling else None)
     campaign = Campaign(
         path=Path(path),
+        trial_list=parent / trials_path,
         folder=folder,
         name=model.name,
         schema=model.schema_name,

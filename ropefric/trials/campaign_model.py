@@ -400,8 +400,8 @@ class Campaign:
 
     Attributes
     ----------
-    path : Path
-        The campaign file.
+    path, trial_list : Path
+        The campaign file, and the trial list it names.
     folder : Path
         The folder that the `file` column is relative to.
     name, schema : str
@@ -431,6 +431,7 @@ class Campaign:
     """
 
     path: Path
+    trial_list: Path
     folder: Path
     name: str
     rope: Rope
@@ -467,19 +468,20 @@ class Campaign:
 
     def resolved(self) -> dict[str, Any]:
         """Return the whole campaign, defaults included, as JSON-able data without absolute paths."""
-        skipped = {"path", "folder", "warnings", "trials", "limits"}
+        skipped = {"path", "trial_list", "folder", "warnings", "trials", "limits"}
         tree = {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name not in skipped}
         tree["smoothing"]["mode"] = self.smoothing.mode
         tree["path"] = self.path.name
-        tree["folder"] = self._relative(self.folder)
+        tree["folder"] = self.relative(self.folder)
         tree["trials"] = []
         for trial in self.trials:
-            row = _plain(trial) | {"file": self._relative(trial.path)}
+            row = _plain(trial) | {"file": self.relative(trial.path)}
             tree["trials"].append({key: row[key] for key in row if key not in ("path", "line")})
         tree["warnings"] = [problem.message for problem in self.warnings]
         return tree
 
-    def _relative(self, path: Path) -> str:
+    def relative(self, path: Path) -> str:
+        """Return a path as seen from the campaign file."""
         try:
             return Path(os.path.relpath(path, self.path.parent)).as_posix()
         except ValueError:  # another drive on Windows

@@ -3,16 +3,14 @@
 import numpy as np
 import pytest
 
+from ropefric.accuracy.chebyshev import chebyshev_frequencies
 from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, scenes
 from ropefric.scenes.plan import make_plan
-from ropefric.systems.bandsaw.beam import scaled_beams, solve_beam
-from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
+from ropefric.systems.bandsaw.beam import ScaledBeam, scaled_beams, solve_beam
 from ropefric.systems.bandsaw.effects import SYSTEM as SAW
-from ropefric.systems.bandsaw.ends import CLAMPED
-from ropefric.systems.bandsaw.galerkin import ScaledBeam
 from ropefric.systems.bandsaw.saw import Side
-from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.bandsaw.span import CLAMPED, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem, StartUpTask

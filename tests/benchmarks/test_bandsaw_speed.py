@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from ropefric.systems.bandsaw.beam import solve_beam
-from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
-from ropefric.systems.bandsaw.ends import CLAMPED
-from ropefric.systems.bandsaw.galerkin import ScaledBeam, galerkin_frequencies, widths_for
-from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.accuracy.chebyshev import chebyshev_frequencies
+from ropefric.systems.bandsaw.beam import ScaledBeam, galerkin_frequencies, solve_beam, widths_for
+from ropefric.systems.bandsaw.span import CLAMPED, Span, string_frequencies_Hz
 
 ACCURACY = 1e-8
 # The blade of the paper, wheels pressed apart with a constant force: e = 0.0099, V = 0.42.

@@ -18,7 +18,6 @@ from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
-from ropefric.friction.lift import lift_force_N
 
 LAW = LAWS["coupled"]
 TRUTH = np.array([0.2, -0.2, -0.3, -0.4, 0.05])
@@ -27,6 +26,10 @@ LOOP = 40
 # lmfit stops when χ² falls by less than 1.5e-8 of itself, which is a step of 2e-3 root mean square residuals.
 LIKE_LMFIT = 1e-3
 RESAMPLES = 2000
+
+
+def lift_force_N(law, theta, conditions):
+    return np.exp(law.log_lift(theta, conditions))
 
 
 @pytest.fixture(scope="module")

@@ -255,7 +255,7 @@ def test_a_scene_is_sent_to_solve(call, tmp_path, command):
 
 
 def test_a_folder_is_answered_with_what_may_be_meant(call, tmp_path, bench):
-    assert "name a file of it: band-saw" in call("solve", SCENES).err
+    assert "name a file of it: band-brake" in call("solve", SCENES).err
     assert f"`ropefric run {bench.as_posix()}`" in " ".join(call("solve", bench).err.split())
     empty = call("solve", tmp_path)
     assert empty.code == 3

@@ -11,11 +11,9 @@ from hypothesis import strategies as st
 from scipy import optimize
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting import fit as fitting
 from ropefric.fitting import problem as problems
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.fit import fit_law, trial_std
-from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.statistics import pooled_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
@@ -265,32 +263,16 @@ def test_the_bench_is_determined_well_enough_to_be_trusted():
     assert fit.validity["end_tension_N"] == (5.0, 200.0)
 
 
-@pytest.mark.parametrize(("law", "theta"), [("constant", [0.2]), ("wrap-power", [0.2, -0.5, 0.1]),
-                                            ("size-exponential", [0.2, -0.3, -0.4])])  # fmt: skip
-@pytest.mark.parametrize("std_N", [None, 0.5])
-def test_repeats_put_together_before_the_search_change_nothing(monkeypatch, law, theta, std_N):
-    """The sums of squares of a condition are those of its mean but for a constant."""
-    unequal = {} if std_N is None else {"peak_std_N": std_N, "wrap_std_rad": 0.01}
-    table = table_of(law, theta, repeats=7, **unequal)
-    apart = fit_law(table, law)
-    monkeypatch.setattr(fitting, "MANY", 1)
-    together = fit_law(table, law)
-    np.testing.assert_allclose(together.theta, apart.theta, rtol=1e-7)
-    np.testing.assert_allclose(together.covariance, apart.covariance, rtol=1e-5)
-    assert together.status == apart.status
-    assert together.statistics.chi2 == pytest.approx(apart.statistics.chi2, rel=1e-9)
-    assert together.statistics.n == table.used.sum()
-
-
 def test_a_law_is_searched_for_on_the_conditions_of_a_large_table(monkeypatch):
-    sizes = []
+    """The sums of squares of a condition are those of its mean but for a constant."""
+    sizes, evaluate = set(), problems.Reduced.evaluate
     monkeypatch.setattr(
-        fitting, "batched_fit", lambda problem, **more: (
-            sizes.append(problem.n_points) or batched_fit(problem, **more)
+        problems.Reduced, "evaluate", lambda self, *args: (
+            sizes.add(len(self.conditions)) or evaluate(self, *args)
         )
     )  # fmt: skip
     found = fit_law(table_of("wrap-power", [0.2, -0.5, 0.1], repeats=400), "wrap-power")
-    assert set(sizes) == {18}
+    assert sizes == {18}
     assert found.statistics.n == 7200
 
 

@@ -13,6 +13,7 @@ from ropefric.fitting.levenberg import batched_fit, bounded_steps
 from ropefric.fitting.problem import reduced
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.friction.start import guess
 
 EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
 
@@ -73,7 +74,7 @@ def test_hundreds_of_resamples_agree_with_scipy(bench_problem, law):
 def test_clean_data_give_the_truth_from_the_guess(bench_problem, law):
     problem = bench_problem(law, std=0.0)
     truth = problem.start
-    fit = batched_fit(problem, starts=law.guess(problem.conditions, problem.log_lift))
+    fit = batched_fit(problem, starts=guess(law, problem.conditions, problem.log_lift))
     assert fit.converged.all()
     assert np.allclose(fit.theta[0], truth, rtol=1e-8, atol=1e-10)
     assert fit.chi2[0] < 1e-16

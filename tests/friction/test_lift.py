@@ -6,28 +6,19 @@ from scipy.integrate import solve_ivp
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import LAWS
-from ropefric.friction.lift import lift_force_N, log_lift_moving, rim_speed_m_s
 
 
 def pull(wrap=10.0, tension=20.0):
     return Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wrap, end_tension_N=tension)
 
 
-def test_force_is_the_exponential_and_overflow_is_refused():
-    law = LAWS["constant"]
-    assert lift_force_N(law, [0.2], pull())[0] == pytest.approx(20 * np.exp(2.0), rel=1e-14)
-    turns = pull(wrap=[1.0, 2 * np.pi * 600])
-    assert law.log_lift([0.2], turns)[1] > 709
-    with pytest.raises(InputError, match=r"ln F_A = 757.* at condition 1 .*is no number"):
-        lift_force_N(law, [0.2], turns)
-
-
 @pytest.mark.parametrize("name", ["constant", "howell", "thickness", "size-exponential"])
 def test_running_rope_at_rest_is_the_static_law(name):
     law = LAWS[name]
     theta = [parameter.start for parameter in law.parameters]
-    moving = log_lift_moving(law, theta, pull(), linear_density_kg_m=0.06, speed_m_s=0.0)
+    moving = LiftModel(law=law, linear_density_kg_m=0.06, speed_m_s=0.0).log_lift(theta, pull())
     assert moving.tolist() == law.log_lift(theta, pull()).tolist()
 
 
@@ -45,33 +36,33 @@ def test_running_rope_solves_its_differential_equation(speed):
     solved = solve_ivp(
         lambda phi, F: (a * phi**b + c) * (F - inertia), (low, low + 10.0), [20.0], rtol=1e-11, atol=1e-9
     )
-    answer = log_lift_moving(LAWS["wrap-power"], [a, b, c], pull(), linear_density_kg_m=0.06, speed_m_s=speed)
+    answer = LiftModel(law=LAWS["wrap-power"], linear_density_kg_m=0.06, speed_m_s=speed).log_lift(
+        [a, b, c], pull()
+    )
     assert answer[0] == pytest.approx(np.log(solved.y[0, -1]), rel=1e-8)
 
 
 def test_end_tension_just_above_the_inertia():
     inertia = 0.0625 * 16.0**2  # 16 N, exact in floats
     barely = pull(tension=inertia * (1 + 2**-50))
-    answer = log_lift_moving(LAWS["constant"], [0.2], barely, linear_density_kg_m=0.0625, speed_m_s=16.0)
+    answer = LiftModel(law=LAWS["constant"], linear_density_kg_m=0.0625, speed_m_s=16.0).log_lift(
+        [0.2], barely
+    )
     pressing = inertia * 2**-50 * np.exp(2.0)
     assert answer[0] == pytest.approx(np.log(inertia + pressing), rel=1e-15)
     assert answer[0] > np.log(inertia)
     with pytest.raises(InputError, match=r"rho v\^2 = 16 N is not below F_B.*lifts off"):
-        log_lift_moving(
-            LAWS["constant"], [0.2], pull(tension=16.0), linear_density_kg_m=0.0625, speed_m_s=16.0
+        LiftModel(law=LAWS["constant"], linear_density_kg_m=0.0625, speed_m_s=16.0).log_lift(
+            [0.2], pull(tension=16.0)
         )
     with pytest.raises(InputError, match="zero or more"):
-        log_lift_moving(LAWS["constant"], [0.2], pull(), linear_density_kg_m=-1.0, speed_m_s=1.0)
+        LiftModel(law=LAWS["constant"], linear_density_kg_m=-1.0, speed_m_s=1.0).log_lift([0.2], pull())
 
 
 def test_many_sets_run_together():
     sets = [[0.1], [0.2], [0.3]]
     pulls = pull(wrap=[1.0, 5.0])
-    together = log_lift_moving(LAWS["constant"], sets, pulls, linear_density_kg_m=0.06, speed_m_s=[3.0, 5.0])
+    together = LiftModel(law=LAWS["constant"], linear_density_kg_m=0.06, speed_m_s=3.0).log_lift(sets, pulls)
     assert together.shape == (3, 2)
-    alone = log_lift_moving(LAWS["constant"], [0.2], pulls, linear_density_kg_m=0.06, speed_m_s=[3.0, 5.0])
+    alone = LiftModel(law=LAWS["constant"], linear_density_kg_m=0.06, speed_m_s=3.0).log_lift([0.2], pulls)
     assert np.array_equal(together[1], alone)
-
-
-def test_rim_speed_is_that_of_the_centreline():
-    assert rim_speed_m_s([10.0, 20.0], 0.04, 0.005).tolist() == pytest.approx([0.45, 0.9])

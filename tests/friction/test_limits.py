@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
-from ropefric.friction.size import amplitudes, from_amplitudes, from_printed_form, printed_form
+from ropefric.friction.laws.size_exponential import from_printed_form, printed_form
 
 
 def pulls(**changes):
@@ -170,15 +170,10 @@ def test_both_printed_brackets_are_one_family():
     r = np.linspace(0.1, 30, 50)
     law_4 = mu_inf * (1 - np.exp(a * r + b))
     shifted_mu, shifted_b = printed_form(mu_inf, b)
-    A, B = amplitudes(mu_inf, b)
     assert np.allclose(shifted_mu * (1 - np.exp(a * r)) + shifted_b, law_4, rtol=1e-13)
-    assert np.allclose(A - B * np.exp(a * r), law_4, rtol=1e-13)
     assert from_printed_form(shifted_mu, shifted_b) == pytest.approx((mu_inf, b), rel=1e-14)
-    assert from_amplitudes(A, B) == pytest.approx((mu_inf, b), rel=1e-14)
     with pytest.raises(ValueError, match="have no form"):
         from_printed_form(0.1, -0.2)
-    with pytest.raises(ValueError, match="must be positive"):
-        from_amplitudes(0.1, 0.0)
 
 
 def test_law_jacobian_against_fifty_digits(reference):

@@ -7,9 +7,12 @@ from scipy.optimize import brentq
 
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
-from ropefric.friction.lift import lift_force_N
 
 THETA = [0.2, -0.2, -0.3, -0.4, 0.05]
+
+
+def lift_force_N(law, theta, conditions):
+    return np.exp(law.log_lift(theta, conditions))
 
 
 def designs(n):

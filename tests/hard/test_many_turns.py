@@ -7,8 +7,8 @@ import pytest
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.friction.condition import one_condition
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.friction.lift import lift_force_N, log_lift_moving
 
 REGIME = Regime(
     name="100 turns and more",
@@ -40,20 +40,21 @@ def test_nothing_is_lost():
 
 # Friction that falls with the tension, or along the wrap to a small plateau, never gets there in 1000 turns.
 @pytest.mark.parametrize("name", [name for name in ALL_LAWS if name not in {"howell", "wrap-exponential"}])
-def test_the_force_is_refused_by_name(name, refused):
+def test_the_logarithm_stays_finite_where_the_force_is_no_number(name):
     pull = one_condition(0.04, 0.005, 2 * math.pi * 3000, 20.0)
     law = ALL_LAWS[name]
     assert law.log_lift(THETA[name], pull)[0] > 709.8
-    refused(lambda: lift_force_N(law, THETA[name], pull), r"a force above e\^709.8 N is no number")
 
 
 def test_the_largest_force_that_a_float_holds():
     wrap = (math.log(1.7976931348623157e308) - math.log(20.0)) / 0.2
     held = one_condition(0.04, 0.005, wrap * (1 - 1e-15), 20.0)
-    assert 1.79e308 < lift_force_N(ALL_LAWS["constant"], [0.2], held)[0] < math.inf
+    assert 1.79e308 < math.exp(ALL_LAWS["constant"].log_lift([0.2], held)[0]) < math.inf
 
 
 def test_a_running_rope_takes_no_notice_of_its_inertia_there():
     pull = one_condition(0.04, 0.005, 2 * math.pi * 1000, 20.0)
-    moving = log_lift_moving(ALL_LAWS["constant"], [0.2], pull, linear_density_kg_m=0.06, speed_m_s=10.0)
+    moving = LiftModel(law=ALL_LAWS["constant"], linear_density_kg_m=0.06, speed_m_s=10.0).log_lift(
+        [0.2], pull
+    )
     assert np.isclose(moving[0], math.log(14.0) + 0.2 * 2 * math.pi * 1000, rtol=1e-15, atol=0.0)

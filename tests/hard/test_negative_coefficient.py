@@ -6,7 +6,6 @@ from hard_regime import Regime
 
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.friction.lift import lift_force_N
 
 REGIME = Regime(
     name="e^(a r + b) > 1",
@@ -42,7 +41,6 @@ def test_the_wheel_to_blame_is_named_and_the_others_have_an_answer(refused):
     )
     law, theta = ALL_LAWS["size-exponential"], [0.2, -0.2, 0.5]
     refused(lambda: law.log_lift(theta, pulls), "condition 2")
-    refused(lambda: lift_force_N(law, theta, pulls), "condition 2")
     assert len(law.validity(theta, pulls)) == 1
     assert not law.admissible(theta, pulls)
     assert np.isfinite(law.log_lift(theta, pulls.select([0, 1]))).all()

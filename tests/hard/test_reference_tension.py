@@ -1,11 +1,9 @@
 """F_B → F_0⁺: the wrap φ0 vanishes, μ(φ0) is infinite; below F_0 there is none, and it is refused by name."""
 
-import mpmath as mp
 import pytest
-from hard_regime import Regime, once, relative, worst_law_error
+from hard_regime import Regime, once, worst_law_error
 
 from ropefric.friction.condition import one_condition
-from ropefric.friction.integral import log_force_ratio, log_lift_exponential, log_lift_power
 from ropefric.friction.laws import ALL_LAWS
 
 REGIME = Regime(
@@ -29,20 +27,10 @@ def measured():
                 yield name, THETA[name][place], (0.04, 0.005, wrap, 1.0 + above)
 
     # With b = -0.9 and no plateau the slope by ln F_B is as small as 1e-140.
-    worst = max(
+    return max(
         worst_law_error(cases(THETA, 0)),
         worst_law_error(cases(["wrap-power", "wrap-exponential"], 1), digits=450),
     )
-    for tension, force_0 in [
-        (1 + 2**-52, 1.0),
-        (10 * (1 + 2**-50), 10.0),
-        (1e300, 1e-300),
-        (1e300 * (1 + 1e-9), 1e300),
-    ]:
-        with mp.workdps(60):
-            truth = mp.log(mp.mpf(tension) / mp.mpf(force_0))
-        worst = max(worst, relative(log_force_ratio(tension, force_0), truth))
-    return worst
 
 
 def test_nothing_is_lost():
@@ -69,13 +57,3 @@ def test_below_the_reference_is_refused(name, tension, refused):
     )
     assert "without_end_tension" in error.fix
     assert law.without_end_tension().average_mu(THETA[name][0], pull)[0] > 0.0
-
-
-def test_below_a_reference_of_ones_own_is_refused(refused):
-    for lift in (log_lift_power, log_lift_exponential):
-        refused(
-            lambda lift=lift: lift(
-                0.2, -0.5, 0.1, wrap_rad=2.0, end_tension_N=10 * (1 - 1e-15), reference_N=10.0
-            ),
-            "below the reference force",
-        )

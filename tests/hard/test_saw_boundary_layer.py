@@ -9,11 +9,15 @@ import pytest
 from hard_regime import Regime, once, relative
 from hard_saw import beam_frequencies
 
-from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, solve_beam
-from ropefric.systems.bandsaw.ends import CLAMPED, ENDS, PINNED
-from ropefric.systems.bandsaw.galerkin import ScaledBeam, galerkin_frequencies, order_for, widths_for
-from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.bandsaw.beam import (
+    ScaledBeam,
+    beam_frequencies_Hz,
+    galerkin_frequencies,
+    order_for,
+    solve_beam,
+    widths_for,
+)
+from ropefric.systems.bandsaw.span import CLAMPED, ENDS, PINNED, Span, string_frequencies_Hz
 
 REGIME = Regime(
     name="EI → 0",

@@ -9,9 +9,7 @@ from hard_regime import Regime, once, relative
 from hard_saw import beam_of_span_Hz, first_of_string_Hz
 
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
-from ropefric.systems.bandsaw.ends import CLAMPED, ENDS, PINNED
-from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.bandsaw.span import CLAMPED, ENDS, PINNED, Span, string_frequencies_Hz
 
 REGIME = Regime(
     name="κ → 1",

@@ -7,10 +7,8 @@ import pytest
 from hard_regime import Regime, once, relative
 from hard_saw import beam_frequencies, beam_of_span_Hz
 
-from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, solve_beam
-from ropefric.systems.bandsaw.ends import CLAMPED, ENDS
-from ropefric.systems.bandsaw.galerkin import ScaledBeam
-from ropefric.systems.bandsaw.span import Span
+from ropefric.systems.bandsaw.beam import ScaledBeam, beam_frequencies_Hz, solve_beam
+from ropefric.systems.bandsaw.span import CLAMPED, ENDS, Span
 
 REGIME = Regime(
     name="v → v_c⁻, beam",

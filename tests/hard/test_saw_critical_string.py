@@ -8,10 +8,14 @@ import pytest
 from hard_regime import Regime, once, relative
 from hard_saw import first_of_string_Hz
 
-from ropefric.systems.bandsaw.ends import PINNED
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
-from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.bandsaw.string import frequency_at_shortfall_Hz, frequency_Hz, string_frequencies_Hz
+from ropefric.systems.bandsaw.span import (
+    PINNED,
+    Span,
+    frequency_at_shortfall_Hz,
+    frequency_Hz,
+    string_frequencies_Hz,
+)
 
 REGIME = Regime(
     name="v → c⁻, string",

@@ -8,10 +8,8 @@ from hard_regime import Regime, once, relative
 from hard_saw import beam_of_span_Hz, first_of_string_Hz
 
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
-from ropefric.systems.bandsaw.ends import CLAMPED
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, span_of
-from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.bandsaw.span import CLAMPED, Span, string_frequencies_Hz
 
 REGIME = Regime(
     name="slack tension → 0⁺",

@@ -3,7 +3,7 @@
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.friction.condition import one_condition
-from ropefric.friction.end_tension import power_log_start
+from ropefric.friction.integral import power_log_start
 from ropefric.friction.laws import ALL_LAWS
 
 REGIME = Regime(

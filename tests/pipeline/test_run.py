@@ -13,8 +13,7 @@ from ropefric.files.folder import OutputFolder
 from ropefric.fitting.choice import choose_law
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.verdict import FitStatus
-from ropefric.pipeline.answer import answer_trials
-from ropefric.pipeline.run import run_campaign, write_answer
+from ropefric.pipeline.run import answer_trials, run_campaign, write_answer
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import DesignWheel
 from ropefric.trials.conditions import NOT_ABOVE, set_aside_impossible

@@ -99,7 +99,7 @@ def test_a_design_beyond_what_was_tested_is_doubted(run, tmp_path):
 
 
 def test_what_the_user_writes_is_shown_and_not_obeyed(run, tmp_path):
-    rope = replace(run.campaign.rope, material="</p><b>")
+    rope = run.campaign.rope.model_copy(update={"material": "</p><b>"})
     page = without_figures(
         replace(run, campaign=replace(run.campaign, name="<script>&", rope=rope)), tmp_path
     )

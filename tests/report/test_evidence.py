@@ -12,8 +12,15 @@ from ropefric.errors import DataError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
-from ropefric.pipeline.design_views import STEP, chart_of_design, state_design, swings_of_design
-from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence
+from ropefric.pipeline.evidence import (
+    STEP,
+    Evidence,
+    chart_of_design,
+    evidence_files,
+    gather_evidence,
+    state_design,
+    swings_of_design,
+)
 from ropefric.pipeline.provenance import recorded_run
 from ropefric.trials.table import TrialTable
 

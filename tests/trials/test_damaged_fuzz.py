@@ -49,7 +49,9 @@ class One:
 
     def picked_by(self, protocol, ending="sliding"):
         """Return the same recording under another protocol; a tight-side cell, so that no weight is needed."""
-        protocol = replace(self.campaign.protocol, name=protocol, ending=ending, side="tight")
+        protocol = self.campaign.protocol.model_copy(
+            update={"name": protocol, "ending": ending, "side": "tight"}
+        )
         return One(replace(self.campaign, protocol=protocol), self.text, self.allowed)
 
 

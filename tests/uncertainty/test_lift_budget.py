@@ -8,7 +8,7 @@ import pytest
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.lift_budget import WheelUncertainty, lift_model, paired_log_lift
+from ropefric.fitting.lift_budget import WheelUncertainty, lift_model
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
@@ -32,12 +32,12 @@ def test_pairs_are_the_diagonal_of_every_set_at_every_condition(law):
         wrap_angle_rad=8 + 0.5 * rng.standard_normal(30),
         end_tension_N=60 + rng.standard_normal(30),
     )
-    np.testing.assert_array_equal(paired_log_lift(law, theta, at), np.diag(law.log_lift(theta, at)))
+    np.testing.assert_array_equal(law.log_lift_of_pairs(theta, at), np.diag(law.log_lift(theta, at)))
 
 
 def test_a_pair_without_an_answer_is_nan_and_leaves_the_others():
     at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=8, end_tension_N=[0.5, 60])
-    found = paired_log_lift(ALL_LAWS["wrap-power"], np.tile([0.2, -0.5, 0.1], (2, 1)), at)
+    found = ALL_LAWS["wrap-power"].log_lift_of_pairs(np.tile([0.2, -0.5, 0.1], (2, 1)), at)
     assert np.isnan(found).tolist() == [True, False]
 
 

@@ -5,11 +5,11 @@ from functools import partial
 
 import numpy as np
 
+from ropefric.accuracy.chebyshev import chebyshev_frequencies
 from ropefric.accuracy.study import Case, Measured, Setting, Study, against
 from ropefric.arrays import FloatArray
-from ropefric.systems.bandsaw.chebyshev import chebyshev_frequencies
-from ropefric.systems.bandsaw.ends import CLAMPED
-from ropefric.systems.bandsaw.galerkin import ScaledBeam, free_freedoms, galerkin_frequencies, widths_for
+from ropefric.systems.bandsaw.beam import ScaledBeam, free_freedoms, galerkin_frequencies, widths_for
+from ropefric.systems.bandsaw.span import CLAMPED
 
 SPEED = 0.5
 """V = v/c."""

@@ -9,7 +9,7 @@ from scipy.special import wrightomega
 
 from ropefric.accuracy.study import Case, Setting, Study, against
 from ropefric.arrays import FloatArray
-from ropefric.friction.end_tension import exponential_start_rad, power_log_start
+from ropefric.friction.integral import exponential_start_rad, power_log_start
 
 Values = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """G − y and its slope μ at angles."""

@@ -21,8 +21,7 @@ from ropefric.accuracy.study import (
     time_text,
 )
 from ropefric.arrays import FloatArray
-from ropefric.friction.integral import power_integral
-from ropefric.friction.power_span import power_span
+from ropefric.friction.integral import power_integral, power_span
 
 CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 """The library's function, its formula without the checks of its input, and the difference of two powers."""

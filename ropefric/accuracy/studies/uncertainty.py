@@ -15,9 +15,10 @@ from ropefric.arrays import FloatArray
 from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.profile import profile_intervals
-from ropefric.fitting.propagation import LiftModel, drawn_range
+from ropefric.fitting.propagation import drawn_range
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import LAWS
 
 SIZE_SHARE = 0.25

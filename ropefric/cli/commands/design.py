@@ -26,7 +26,7 @@ from ropefric.cli.output import Output
 
 if TYPE_CHECKING:
     from ropefric.files.folder import Folder
-    from ropefric.fitting.design_result import Design
+    from ropefric.fitting.design import Design
     from ropefric.fitting.result import FitResult
     from ropefric.report.section import Section
 

@@ -57,7 +57,7 @@ def extract(
     Writes trials.csv (a row a recording), conditions.csv (a row a condition), problems.csv and, in figures/,
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
-    from ropefric.pipeline.folder import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.pipeline.run import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
     from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
     from ropefric.trials.result import write_tables  # noqa: PLC0415

@@ -15,7 +15,7 @@ SceneName = Annotated[
     typer.Option(
         "--scene",
         metavar="NAME",
-        help="Write this scene: hoist, climbing-hoist, belt-press, press-start-up, band-saw, …; repeatable.",
+        help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
     ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write over files that are already there.")]
@@ -29,7 +29,7 @@ def init(
     scene: SceneName = None,
     force: Force = False,
 ) -> Answer:
-    """Write commented templates to fill in: a campaign, or with --scenes hoists, presses and band saws to solve."""
+    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
     if scenes or scene:
         from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
 

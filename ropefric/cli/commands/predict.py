@@ -61,7 +61,6 @@ def predict(
 
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
-    from ropefric.fitting.hand import hand_calculation  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.fitting.predict import predict as predict_lift  # noqa: PLC0415
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.parts import prediction_section  # noqa: PLC0415
@@ -77,7 +76,7 @@ def predict(
     sections = [prediction_section(found)]
     if hand:
         running = ("for the rope at rest, without the centrifugal term:",) if speed is not None else ()
-        lines = (*running, *hand_calculation(stored, wheel))
+        lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(lines)
         sections.append(Section(title="By hand", lines=lines, verbatim=True))
     return Answer(

@@ -79,8 +79,7 @@ def work_through(
     `law` is the one to use, "" for the best; `drawing` names the figures: those of the "report", those of "conditions".
     """
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.pipeline.folder import campaign_folder  # noqa: PLC0415
-    from ropefric.pipeline.run import run_campaign  # noqa: PLC0415
+    from ropefric.pipeline.run import campaign_folder, run_campaign  # noqa: PLC0415
     from ropefric.report.campaign import summary_sections, write_report  # noqa: PLC0415
 
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.

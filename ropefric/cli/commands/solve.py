@@ -53,11 +53,12 @@ def solve(
     plot: Plot = "",
     force: Force = False,
 ) -> Answer:
-    """Solve a scene: a hoist, a belt press or a band saw, with the effects that its accuracy calls for.
+    """Solve a scene: a hoist, belt press, band saw, traction sheave or belt drive, with the effects it calls for.
 
     Exits with 4 when the friction behind the answer is not supported, when the error may be larger than the accuracy
     wanted, and when the machine does not do what it is for: a hoist that does not lift its payload, a press that
-    slips. A sweep says at how many points that is so, and exits with 4 for the error alone.
+    slips. A traction sheave is checked by one clause of EN 81-50, which is no certificate. A sweep says at how many
+    points that is so, and exits with 4 for the error alone.
     """
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
 

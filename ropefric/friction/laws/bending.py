@@ -1,16 +1,15 @@
 """Bending rigidity: part of the tension only holds the rope round the wheel, and the rope leaves it early."""
 
+import math
 from collections.abc import Iterable
-from functools import partial
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.physics import Columns, Refusal, refuse
-from ropefric.friction.start import mean_mu, product, searched_start
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, combinations
+from ropefric.friction.laws.constant import LAW as CONSTANT
 
 _MAX_STEPS = 100
 
@@ -57,17 +56,17 @@ class Bending:
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where the tension cannot bend the rope round the wheel, or the rope never touches it."""
         mu, rigidity = columns
-        yield refuse(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")
-        yield refuse(mu > 3.0, mu, "the coefficient is {value}; above 3 the lifted arc has several solutions",
+        yield Refusal(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")
+        yield Refusal(mu > 3.0, mu, "the coefficient is {value}; above 3 the lifted arc has several solutions",
                      "keep it at 3 or below")  # fmt: skip
-        yield refuse(
+        yield Refusal(
             rigidity < 0.0, rigidity, "the bending rigidity is {value} N m2, negative", "give it positive"
         )
         e = _ratio(columns, conditions)
-        yield refuse(e >= 1.0, e * conditions.end_tension_N, "EI/(2 R^2) = {value} N is not below F_B: the end"
+        yield Refusal(e >= 1.0, e * conditions.end_tension_N, "EI/(2 R^2) = {value} N is not below F_B: the end"
                      " tension cannot bend the rope round the wheel", "raise F_B or the wheel radius")  # fmt: skip
         need = 2.0 * _lifted(np.minimum(e, 1.0))
-        yield refuse((conditions.wrap_angle_rad < need) & (e < 1.0), need,
+        yield Refusal((conditions.wrap_angle_rad < need) & (e < 1.0), need,
                      "the rope is too stiff to touch the wheel: it needs a wrap above {value} rad",
                      "raise the wrap or the end tension")  # fmt: skip
 
@@ -120,12 +119,25 @@ def _partials(
     return contact, by_log_E, gain_B + mu * s_B, gain_A - mu * s_A
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
+def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
     # The weakest pull over the smallest wheel limits what any law may assume of the rope.
     limit = float((2.0 * conditions.centreline_radius_m**2 * conditions.end_tension_N).min())
-    return product(
-        mean_mu(conditions, log_lift) * np.array([1.0, 1.3]), limit * np.array([1e-4, 1e-2, 0.1, 0.4])
-    )
+    return combinations(mu * np.array([1.0, 1.3]), limit * np.array([1e-4, 1e-2, 0.1, 0.4]))
+
+
+def _by_hand(sheet: Sheet) -> float:
+    """Write the equation for F_A with its solution put in: there is no closed form, but the check is by hand."""
+    sheet.line("F_B [N]", "exp(y)", "F_B")
+    sheet.line("R", "R_w + R_r")
+    sheet.line("E", "rigidity_N_m2/(2 * R^2)")
+    e = np.array(sheet["E"] / sheet["F_B"])
+    rise = float(_solve(np.array(sheet["mu"]), e, np.array(sheet["phi"])))
+    sheet.given("F", sheet["F_B"] * math.exp(rise), "F, the lift force that solves the law [N]")
+    sheet.line("theta_A", "acos(1 - E/F)")
+    sheet.line("theta_B", "acos(1 - E/F_B)")
+    sheet.line("phi_c", "phi - theta_A - theta_B")
+    sheet.line("F from the law", "E + (F_B - E) * exp(mu * phi_c)", "F")
+    return sheet.line("ln(F/F_B)", "ln(F/F_B)")
 
 
 LAW = FrictionLaw(
@@ -134,10 +146,10 @@ LAW = FrictionLaw(
     "phi_c = phi - arccos(1 - E/F_A) - arccos(1 - E/F_B)",
     source="after Stuart 1961, Br. J. Appl. Phys. 12:559",
     parameters=(
-        Parameter(name="mu", unit="-", start=0.2, lower=0.0, upper=3.0, meaning="friction coefficient"),
+        Parameter("mu", "-", start=0.2, lower=0.0, upper=3.0, meaning="friction coefficient"),
         Parameter(
-            name="rigidity_N_m2",
-            unit="N m2",
+            "rigidity_N_m2",
+            "N m2",
             start=1e-4,
             lower=1e-9,
             upper=10.0,
@@ -147,5 +159,7 @@ LAW = FrictionLaw(
     coefficient="local",
     effects=frozenset({"size", "end-tension", "bending-stiffness"}),
     physics=Bending(),
-    start=partial(searched_start, candidates=_candidates),
+    candidates=_candidates,
+    special_cases=(CONSTANT,),
+    arithmetic=_by_hand,
 )

@@ -1,16 +1,14 @@
 """A constant coefficient with a constant offset of ln F: a bearing's friction, a cell's gain error."""
 
 from collections.abc import Iterable
-from functools import partial
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.physics import Columns, Refusal, refuse
-from ropefric.friction.start import mean_mu, searched_start
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal
+from ropefric.friction.laws.constant import LAW as CONSTANT
 
 
 class Offset:
@@ -44,11 +42,15 @@ class Offset:
     def refusals(self, columns: Columns, _conditions: Conditions) -> Iterable[Refusal]:
         """Yield where μ is negative; k may have either sign."""
         mu = columns[0]
-        yield refuse(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")
+        yield Refusal(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    return np.array([[mean_mu(conditions, log_lift), 0.0]])
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return np.array([[mu, 0.0]])
+
+
+def _by_hand(sheet: Sheet) -> float:
+    return sheet.line("mu phi + k", "mu * phi + k")
 
 
 LAW = FrictionLaw(
@@ -56,12 +58,10 @@ LAW = FrictionLaw(
     equation="F_A = F_B exp(mu phi + k)",
     source="eq. (2) with a constant in ln F",
     parameters=(
+        Parameter("mu", "-", start=0.2, lower=0.0, upper=5.0, meaning="friction coefficient; local"),
         Parameter(
-            name="mu", unit="-", start=0.2, lower=0.0, upper=5.0, meaning="friction coefficient; local"
-        ),
-        Parameter(
-            name="k",
-            unit="-",
+            "k",
+            "-",
             start=0.0,
             lower=-5.0,
             upper=5.0,
@@ -71,5 +71,7 @@ LAW = FrictionLaw(
     coefficient="local",
     effects=frozenset({"offset"}),
     physics=Offset(),
-    start=partial(searched_start, candidates=_candidates),
+    candidates=_candidates,
+    special_cases=(CONSTANT,),
+    arithmetic=_by_hand,
 )

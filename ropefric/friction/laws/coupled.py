@@ -1,32 +1,37 @@
 """Eq. (16): size and wrap together, with the end tension counted as wrap."""
 
-from functools import partial
-
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.power_wrap import PowerWrap, exponent_parameter, plateau_parameter
-from ropefric.friction.size import (
+from ropefric.friction.law import FrictionLaw, combinations, with_variant
+from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.size_exponential import LAW as SIZE_EXPONENTIAL
+from ropefric.friction.laws.size_exponential import (
     SIZE_PARAMETERS,
+    coefficient_by_hand,
     exponential_size,
     exponential_size_by_radius,
     exponential_size_slopes,
     size_candidates,
 )
-from ropefric.friction.start import mean_mu, product, searched_start
-from ropefric.friction.variant import with_variant
+from ropefric.friction.laws.wrap_power import LAW as WRAP_POWER
+from ropefric.friction.laws.wrap_power import PowerWrap, exponent_parameter, plateau_parameter, power_by_hand
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    mu = mean_mu(conditions, log_lift)
-    return product(
+def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return combinations(
         mu * np.array([1.0, 2.0, 4.0]),
         *size_candidates(conditions),
         [-0.75, -0.4, -0.1],
         mu * np.array([0.1, 0.6]),
     )
+
+
+def _by_hand(sheet: Sheet) -> float:
+    coefficient_by_hand(sheet, "mu_R")
+    return power_by_hand(sheet, "mu_R", "c", "d")
 
 
 LAW = with_variant(
@@ -45,6 +50,8 @@ LAW = with_variant(
             equivalence=True,
             why_negative="a R_w/R_r + b is above 0 there, so e^(a r + b) > 1",
         ),
-        start=partial(searched_start, candidates=_candidates),
+        candidates=_candidates,
+        special_cases=(CONSTANT, SIZE_EXPONENTIAL, WRAP_POWER),
+        arithmetic=_by_hand,
     )
 )

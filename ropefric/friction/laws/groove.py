@@ -1,17 +1,12 @@
 """A V-groove wedges the rope: the coefficient acts as μ/sin(half angle)."""
 
-from functools import partial
-
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.physics import Columns
-from ropefric.friction.size import unmoved_by_radius
-from ropefric.friction.start import mean_mu, searched_start
-from ropefric.friction.uniform import Uniform
+from ropefric.friction.law import Columns, FrictionLaw, Parameter
+from ropefric.friction.laws.constant import Uniform, mu_times_wrap, unmoved_by_radius
 
 _HALF_ANGLE_RAD = float(np.radians(20.0))
 
@@ -27,8 +22,13 @@ def _slopes(columns: Columns, _conditions: Conditions) -> tuple[FloatArray, ...]
     return 1.0 / sine, -mu * np.cos(half_angle) / sine**2
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    return np.array([[mean_mu(conditions, log_lift) * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]])
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return np.array([[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]])
+
+
+def _by_hand(sheet: Sheet) -> float:
+    sheet.line("mu/sin(half angle)", "mu/sin(half_angle)", "mu")
+    return mu_times_wrap(sheet)
 
 
 LAW = FrictionLaw(
@@ -37,16 +37,16 @@ LAW = FrictionLaw(
     source="V-groove form of Euler's equation",
     parameters=(
         Parameter(
-            name="mu",
-            unit="-",
+            "mu",
+            "-",
             start=0.07,
             lower=0.0,
             upper=5.0,
             meaning="coefficient at the flanks of the groove",
         ),
         Parameter(
-            name="half_angle",
-            unit="rad",
+            "half_angle",
+            "rad",
             start=_HALF_ANGLE_RAD,
             lower=0.02,
             upper=float(np.pi / 2),
@@ -57,5 +57,6 @@ LAW = FrictionLaw(
     coefficient="average",
     effects=frozenset({"groove"}),
     physics=Uniform(mu=_effective, mu_slopes=_slopes, mu_by_radius=unmoved_by_radius),
-    start=partial(searched_start, candidates=_candidates),
+    candidates=_candidates,
+    arithmetic=_by_hand,
 )

@@ -1,17 +1,15 @@
 """Howell's power law: friction per length grows as a power below one of the contact force per length."""
 
 from collections.abc import Iterable
-from functools import partial
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.physics import Columns, Refusal, refuse
-from ropefric.friction.special import log1prel, log1prel_slope
-from ropefric.friction.start import mean_mu, searched_start
+from ropefric.friction.integral import log1prel, log1prel_slope
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal
+from ropefric.friction.laws.constant import LAW as CONSTANT
 
 
 class Howell:
@@ -54,9 +52,9 @@ class Howell:
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where A is not positive or the tension would grow beyond all bounds."""
         A, n = columns
-        yield refuse(A <= 0.0, A, "A is {value}; friction needs it positive", "give a positive A")
+        yield Refusal(A <= 0.0, A, "A is {value}; friction needs it positive", "give a positive A")
         _K, z = _scales((np.maximum(A, 1e-300), n), conditions, conditions.wrap_angle_rad)
-        yield refuse(z <= -1.0, z, "for n > 1 the tension is infinite before the wrap ends:"
+        yield Refusal(z <= -1.0, z, "for n > 1 the tension is infinite before the wrap ends:"
                      " (1 - n) A (R/F_B)^(1-n) phi = {value} <= -1", "use n <= 1")  # fmt: skip
 
 
@@ -72,11 +70,20 @@ def _scales(columns: Columns, conditions: Conditions, wrap_rad: FloatArray) -> t
     return K, q * K * wrap_rad
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
+def _candidates(mu: float, conditions: Conditions, log_lift: FloatArray) -> FloatArray:
     n = np.array([0.5, 0.7, 0.85, 0.95, 1.0])
     tension = 0.5 * (log_lift + conditions.log_end_tension)
     lever = float(np.mean(np.log(conditions.centreline_radius_m) - tension))
-    return np.column_stack([mean_mu(conditions, log_lift) * np.exp((n - 1.0) * lever), n])
+    return np.column_stack([mu * np.exp((n - 1.0) * lever), n])
+
+
+def _by_hand(sheet: Sheet) -> float:
+    if sheet["n"] == 1.0:
+        return sheet.line("mu phi", "A * phi")
+    sheet.line("q", "1 - n")
+    sheet.line("R", "R_w + R_r")
+    sheet.line("K", "A * exp(q * (ln(R) - y))")
+    return sheet.line("ln(F_A/F_B)", "ln(1 + q * K * phi)/q")
 
 
 LAW = FrictionLaw(
@@ -85,16 +92,16 @@ LAW = FrictionLaw(
     source="Howell 1953, friction per length f = A N^n",
     parameters=(
         Parameter(
-            name="A",
-            unit="(N/m)^(1-n)",
+            "A",
+            "(N/m)^(1-n)",
             start=0.5,
             lower=1e-6,
             upper=1e5,
             meaning="friction per length at a contact force of 1 N/m",
         ),
         Parameter(
-            name="n",
-            unit="-",
+            "n",
+            "-",
             start=0.9,
             lower=0.0,
             upper=1.0,
@@ -104,5 +111,7 @@ LAW = FrictionLaw(
     coefficient="local",
     effects=frozenset({"size", "wrap-dependence", "end-tension"}),
     physics=Howell(),
-    start=partial(searched_start, candidates=_candidates),
+    candidates=_candidates,
+    special_cases=(CONSTANT,),
+    arithmetic=_by_hand,
 )

@@ -1,26 +1,97 @@
 """Eq. (4): the coefficient approaches that of a very large wheel exponentially in R_w/R_r."""
 
-from functools import partial
+import math
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.size import (
-    SIZE_PARAMETERS,
-    exponential_size,
-    exponential_size_by_radius,
-    exponential_size_slopes,
-    size_candidates,
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, combinations
+from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.constant import Uniform, mu_times_wrap
+
+SIZE_PARAMETERS = (
+    Parameter("mu_inf", "-", start=0.2, lower=0.0, upper=5.0, meaning="coefficient of a very large wheel"),
+    Parameter(
+        "a",
+        "-",
+        start=-0.2,
+        lower=-20.0,
+        upper=0.0,
+        meaning="rate of the size effect per unit of R_w/R_r",
+    ),
+    Parameter(
+        "b",
+        "-",
+        start=-0.3,
+        lower=-20.0,
+        upper=0.0,
+        meaning="strength of the size effect as ln: 0 no friction on a vanishing wheel, very negative none",
+    ),
 )
-from ropefric.friction.start import mean_mu, product, searched_start
-from ropefric.friction.uniform import Uniform
+"""μ∞, a and b of eq. (4); at b <= 0 no wheel is too small to have a coefficient."""
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    mu = mean_mu(conditions, log_lift)
-    return product(mu * np.array([1.0, 1.3, 2.0]), *size_candidates(conditions))
+def exponential_size(columns: Columns, conditions: Conditions) -> FloatArray:
+    """Return μ_R = μ∞ (1 − e^{a r + b}) of the first three columns, eq. (4)."""
+    mu_inf, a, b = columns[:3]
+    return -mu_inf * np.expm1(a * conditions.size_ratio + b)
+
+
+def exponential_size_slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+    """Return ∂μ_R by μ∞, a and b."""
+    mu_inf, a, b = columns[:3]
+    r = conditions.size_ratio
+    exponent = a * r + b
+    by_b = -mu_inf * np.exp(exponent)
+    return -np.expm1(exponent), r * by_b, by_b
+
+
+def exponential_size_by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
+    """Return ∂μ_R/∂R_w [1/m]."""
+    mu_inf, a, b = columns[:3]
+    return -mu_inf * a * np.exp(a * conditions.size_ratio + b) / conditions.rope_radius_m
+
+
+def size_candidates(conditions: Conditions) -> tuple[FloatArray, FloatArray]:
+    """Return values of a and b worth trying on these wheels."""
+    r = float(np.median(conditions.size_ratio))
+    return np.array([-4.0, -1.5, -0.5, -0.15]) / r, np.array([-3.0, -1.0, -0.2])
+
+
+def printed_form(mu_inf: float, b: float) -> tuple[float, float]:
+    """Return (μ∞, b) of μ_R = μ∞ (1 − e^{a r}) + b, the bracket of eq. (16), from those of eq. (4).
+
+    Both are one family A − B e^{a r}; the rate a is the same.
+    """
+    return mu_inf * math.exp(b), -mu_inf * math.expm1(b)
+
+
+def from_printed_form(mu_inf: float, b: float) -> tuple[float, float]:
+    """Return (μ∞, b) of μ_R = μ∞ (1 − e^{a r + b}), eq. (4), from those of μ_R = μ∞ (1 − e^{a r}) + b."""
+    if not (mu_inf > 0.0 and mu_inf + b > 0.0):
+        raise InputError(
+            f"mu_inf = {mu_inf:g} and b = {b:g} have no form mu_inf (1 - exp(a r + b))",
+            fix="both mu_inf and mu_inf + b must be positive",
+        )
+    return mu_inf + b, -math.log1p(b / mu_inf)
+
+
+def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return combinations(mu * np.array([1.0, 1.3, 2.0]), *size_candidates(conditions))
+
+
+def coefficient_by_hand(sheet: Sheet, name: str) -> float:
+    """Write μ_R of these conditions."""
+    sheet.line("r", "R_w/R_r")
+    return sheet.line(name, "mu_inf * (1 - exp(a * r + b))")
+
+
+def _by_hand(sheet: Sheet) -> float:
+    coefficient_by_hand(sheet, "mu")
+    return mu_times_wrap(sheet)
 
 
 LAW = FrictionLaw(
@@ -36,5 +107,7 @@ LAW = FrictionLaw(
         mu_by_radius=exponential_size_by_radius,
         why_negative="a R_w/R_r + b is above 0 there, so e^(a r + b) > 1",
     ),
-    start=partial(searched_start, candidates=_candidates),
+    candidates=_candidates,
+    special_cases=(CONSTANT,),
+    arithmetic=_by_hand,
 )

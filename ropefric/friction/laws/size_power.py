@@ -1,16 +1,13 @@
 """Eq. (3): the coefficient grows with the wheel as a power of R_w/(R_w + R_r)."""
 
-from functools import partial
-
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.physics import Columns
-from ropefric.friction.start import mean_mu, product, searched_start
-from ropefric.friction.uniform import Uniform
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, combinations
+from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
 
 def _log_share(conditions: Conditions) -> FloatArray:
@@ -38,9 +35,16 @@ def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
     return mu_inf * a * by_wheel / (1.0 + conditions.size_ratio)
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    mu = mean_mu(conditions, log_lift)
-    return product(mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8]))
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return combinations(
+        mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8])
+    )
+
+
+def _by_hand(sheet: Sheet) -> float:
+    sheet.line("R_w/(R_r + R_w)", "R_w/(R_r + R_w)", "share")
+    sheet.line("mu", "mu_inf * share^a + b")
+    return mu_times_wrap(sheet)
 
 
 LAW = FrictionLaw(
@@ -49,19 +53,17 @@ LAW = FrictionLaw(
     source="PRTH friction and lift-force model, eq. (3)",
     parameters=(
         Parameter(
-            name="mu_inf",
-            unit="-",
+            "mu_inf",
+            "-",
             start=0.2,
             lower=0.0,
             upper=5.0,
             meaning="part of μ that grows with the wheel; only mu_inf + b and mu_inf a are seen for large wheels",
         ),
+        Parameter("a", "-", start=1.0, lower=0.0, upper=50.0, meaning="exponent of the size effect"),
         Parameter(
-            name="a", unit="-", start=1.0, lower=0.0, upper=50.0, meaning="exponent of the size effect"
-        ),
-        Parameter(
-            name="b",
-            unit="-",
+            "b",
+            "-",
             start=0.02,
             lower=0.0,
             upper=5.0,
@@ -71,5 +73,7 @@ LAW = FrictionLaw(
     coefficient="average",
     effects=frozenset({"size"}),
     physics=Uniform(mu=_mu, mu_slopes=_slopes, mu_by_radius=_by_radius),
-    start=partial(searched_start, candidates=_candidates),
+    candidates=_candidates,
+    special_cases=(CONSTANT,),
+    arithmetic=_by_hand,
 )

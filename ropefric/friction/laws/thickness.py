@@ -1,16 +1,12 @@
 """Finite rope thickness: Euler's equation with the moment balance taken about the axle."""
 
-from functools import partial
-
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.physics import Columns
-from ropefric.friction.start import mean_mu, searched_start
-from ropefric.friction.uniform import Uniform
+from ropefric.friction.law import Columns, FrictionLaw, Parameter
+from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
 
 def _rope_share(conditions: Conditions) -> FloatArray:
@@ -49,8 +45,17 @@ def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
     return -by_share * A / conditions.centreline_radius_m
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    return mean_mu(conditions, log_lift) * np.array([[1.0], [1.2], [1.6]])
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return mu * np.array([[1.0], [1.2], [1.6]])
+
+
+def _by_hand(sheet: Sheet) -> float:
+    if sheet["mu"] > 0.0:
+        sheet.line("A", "R_r/(R_w + R_r)")
+        sheet.line("S", "sqrt(1 + 4 * A * mu^2 * (1 - A))")
+        # The rationalised form: (S − 1)/(2 A mu) would lose the digits of the printed S.
+        sheet.line("lambda", "2 * mu * (1 - A)/(1 + S)", "mu")
+    return mu_times_wrap(sheet)
 
 
 LAW = FrictionLaw(
@@ -59,8 +64,8 @@ LAW = FrictionLaw(
     source="moment balance of a rope of finite thickness about the axle",
     parameters=(
         Parameter(
-            name="mu",
-            unit="-",
+            "mu",
+            "-",
             start=0.2,
             lower=0.0,
             upper=5.0,
@@ -70,5 +75,6 @@ LAW = FrictionLaw(
     coefficient="average",
     effects=frozenset({"size"}),
     physics=Uniform(mu=_effective, mu_slopes=_slopes, mu_by_radius=_by_radius),
-    start=partial(searched_start, candidates=_candidates),
+    candidates=_candidates,
+    arithmetic=_by_hand,
 )

@@ -1,27 +1,144 @@
 """Eq. (14): the local coefficient falls exponentially with the wrap angle."""
 
-from functools import partial
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import exprel
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.exponential_wrap import ExponentialWrap
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.power_wrap import plateau_parameter
-from ropefric.friction.start import mean_mu, product, searched_start
-from ropefric.friction.variant import with_variant
+from ropefric.friction.integral import exponential_start_rad, exprel_slope
+from ropefric.friction.law import (
+    FROM_ZERO,
+    Columns,
+    FrictionLaw,
+    Parameter,
+    Refusal,
+    below_reference,
+    combinations,
+    with_variant,
+)
+from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.wrap_power import plateau_parameter
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    mu = mean_mu(conditions, log_lift)
+def exponential_rise(
+    start_rad: FloatArray, wrap_rad: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray
+) -> FloatArray:
+    """Return ∫ (a e^{bφ} + c) dφ over [start, start + wrap]."""
+    return (a * np.exp(b * start_rad) * exprel(b * wrap_rad) + c) * wrap_rad
+
+
+def exponential_rise_slopes(
+    start_rad: FloatArray, wrap_rad: FloatArray, a: FloatArray, b: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the derivative of that integral by a, b and c."""
+    first, grown = np.exp(b * start_rad) * wrap_rad, exprel(b * wrap_rad)
+    by_b = a * first * (start_rad * grown + wrap_rad * exprel_slope(b * wrap_rad))
+    return first * grown, by_b, wrap_rad
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExponentialWrap:
+    """The physics of μ(φ) = a e^{bφ} + c integrated over [φ0, φ0 + φ]."""
+
+    equivalence: bool
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return a e^{bφ0} φ exprel(bφ) + c φ."""
+        return exponential_rise(self._start(columns, conditions), conditions.wrap_angle_rad, *columns)
+
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return the rise and ∂ by a, b, c: that of the wrap itself and that of the shift of φ0."""
+        a, b, c = columns
+        p = self._start(columns, conditions)
+        rise = exponential_rise(p, conditions.wrap_angle_rad, a, b, c)
+        shift = self._shift(columns, conditions, p)
+        own = exponential_rise_slopes(p, conditions.wrap_angle_rad, a, b)
+        before = exponential_rise_slopes(np.zeros_like(p), p, a, b)
+        return rise, tuple(slope + shift * start for slope, start in zip(own, before, strict=True))
+
+    def condition_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
+        a, b, c = columns
+        phi = conditions.wrap_angle_rad
+        p = self._start(columns, conditions)
+        before, after = a * np.exp(b * p) + c, a * np.exp(b * (p + phi)) + c
+        if not self.equivalence:
+            return np.array(0.0), after, np.array(1.0)
+        # The quotient itself: 1 − `_shift` has no digits left where nearly all of μ(φ0) is lost.
+        return np.array(0.0), after, np.where(before > 0.0, after / np.where(before > 0.0, before, 1.0), 1.0)
+
+    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return μ at φ0 + wrap."""
+        a, b, c = columns
+        return a * np.exp(b * (self._start(columns, conditions) + wrap_rad)) + c
+
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+        """Yield where φ0 does not exist or μ is negative."""
+        a, b, c = columns
+        fix = "keep it at zero or more"
+        yield Refusal(a < 0.0, a, "a is {value}, negative: μ would rise with the wrap", fix)
+        yield Refusal(
+            b > 0.0, b, "b is {value}, positive: μ would grow without limit", "keep it at zero or below"
+        )
+        yield Refusal(c < 0.0, c, "c is {value}, negative: μ turns negative at a large wrap", fix)
+        if self.equivalence:
+            y = conditions.log_end_tension
+            yield below_reference(conditions)
+            yield Refusal((c == 0.0) & (y > 0.0) & (-b * y >= a), y + 0.0 * c,
+                         "with c = 0 the integral of μ never reaches a/|b|, but ln F_B is {value}; no wrap angle"
+                         " stands for it", f"give a positive c, or {FROM_ZERO}")  # fmt: skip
+
+    def _start(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        if not self.equivalence:
+            return np.array(0.0)
+        return exponential_start_rad(conditions.log_end_tension, *columns)
+
+    def _shift(self, columns: Columns, conditions: Conditions, p: FloatArray) -> FloatArray:
+        """Return 1 − μ(p + φ)/μ(p), the weight of the slopes of φ0; zero without the equivalence."""
+        a, b, c = columns
+        if not self.equivalence:
+            return np.array(0.0)
+        falling = a * np.exp(b * p)
+        local = falling + c
+        share = np.where(local > 0.0, falling / np.where(local > 0.0, local, 1.0), 0.0)
+        return -np.expm1(b * conditions.wrap_angle_rad) * share
+
+
+def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
     turn = float(conditions.wrap_angle_rad.max()) or 1.0
-    return product(
+    return combinations(
         mu * np.array([0.3, 1.0, 3.0]),
         np.array([-6.0, -2.0, -0.7, -0.2]) / turn,
         mu * np.array([0.2, 0.6, 0.9]),
     )
+
+
+def _by_hand(sheet: Sheet) -> float:
+    start = 0.0
+    if "end-tension" in sheet.effects and sheet["y"] > 0.0:
+        start = float(exponential_start_rad(sheet["y"], sheet["a"], sheet["b"], sheet["c"]))
+        sheet.say("phi_0, the wrap that F_B stands for, solves a/b (exp(b phi_0) - 1) + c phi_0 = ln F_B:")
+        sheet.given("phi_0", start, "phi_0 [rad]")
+    if sheet["b"] == 0.0:
+        return sheet.line("integral of mu", "(a + c) * phi")
+
+    def integral(name: str, to: str, symbol: str = "") -> float:
+        return sheet.line(name, f"a/b * (exp(b * {to}) - 1) + c * {to}", symbol)
+
+    if start == 0.0:
+        return integral("integral of mu from 0", "phi")
+    integral("integral up to phi_0", "phi_0", "near")
+    sheet.line("phi_0 + phi", "phi_0 + phi", "end")
+    integral("integral up to phi_0 + phi", "end", "far")
+    return sheet.line("integral of mu", "far - near")
 
 
 LAW = with_variant(
@@ -31,20 +148,22 @@ LAW = with_variant(
         source="PRTH friction and lift-force model, eqs. (14), (17)",
         parameters=(
             Parameter(
-                name="a",
-                unit="-",
+                "a",
+                "-",
                 start=0.1,
                 lower=0.0,
                 upper=5.0,
                 meaning="part of the local μ at zero wrap that falls; with one load it is confounded with F_0",
             ),
-            Parameter(name="b", unit="1/rad", start=-0.2, lower=-20.0, upper=0.0, meaning="rate of the fall"),
+            Parameter("b", "1/rad", start=-0.2, lower=-20.0, upper=0.0, meaning="rate of the fall"),
             # A trace of a plateau, because with none at all the integral saturates and a large F_B has no φ0.
             plateau_parameter("c", lower=1e-6),
         ),
         coefficient="local",
         effects=frozenset({"wrap-dependence", "end-tension"}),
         physics=ExponentialWrap(equivalence=True),
-        start=partial(searched_start, candidates=_candidates),
+        candidates=_candidates,
+        special_cases=(CONSTANT,),
+        arithmetic=_by_hand,
     )
 )

@@ -1,22 +1,195 @@
-"""Eq. (15): the local coefficient falls as a power of the wrap angle."""
+"""Eq. (15): the local coefficient falls as a power of the wrap angle; and the physics of every such law."""
 
-from functools import partial
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
-from ropefric.friction.parameter import Parameter
-from ropefric.friction.power_wrap import PowerWrap, exponent_parameter, plateau_parameter
-from ropefric.friction.size import same_for_all, same_for_all_slopes, unmoved_by_radius
-from ropefric.friction.start import mean_mu, product, searched_start
-from ropefric.friction.variant import with_variant
+from ropefric.friction.integral import PowerSpan, power_log_start, power_span
+from ropefric.friction.law import (
+    Columns,
+    FrictionLaw,
+    Parameter,
+    Refusal,
+    below_reference,
+    combinations,
+    with_variant,
+)
+from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.constant import same_for_all, same_for_all_slopes, unmoved_by_radius
+
+# Below this φ0 is left out by hand: its power is ln F_B/(…) only, and a calculator shows zero.
+_TINY_RAD = 1e-90
+
+Strength = Callable[[Columns, Conditions], FloatArray]
+"""A function of the parameters and the wheel's size: the coefficient m of φ^k, or a slope of it."""
 
 
-def _candidates(conditions: Conditions, log_lift: FloatArray) -> FloatArray:
-    mu = mean_mu(conditions, log_lift)
-    return product(mu * np.array([0.3, 1.0, 3.0]), [-0.9, -0.6, -0.3, -0.1], mu * np.array([0.05, 0.4, 0.8]))
+def exponent_parameter(name: str) -> Parameter:
+    """Return the exponent of φ as a parameter; its bounds stay clear of −1, where ∫ φ^k from 0 diverges."""
+    return Parameter(
+        name, "-", start=-0.4, lower=-0.999, upper=0.0, meaning="exponent of the wrap angle in rad"
+    )
+
+
+def plateau_parameter(name: str, *, lower: float = 0.0) -> Parameter:
+    """Return the constant part of the local coefficient as a parameter."""
+    return Parameter(
+        name,
+        "-",
+        start=0.05,
+        lower=lower,
+        upper=5.0,
+        meaning="local coefficient after very many turns",
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PowerWrap:
+    """The physics of μ(φ) = m φ^k + d integrated over [φ0, φ0 + φ], eq. (17).
+
+    The last two parameters of the law are k and d; those before them make up m.
+    """
+
+    strength: Strength
+    strength_slopes: Callable[[Columns, Conditions], tuple[FloatArray, ...]]
+    strength_by_radius: Strength
+    equivalence: bool
+    why_negative: str
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return ∫ μ over the wrap."""
+        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        return m * self._span(m, k, d, conditions).integral() * (phi > 0.0) + d * phi
+
+    def rise_and_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+        """Return the rise and ∂ by each parameter: that of the wrap itself and that of the shift of φ0."""
+        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        span = self._span(m, k, d, conditions)
+        some = phi > 0.0
+        integral = span.integral()
+        rise = m * integral * some + d * phi
+        by_m, by_k, by_d = integral * some, m * span.slope() * some, phi + 0.0 * m
+        if self.equivalence:
+            u, s = span.log_start, span.s
+            shift = -np.expm1(k * span.length) * _power_share(m, k, d, u) * some
+            below = np.exp(s * u) / s
+            by_m = by_m + shift * below
+            by_k = by_k + shift * m * below * (u - 1.0 / s)
+            by_d = by_d + shift * np.exp(u)
+        return rise, (*(slope * by_m for slope in self.strength_slopes(columns, conditions)), by_k, by_d)
+
+    def condition_slopes(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
+        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        span = self._span(m, k, d, conditions)
+        some = phi > 0.0
+        by_m, by_tension = span.integral() * some, np.ones_like(phi + m)
+        if self.equivalence:
+            u = span.log_start
+            share = _power_share(m, k, d, u)
+            shift = -np.expm1(k * span.length) * share * some
+            by_m = by_m + shift * np.exp(span.s * u) / span.s
+            # Not 1 − shift, which loses its digits for F_B → F_0, where μ(φ0) is very large.
+            by_tension = np.where(some, _plateau_share(m, k, d, u) + np.exp(k * span.length) * share, 1.0)
+        at = self._log_angle(m, k, d, conditions, phi)
+        return self.strength_by_radius(columns, conditions) * by_m, _local(m, k, d, at), by_tension
+
+    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return μ at φ0 + wrap."""
+        m, (k, d) = self.strength(columns, conditions), columns[-2:]
+        return _local(m, k, d, self._log_angle(m, k, d, conditions, wrap_rad))
+
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+        """Yield where ∫ μ has no value or μ is negative."""
+        m, (k, d) = self.strength(columns, conditions), columns[-2:]
+        yield Refusal(k <= -1.0, k, "the exponent of φ is {value}, and ∫ φ^k from 0 diverges for k <= -1;"
+                     " there is no such wrap", "keep the exponent above -1")  # fmt: skip
+        yield Refusal(m < 0.0, m, f"the coefficient of φ^k is {{value}}, negative: {self.why_negative}",
+                     "change the parameters, or leave out wheels this small")  # fmt: skip
+        yield Refusal(d < 0.0, d, "the constant part of μ is {value}, negative: μ turns negative at a large wrap",
+                     "keep it at zero or more")  # fmt: skip
+        if self.equivalence:
+            y = conditions.log_end_tension
+            yield below_reference(conditions)
+            yield Refusal((m + d <= 0.0) & (y > 0.0), m + 0.0 * y,
+                         "μ is zero everywhere, so no wrap angle stands for the end tension",
+                         "give a positive coefficient")  # fmt: skip
+
+    def _log_start(self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions) -> FloatArray:
+        if not self.equivalence:
+            return np.array(-np.inf)
+        return power_log_start(conditions.log_end_tension, m, k, d)
+
+    def _span(self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions) -> PowerSpan:
+        phi = conditions.wrap_angle_rad
+        return power_span(self._log_start(m, k, d, conditions), np.where(phi > 0.0, phi, 1.0), k)
+
+    def _log_angle(
+        self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions, wrap_rad: FloatArray
+    ) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            return np.logaddexp(self._log_start(m, k, d, conditions), np.log(wrap_rad))
+
+
+def _local(m: FloatArray, k: FloatArray, d: FloatArray, log_angle: FloatArray) -> FloatArray:
+    """Return m φ^k + d; infinite at φ = 0 for m > 0, k < 0."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        power = m * np.exp(np.where(k == 0.0, 0.0, k * log_angle))
+    return np.where(m > 0.0, power, 0.0) + d
+
+
+def _power_share(m: FloatArray, k: FloatArray, d: FloatArray, u: FloatArray) -> FloatArray:
+    """Return m p^k/(m p^k + d), the part of μ(p) that falls with the wrap."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        share = 1.0 / (1.0 + d / m * np.exp(-k * u))
+    return np.where(m > 0.0, share, 0.0)
+
+
+def _plateau_share(m: FloatArray, k: FloatArray, d: FloatArray, u: FloatArray) -> FloatArray:
+    """Return d/(m p^k + d), the part of μ(p) that stays."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        share = np.where(d > 0.0, 1.0 / (1.0 + m / d * np.exp(k * u)), 0.0)
+    return np.where(m > 0.0, share, 1.0)
+
+
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return combinations(
+        mu * np.array([0.3, 1.0, 3.0]), [-0.9, -0.6, -0.3, -0.1], mu * np.array([0.05, 0.4, 0.8])
+    )
+
+
+def power_by_hand(sheet: Sheet, m: str, k: str, d: str) -> float:
+    """Write ∫μ of m φ^k + d, whose symbols on the sheet are given."""
+    sheet.line("s", f"1 + {k}")
+
+    def integral(name: str, to: str, symbol: str = "") -> float:
+        return sheet.line(name, f"{m}/s * {to}^s + {d} * {to}", symbol)
+
+    if "end-tension" not in sheet.effects or sheet["y"] == 0.0:
+        return integral("integral of mu from 0", "phi")
+    start = float(np.exp(power_log_start(sheet["y"], sheet[m], sheet[k], sheet[d])))
+    sheet.say("phi_0, the wrap that F_B stands for, solves m/s phi_0^s + d phi_0 = ln F_B:")
+    if start < _TINY_RAD:
+        sheet.say("phi_0 is too small for a calculator, so the integral up to it is ln F_B itself")
+        integral("integral up to phi_0 + phi", "phi", "far")
+        return sheet.line("integral of mu", "far - y")
+    sheet.given("phi_0", start, "phi_0 [rad]")
+    integral("integral up to phi_0", "phi_0", "near")
+    sheet.line("phi_0 + phi", "phi_0 + phi", "end")
+    integral("integral up to phi_0 + phi", "end", "far")
+    return sheet.line("integral of mu", "far - near")
+
+
+def _by_hand(sheet: Sheet) -> float:
+    return power_by_hand(sheet, "a", "b", "c")
 
 
 LAW = with_variant(
@@ -26,8 +199,8 @@ LAW = with_variant(
         source="PRTH friction and lift-force model, eqs. (15), (17)",
         parameters=(
             Parameter(
-                name="a",
-                unit="-",
+                "a",
+                "-",
                 start=0.2,
                 lower=0.0,
                 upper=5.0,
@@ -45,6 +218,8 @@ LAW = with_variant(
             equivalence=True,
             why_negative="a must be zero or more",
         ),
-        start=partial(searched_start, candidates=_candidates),
+        candidates=_candidates,
+        special_cases=(CONSTANT,),
+        arithmetic=_by_hand,
     )
 )

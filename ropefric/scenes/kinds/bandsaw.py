@@ -24,24 +24,22 @@ from ropefric.scenes.kind import (
     number,
     unit,
 )
-from ropefric.systems.bandsaw.answer import SawAnswer, SideAnswer
-from ropefric.systems.bandsaw.campbell import SawChart, saw_chart
-from ropefric.systems.bandsaw.drive import tension_difference_N, torque_N_m
-from ropefric.systems.bandsaw.effects import SYSTEM, SawProblem, answerable
-from ropefric.systems.bandsaw.ends import ENDS
+from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, SideAnswer
+from ropefric.systems.bandsaw.effects import SYSTEM, answerable
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
-from ropefric.systems.bandsaw.models import MODELS
 from ropefric.systems.bandsaw.resonance import (
     Excitation,
+    SawChart,
     find_crossings,
     fixed_frequency,
     margins,
+    recommend_preload,
+    saw_chart,
     tooth_passing,
     wheel_rotation,
 )
-from ropefric.systems.bandsaw.saw import Saw, Side
-from ropefric.systems.bandsaw.section import Section
-from ropefric.systems.bandsaw.strain import recommend_preload
+from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
+from ropefric.systems.bandsaw.span import ENDS
 from ropefric.systems.friction import WrapFriction
 
 _SIDES = tuple(side.value for side in Side)

@@ -1,22 +1,363 @@
-"""The blade as a beam that travels along itself: frequencies to a wanted accuracy, checked after the fact."""
+"""The blade as a beam that travels along itself: frequencies to a wanted accuracy, checked after the fact.
+
+They come from its weak form, as a Hermitian eigenproblem that cannot but give real ones.
+"""
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
+from scipy.special import ive, jv
 
-from ropefric.arrays import FloatArray
-from ropefric.errors import SolverError
-from ropefric.systems.bandsaw.ends import CLAMPED, Ends
-from ropefric.systems.bandsaw.galerkin import (
-    MAX_ORDER,
-    ScaledBeam,
-    galerkin_frequencies,
-    order_for,
-    widths_for,
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import InputError, SolverError
+from ropefric.systems.bandsaw.span import (
+    CLAMPED,
+    Ends,
+    Span,
+    refuse_overspeed,
+    speed_that_uses_up,
+    string_frequencies_Hz,
 )
-from ropefric.systems.bandsaw.span import Span, refuse_overspeed, speed_that_uses_up
-from ropefric.systems.bandsaw.string import string_frequencies_Hz
+from ropefric.systems.checks import checked
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScaledBeam:
+    """w_ττ + 2V w_xτ − S w_xx + ε² w_xxxx = 0 on 0 ≤ x ≤ 1, with S = 1 − V².
+
+    Near the critical speed, V = √(1 + β ε²), all frequencies go with the margin S + β ε², which therefore is a number
+    of its own: computed from V it would have no digits left.
+    """
+
+    stiffness: float
+    speed: float
+    net: float
+    margin: float
+    ends: Ends
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.stiffness) and self.stiffness > 0.0):
+            raise InputError(
+                f"the stiffness ratio is {self.stiffness:g}; it must be finite and positive",
+                key="stiffness",
+                fix="a blade without stiffness is a string",
+            )
+        checked("speed_ratio", self.speed, "zero or more")
+        if not self.margin > 0.0:
+            raise InputError(
+                f"the speed ratio is {self.speed:.9g}, not below the critical {self.critical_speed:.9g}, where "
+                "the first frequency is zero",
+                code="RF530",
+                key="speed",
+                fix="run slower, or raise the tension",
+            )
+
+    @classmethod
+    def at_speed(cls, stiffness: float, speed: float, ends: Ends) -> "ScaledBeam":
+        """Return the beam at a speed ratio V."""
+        net = (1.0 - speed) * (1.0 + speed)
+        return cls(
+            stiffness=stiffness, speed=speed, net=net, margin=net + ends.buckling * stiffness, ends=ends
+        )
+
+    @classmethod
+    def at_shortfall(cls, stiffness: float, shortfall: float, ends: Ends) -> "ScaledBeam":
+        """Return the beam at V = (1 − δ) V_c, as exact as δ is."""
+        if not 0.0 < shortfall <= 1.0:
+            raise InputError(f"the shortfall is {shortfall:g}; it must be above 0 and at most 1")
+        limit_squared = 1.0 + ends.buckling * stiffness
+        margin = limit_squared * shortfall * (2.0 - shortfall)
+        speed = float(np.sqrt(limit_squared)) * (1.0 - shortfall)
+        return cls(
+            stiffness=stiffness, speed=speed, net=margin - ends.buckling * stiffness, margin=margin, ends=ends
+        )
+
+    @property
+    def critical_speed(self) -> float:
+        """Return V_c = √(1 + β ε²) [-]."""
+        return float(np.sqrt(1.0 + self.ends.buckling * self.stiffness))
+
+
+MAX_ORDER = 400
+"""Highest order that is tried: some 120 modes."""
+
+# A layer element spans e^{-0.8 p}: less than the polynomials of order p on it resolve anyway.
+_LAYER_REACH = 0.8
+# The middle part is no shorter than the layers.
+_WIDEST_LAYER = 1.0 / 3.0
+# A layer thinner than the inverse of this takes nothing that a float could show, and its powers stay floats.
+_STEEPEST_RATE = 1e60
+# Eigenvalues err with the square of the best approximation; how much more was found by experiment.
+_SAFETY = {True: 10.0, False: 40.0}
+
+
+class Waves(NamedTuple):
+    """Of what a mode is made: waves e^{ikx} inside, layers e^{−κx} at the ends."""
+
+    longest: float
+    shortest: float
+    layer_rate: float
+
+
+@lru_cache(maxsize=64)
+def waves_of(beam: ScaledBeam, mode: int) -> Waves:
+    """Return the waves of a mode, closely enough to choose an order by.
+
+    The four wave numbers solve ε²k⁴ + S k² − 2Vωk − ω² = 0: they are m ± q and −m ± iκ. With q given by
+    the half waves between the ends, what remains is one equation for m², which has one root in [0, q²].
+    """
+    waves = _waves_between(beam, mode * math.pi)
+    if not beam.ends.turns:
+        # A clamp turns the phase by arctan(q/κ) at each end: nothing for a string, a quarter wave for a bare beam.
+        turn = 2.0 * math.atan2(0.5 * (waves.shortest + waves.longest), waves.layer_rate)
+        waves = _waves_between(beam, mode * math.pi + turn)
+    return waves
+
+
+def _waves_between(beam: ScaledBeam, q: float) -> Waves:
+    # S + ε²q², written with the margin where S is negative.
+    lifted = beam.margin + beam.stiffness * (q**2 - beam.ends.buckling)
+
+    def surplus(m_squared: float) -> float:
+        rigid = lifted + beam.stiffness * (q**2 + 2.0 * m_squared)
+        moving = beam.speed**2 * (q**2 - m_squared) * (lifted + 3.0 * beam.stiffness * m_squared)
+        return moving - m_squared * rigid**2
+
+    low, high = 0.0, q**2
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if surplus(middle) > 0.0 else (low, middle)
+    m = math.sqrt(high)
+    rate_squared = lifted / beam.stiffness + 2.0 * m**2
+    rate = min(math.sqrt(max(rate_squared, 0.0)), _STEEPEST_RATE)
+    return Waves(longest=q - m, shortest=q + m, layer_rate=rate)
+
+
+def widths_for(beam: ScaledBeam, order: int) -> tuple[float, ...]:
+    """Return the lengths of the elements: one where the layers are thick, else three with a thin one at each end."""
+    rate = waves_of(beam, 1).layer_rate
+    if _LAYER_REACH * order >= _WIDEST_LAYER * rate:
+        return (1.0,)
+    thin = _LAYER_REACH * order / rate
+    return (thin, 1.0 - 2.0 * thin, thin)
+
+
+def order_for(beam: ScaledBeam, n_modes: int, accuracy: float) -> int:
+    """Return the smallest order expected to give the first modes to a relative accuracy.
+
+    A polynomial of degree p leaves J_p(kh/2) of a wave e^{ikx} on an element of length h, and I_p(κh/2) e^{−κh/2}
+    of a layer; the eigenvalue errs with the square.
+    """
+    if n_modes < 1:
+        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+    if not 1e-14 <= accuracy <= 0.1:
+        raise InputError(
+            f"the accuracy is {accuracy:g}; it must be from 1e-14 to 0.1", key="accuracy", fix="give 1e-10"
+        )
+    waves = waves_of(beam, n_modes)
+    for order in range(n_modes + 3, MAX_ORDER + 1):
+        if _expected_error(beam, waves, order) <= accuracy:
+            return order
+    raise SolverError(
+        f"{n_modes} modes need an order above {MAX_ORDER}", key="n_modes", fix="ask for fewer modes"
+    )
+
+
+def _expected_error(beam: ScaledBeam, waves: Waves, order: int) -> float:
+    widths = widths_for(beam, order)
+    wave = 0.5 * waves.shortest * max(widths)
+    # Below its turning point a Bessel function oscillates and tells nothing.
+    if order <= wave:
+        return math.inf
+    layer = 0.5 * waves.layer_rate * min(widths)
+    return _SAFETY[beam.ends.turns] * float(jv(order, wave) ** 2 + ive(order, layer) ** 2)
+
+
+class Matrices(NamedTuple):
+    """What a moving beam of length 1 is made of in some basis φ_1 … φ_k; each (k, k)."""
+
+    mass: FloatArray
+    travel: FloatArray
+    tension: FloatArray
+    bending: FloatArray
+
+
+@lru_cache(maxsize=64)
+def assemble(widths: tuple[float, ...], order: int, turning_ends: bool) -> Matrices:  # noqa: FBT001  (for the cache)
+    """Return the matrices of a span divided into elements, both ends held in place."""
+    value, slope, curvature = _reference(order)
+    weights = 2.0 / (2.0 * np.arange(order + 1) + 1.0)
+    n_bubbles, n_nodes = order - 3, len(widths) + 1
+    whole = np.zeros((4, *[2 * n_nodes + n_bubbles * len(widths)] * 2))
+    blocks = np.array(
+        [
+            (value * weights) @ value.T,
+            (value * weights) @ slope.T - (slope * weights) @ value.T,
+            (slope * weights) @ slope.T,
+            (curvature * weights) @ curvature.T,
+        ]
+    )
+    for element, width in enumerate(widths):
+        first = 2 * n_nodes + n_bubbles * element
+        place = np.r_[2 * element : 2 * element + 4, first : first + n_bubbles]
+        scale = np.ones(order + 1)
+        scale[[1, 3]] = 0.5 * width
+        factors = np.array([0.5 * width, 1.0, 2.0 / width, (2.0 / width) ** 3])
+        whole[:, place[:, None], place] += factors[:, None, None] * np.outer(scale, scale) * blocks
+    kept = free_freedoms(len(widths), order, turning_ends=turning_ends)
+    whole = whole[:, kept][:, :, kept]
+    whole.flags.writeable = False
+    return Matrices(*whole)
+
+
+def free_freedoms(n_elements: int, order: int, *, turning_ends: bool) -> BoolArray:
+    """Return which freedoms are not held at the ends, as a boolean array."""
+    kept = np.ones(2 * (n_elements + 1) + (order - 3) * n_elements, dtype=np.bool_)
+    kept[[0, 2 * n_elements]] = False
+    if not turning_ends:
+        kept[[1, 2 * n_elements + 1]] = False
+    return kept
+
+
+@lru_cache(maxsize=128)
+def _reference(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return value, slope and curvature of the basis on [−1, 1] as Legendre series, each (order + 1, order + 1).
+
+    Bubbles are twice integrated Legendre polynomials, so the bending energy of all of them is a unit matrix:
+    nothing is lost to rounding at high order.
+    """
+    if order < 3:
+        raise InputError(f"the order is {order}; a beam element needs 3 or more", key="order")
+    value, slope, curvature = (np.zeros((order + 1, order + 1)) for _ in range(3))
+    value[0, [0, 1, 3]] = 0.5, -0.6, 0.1
+    value[1, :4] = 1 / 6, -0.1, -1 / 6, 0.1
+    value[2, [0, 1, 3]] = 0.5, 0.6, -0.1
+    value[3, :4] = -1 / 6, -0.1, 1 / 6, 0.1
+    slope[0, [0, 2]] = -0.5, 0.5
+    slope[1, [1, 2]] = -0.5, 0.5
+    slope[2, [0, 2]] = 0.5, -0.5
+    slope[3, [1, 2]] = 0.5, 0.5
+    curvature[0, 1], curvature[2, 1] = 1.5, -1.5
+    curvature[1, :2] = -0.5, 1.5
+    curvature[3, :2] = 0.5, 1.5
+    for row, k in enumerate(range(2, order - 1), start=4):
+        a = np.sqrt(k + 0.5)
+        curvature[row, k] = a
+        slope[row, [k + 1, k - 1]] = a / (2 * k + 1), -a / (2 * k + 1)
+        above, below = (2 * k + 1) * (2 * k + 3), (2 * k + 1) * (2 * k - 1)
+        value[row, [k + 2, k, k - 2]] = a / above, -a * (1 / above + 1 / below), a / below
+    for table in (value, slope, curvature):
+        table.flags.writeable = False
+    return value, slope, curvature
+
+
+# Below this share of its parts the margin no longer survives in the stiffness matrix by itself.
+_NEAR_CRITICAL = 0.1
+
+
+def galerkin_frequencies(beam: ScaledBeam, widths: tuple[float, ...], order: int, n_modes: int) -> FloatArray:
+    """Return the first scaled frequencies ω = 2π f l/c [-], shape (n_modes,).
+
+    With w = Re Σ q_j φ_j e^{iωτ} the weak form is (K + iωG − ω²M) q = 0, K = S K_2 + ε² K_4 positive below the
+    critical speed and G skew. In the energy norms of K and M it is the eigenproblem of a skew matrix; the one of
+    its inverse gives the small frequencies to full relative precision and needs neither M⁻¹ nor large numbers. A
+    Rayleigh quotient then makes the error of every mode quadratic in its vector's.
+    """
+    turning = beam.ends.turns
+    parts = assemble(widths, order, turning)
+    size = parts.mass.shape[0]
+    if not 1 <= n_modes <= size:
+        raise InputError(
+            f"{n_modes} modes of {size} freedoms", key="n_modes", fix="ask for fewer modes or a higher order"
+        )
+    if beam.margin < _NEAR_CRITICAL * abs(beam.net):
+        parts, stiffness = _near_critical(beam, parts, widths, order)
+    else:
+        stiffness = beam.net * parts.tension + beam.stiffness * parts.bending
+    scale = 1.0 / np.sqrt(np.diag(stiffness))
+    both = np.outer(scale, scale)
+    gyroscopic = beam.speed * parts.travel * both
+    try:
+        lower = np.asarray(np.linalg.cholesky(stiffness * both), dtype=np.float64)
+        root = np.asarray(np.linalg.cholesky(parts.mass * both), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        raise SolverError(
+            f"the beam's stiffness is lost in rounding at order {order} on {len(widths)} elements",
+            fix="use a lower order",
+        ) from None
+    return _positive_frequencies(lower, gyroscopic, root, n_modes)
+
+
+def _positive_frequencies(
+    lower: FloatArray, gyroscopic: FloatArray, root: FloatArray, n_modes: int
+) -> FloatArray:
+    """Return the smallest ω of L Lᵀ + iωG − ω² R Rᵀ."""
+    size = lower.shape[0]
+    half = scipy.linalg.solve_triangular(lower, gyroscopic, lower=True)
+    turned = scipy.linalg.solve_triangular(lower, half.T, lower=True).T
+    turned = 0.5 * (turned - turned.T)
+    coupling = scipy.linalg.solve_triangular(lower, root, lower=True)
+    hermitian = np.zeros((2 * size, 2 * size), dtype=np.complex128)
+    hermitian[:size, :size] = -1j * turned
+    hermitian[:size, size:] = -1j * coupling
+    hermitian[size:, :size] = 1j * coupling.T
+    _, vectors = scipy.linalg.eigh(hermitian, subset_by_index=[2 * size - n_modes, 2 * size - 1])
+    energy_part = vectors[:size, ::-1]
+    shape = scipy.linalg.solve_triangular(lower, energy_part, lower=True, trans="T")
+    mass = np.sum(np.abs(root.T @ shape) ** 2, axis=0)
+    stiffness = np.sum(np.abs(energy_part) ** 2, axis=0)
+    gyration = -np.sum(shape.conj() * (1j * (gyroscopic @ shape)), axis=0).real
+    # −ω²m − gω + k = 0 for g as it stands here; the root without cancellation for either sign of g.
+    swing = np.hypot(gyration, 2.0 * np.sqrt(mass * stiffness))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        frequencies = np.where(
+            gyration > 0.0, 2.0 * stiffness / (swing + gyration), (swing - gyration) / (2.0 * mass)
+        )
+    return np.sort(frequencies)
+
+
+def _near_critical(
+    beam: ScaledBeam, parts: Matrices, widths: tuple[float, ...], order: int
+) -> tuple[Matrices, FloatArray]:
+    """Return the matrices in a basis that has the buckling mode in it, and the stiffness there.
+
+    S K_2 + ε² K_4 = (−β K_2 + K_4) ε² + margin · K_2. The bracket times the buckling mode is exactly zero and is made
+    so, which lets the margin stand by itself on the mode's own diagonal, however small it is.
+    """
+    buckled = _buckling_mode(beam, widths, order)
+    replaced = int(np.argmax(np.abs(buckled) * np.sqrt(np.diag(parts.bending))))
+    basis = np.eye(buckled.size)
+    basis[:, replaced] = buckled
+    mass, travel, tension, bending = (
+        basis.T @ matrix @ basis for matrix in (parts.mass, parts.travel, parts.tension, parts.bending)
+    )
+    travel[replaced, replaced] = 0.0
+    critical = beam.stiffness * (bending - beam.ends.buckling * tension)
+    critical[replaced, :] = 0.0
+    critical[:, replaced] = 0.0
+    changed = Matrices(mass=mass, travel=travel, tension=tension, bending=bending)
+    return changed, critical + beam.margin * tension
+
+
+def _buckling_mode(beam: ScaledBeam, widths: tuple[float, ...], order: int) -> FloatArray:
+    """Return the coefficients of the buckling mode, whose bending energy and nodal values they keep."""
+    nodes = np.concatenate([[0.0], np.cumsum(widths)])
+    values, slopes, _ = beam.ends.buckled(nodes)
+    points, weights = np.polynomial.legendre.leggauss(order + 1)
+    at_points = np.polynomial.legendre.legvander(points, order) @ _reference(order)[2][4:].T
+    bubbles = [
+        (0.5 * width) ** 2
+        * (at_points.T * weights)
+        @ beam.ends.buckled(start + 0.5 * width * (1.0 + points))[2]
+        for start, width in zip(nodes[:-1], widths, strict=True)
+    ]
+    whole = np.concatenate([np.stack([values, slopes], axis=1).ravel(), *bubbles])
+    return np.asarray(whole[free_freedoms(len(widths), order, turning_ends=beam.ends.turns)])
+
 
 # Two solutions this many orders apart differ by practically all of the coarser one's error.
 _CHECK_STEP = 3
@@ -91,15 +432,3 @@ def critical_speeds_m_s(span: Span, ends: Ends, n_modes: int = 1) -> FloatArray:
         ends.buckling_loads(n_modes), span.bending_stiffness_N_m2 / span.free_span_m**2
     )
     return speed_that_uses_up(span.preload_N + span.pull_N + load_N, span).T
-
-
-def clamped_at_rest_Hz(span: Span, n_modes: int = 6) -> FloatArray:
-    """Return the frequencies at rest of a clamped beam that is nearly a string, to second order in e = √(EI/F l²).
-
-    f_n = (n/2l) √(F/ρA) · (1 + 2e + (4 + n²π²/2) e²), shape (m, n_modes); the error goes with e³. A check, and a rule
-    for the slide rule: the speed is left out.
-    """
-    n = np.arange(1.0, n_modes + 1.0)
-    e = np.sqrt(span.bending_stiffness_N_m2 / (span.tension_N * span.free_span_m**2))[:, np.newaxis]
-    string = n * (span.wave_speed_m_s / (2.0 * span.free_span_m))[:, np.newaxis]
-    return np.asarray(string * (1.0 + 2.0 * e + (4.0 + 0.5 * (n * math.pi) ** 2) * e**2))

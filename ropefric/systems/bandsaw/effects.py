@@ -10,198 +10,85 @@ the same corners: without the difference there is none, and the stiffness has no
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
 from itertools import product
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, solve_saw
-from ropefric.systems.bandsaw.ends import CLAMPED, Ends
-from ropefric.systems.bandsaw.measured import Measurement
-from ropefric.systems.bandsaw.resonance import Excitation
-from ropefric.systems.bandsaw.saw import Side
-from ropefric.systems.bandsaw.section import Section
-from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.checks import Rule
-from ropefric.systems.checks import side_by_side as spread
-from ropefric.systems.effect import Effect, Method, System, worst_case
-from ropefric.systems.friction import WrapFriction
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SawProblem:
-    """A blade on two wheels, m cases side by side; scalars are spread."""
-
-    free_span_m: FloatArray
-    linear_density_kg_m: FloatArray
-    preload_N: FloatArray
-    n_modes: int
-    wheel_radius_m: FloatArray | None = None
-    wheel_speed_rad_s: FloatArray | None = None
-    tension_difference_N: FloatArray | None = None
-    mounting_factor: FloatArray | None = None
-    bending_stiffness_N_m2: FloatArray | None = None
-    ends: Ends = CLAMPED
-    section: Section | None = None
-    friction: WrapFriction | None = None
-    wheel_wrap_rad: float = np.pi
-    excitations: tuple[Excitation, ...] = ()
-    measurements: tuple[Measurement, ...] = ()
-    margin_wanted: float | None = None
-    preload_range_N: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        for name, array in spread({name: getattr(self, name) for name in _RULES}, _RULES).items():
-            object.__setattr__(self, name, array)
-        if self.n_modes < 1:
-            raise InputError(f"{self.n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
-
-    @property
-    def m(self) -> int:
-        """Return how many cases there are."""
-        return self.preload_N.size
-
-    @property
-    def speed_m_s(self) -> FloatArray | None:
-        """Return the blade's speed v = ω R [m/s], shape (m,), where the wheels are known."""
-        if self.wheel_radius_m is None or self.wheel_speed_rad_s is None:
-            return None
-        return self.wheel_speed_rad_s * self.wheel_radius_m
-
-
-_RULES: dict[str, Rule] = {
-    "free_span_m": "positive",
-    "linear_density_kg_m": "positive",
-    "preload_N": "positive",
-    "wheel_radius_m": "positive",
-    "wheel_speed_rad_s": "zero or more",
-    "tension_difference_N": "zero or more",
-    "mounting_factor": "zero or more",
-    "bending_stiffness_N_m2": "zero or more",
-}
-
+from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, SawProblem, solve_saw
+from ropefric.systems.effect import Effect, Method, System, missing, worst_case
 
 Bound = Callable[[SawProblem], FloatArray]
 
 _ROUNDING = 1e-11
 
 
-def bounded(bound: Bound) -> Callable[[SawProblem], float]:
-    """Return the `influence` of a bound: the largest of all cases, `inf` where a blade is slack or too fast."""
-    return worst_case(bound, rounding=_ROUNDING)
-
-
-def _zeros(problem: SawProblem) -> FloatArray:
-    return np.zeros(problem.m)
-
-
-def _inertia_N(problem: SawProblem) -> FloatArray:
-    """Return ρA v² [N]; zero where the scene does not give a speed."""
-    speed = problem.speed_m_s
-    return _zeros(problem) if speed is None else problem.linear_density_kg_m * speed**2
-
-
-def _wheels_N(problem: SawProblem) -> FloatArray:
-    """Return κ ρA v² [N]."""
-    return (
-        _zeros(problem) if problem.mounting_factor is None else problem.mounting_factor * _inertia_N(problem)
-    )
-
-
-def _pull_N(problem: SawProblem) -> FloatArray:
-    """Return ΔF/2 [N]."""
-    return _zeros(problem) if problem.tension_difference_N is None else 0.5 * problem.tension_difference_N
-
-
 def answerable(problem: SawProblem) -> BoolArray:
     """Return for which of m cases both sides are tight and slower than their critical speed, shape (m,)."""
-    inertia_N = _inertia_N(problem)
-    stiff_N = _zeros(problem)
+    slack_N = problem.preload_N - problem.pull_N + problem.wheels_N
+    stiff_N = np.zeros(problem.m)
     if problem.bending_stiffness_N_m2 is not None:
         stiff_N = problem.ends.buckling * problem.bending_stiffness_N_m2 / problem.free_span_m**2
-    slack_N = problem.preload_N - _pull_N(problem) + _wheels_N(problem)
-    return np.asarray((slack_N > 0.0) & (slack_N - inertia_N + stiff_N > 0.0))
+    return np.asarray((slack_N > 0.0) & (slack_N - problem.inertia_N + stiff_N > 0.0))
 
 
-def _log_frequency(tension_N: FloatArray, inertia_N: FloatArray) -> FloatArray:
+def _log_frequency(tension_N: FloatArray, inertia_N: FloatArray | float) -> FloatArray:
     """Return ln(F − ρA v²) − ½ ln F; NaN for a slack or too fast blade."""
     return np.log(tension_N - inertia_N) - 0.5 * np.log(tension_N)
 
 
 def _travels(problem: SawProblem) -> tuple[FloatArray, FloatArray]:
-    return _zeros(problem), _inertia_N(problem)
+    return 0.0 * problem.inertia_N, problem.inertia_N
 
 
 def _tensions(problem: SawProblem) -> Iterator[FloatArray]:
     for pull, wheels in product((-1.0, 0.0, 1.0), (0.0, 1.0)):
-        yield problem.preload_N + pull * _pull_N(problem) + wheels * _wheels_N(problem)
+        yield problem.preload_N + pull * problem.pull_N + wheels * problem.wheels_N
 
 
 def _asks_for_grip(problem: SawProblem) -> bool:
     """Return whether the answer says how much of the wheel's friction the drive needs."""
-    known = (
-        problem.friction is not None and problem.wheel_radius_m is not None and problem.section is not None
-    )
-    return known and bool(_pull_N(problem).any())
+    return problem.knows_grip and bool(problem.pull_N.any())
 
 
 def _log_grip(problem: SawProblem, wheels: float, travels: float) -> FloatArray:
     """Return ln of what U varies with, −ln((F_slack − ρA v²)(e^M − 1)); NaN where the slack side presses nothing."""
-    assert problem.friction is not None  # noqa: S101  (`_asks_for_grip` has made sure of all three)
-    assert problem.wheel_radius_m is not None  # noqa: S101
-    assert problem.section is not None  # noqa: S101
-    slack_N = problem.preload_N - _pull_N(problem) + wheels * _wheels_N(problem)
-    pressing_N = slack_N - travels * _inertia_N(problem)
-    exponent = problem.friction.exponent(
-        wheel_radius_m=problem.wheel_radius_m,
-        rope_radius_m=0.5 * problem.section.thickness_m,
-        wrap_angle_rad=problem.wheel_wrap_rad,
-        slack_tension_N=np.where(pressing_N > 0.0, pressing_N, 1.0),
-    )
+    slack_N = problem.preload_N - problem.pull_N + wheels * problem.wheels_N
+    pressing_N = slack_N - travels * problem.inertia_N
+    exponent = problem.grip_exponent(np.where(pressing_N > 0.0, pressing_N, 1.0))
     return -np.log(pressing_N) - exponent - np.log(-np.expm1(-exponent))
 
 
 def difference_bound(problem: SawProblem) -> FloatArray:
     """Return the largest change of ln f by ±ΔF/2."""
-    changes = [np.where(_pull_N(problem) > 0.0, np.inf, 0.0) if _asks_for_grip(problem) else _zeros(problem)]
+    changes = [np.where(_asks_for_grip(problem) & (problem.pull_N > 0.0), np.inf, 0.0)]
     for wheels, inertia_N, sign in product((0.0, 1.0), _travels(problem), (-1.0, 1.0)):
-        base_N = problem.preload_N + wheels * _wheels_N(problem)
-        changes.append(
-            np.abs(
-                _log_frequency(base_N + sign * _pull_N(problem), inertia_N)
-                - _log_frequency(base_N, inertia_N)
-            )
-        )
+        base_N = problem.preload_N + wheels * problem.wheels_N
+        pulled_N = base_N + sign * problem.pull_N
+        changes.append(np.abs(_log_frequency(pulled_N, inertia_N) - _log_frequency(base_N, inertia_N)))
     return np.asarray(np.max(changes, axis=0))
 
 
 def wheels_bound(problem: SawProblem) -> FloatArray:
     """Return the largest change of ln f by κ ρA v²."""
-    changes = [_zeros(problem)]
+    changes = [np.zeros(problem.m)]
     for pull, inertia_N in product((-1.0, 0.0, 1.0), _travels(problem)):
-        base_N = problem.preload_N + pull * _pull_N(problem)
-        changes.append(
-            np.abs(_log_frequency(base_N + _wheels_N(problem), inertia_N) - _log_frequency(base_N, inertia_N))
-        )
+        base_N = problem.preload_N + pull * problem.pull_N
+        pressed_N = base_N + problem.wheels_N
+        changes.append(np.abs(_log_frequency(pressed_N, inertia_N) - _log_frequency(base_N, inertia_N)))
     if _asks_for_grip(problem):
-        changes += [
-            np.abs(_log_grip(problem, 1.0, travels) - _log_grip(problem, 0.0, travels))
-            for travels in (0.0, 1.0)
-        ]
+        changes += [np.abs(_log_grip(problem, 1.0, way) - _log_grip(problem, 0.0, way)) for way in (0.0, 1.0)]
     return np.asarray(np.max(changes, axis=0))
 
 
 def travel_bound(problem: SawProblem) -> FloatArray:
     """Return the largest change of ln f by the travel, −ln(1 − v²/c²)."""
-    inertia_N = _inertia_N(problem)
-    changes = [_log_frequency(F, _zeros(problem)) - _log_frequency(F, inertia_N) for F in _tensions(problem)]
+    changes = [_log_frequency(F, 0.0) - _log_frequency(F, problem.inertia_N) for F in _tensions(problem)]
     if _asks_for_grip(problem):
         changes += [
-            np.abs(_log_grip(problem, wheels, 1.0) - _log_grip(problem, wheels, 0.0)) for wheels in (0.0, 1.0)
+            np.abs(_log_grip(problem, held, 1.0) - _log_grip(problem, held, 0.0)) for held in (0.0, 1.0)
         ]
     return np.asarray(np.max(changes, axis=0))
 
@@ -216,14 +103,14 @@ def bending_bound(problem: SawProblem) -> FloatArray:
     the least of Rayleigh's quotients, for the others by trial. Both terms are exact as e → 0.
     """
     if problem.bending_stiffness_N_m2 is None:
-        return _zeros(problem)
+        return np.zeros(problem.m)
     n = float(problem.n_modes)
-    worst = _zeros(problem)
+    worst = np.zeros(problem.m)
     for tension_N in _tensions(problem):
         e = np.sqrt(problem.bending_stiffness_N_m2 / (tension_N * problem.free_span_m**2))
         for inertia_N in _travels(problem):
             V2 = inertia_N / tension_N
-            layers = 2.0 * e / np.sqrt(1.0 - V2) if problem.ends.name == CLAMPED.name else _zeros(problem)
+            layers = 2.0 * e / np.sqrt(1.0 - V2) if not problem.ends.turns else np.zeros(problem.m)
             kappa = n * math.pi / (1.0 - layers)
             bent = 0.5 * (kappa * e) ** 2 * (1.0 + 6.0 * V2 + V2**2) / (1.0 - V2)
             change = np.where(layers < 1.0, np.log1p(bent) - np.log1p(-layers), np.inf)
@@ -241,127 +128,58 @@ _KEYS = {
 }
 
 
-def bare(problem: SawProblem) -> SawModel:
-    """Return the model without any effect: on all sides a string at rest under its preload."""
-    string = Span(
-        free_span_m=problem.free_span_m,
-        linear_density_kg_m=problem.linear_density_kg_m,
-        preload_N=problem.preload_N,
+def _effect(
+    name: str, adds: str, instead: str, needs: tuple[str, ...], *, bound: Bound | None, cost: float = 0.05
+) -> Effect[SawProblem, SawModel]:
+    """Return an effect with the largest of a bound over all cases; `inf` where a blade is slack or too fast."""
+    return Effect(
+        name=name,
+        adds=adds,
+        instead=instead,
+        needs=missing({field: _KEYS[field] for field in needs}),
+        influence=worst_case(bound, rounding=_ROUNDING) if bound else lambda problem: 0.0,  # noqa: ARG005
+        cost=cost,
     )
-    return SawModel(
-        spans=dict.fromkeys(Side, string),
-        n_modes=problem.n_modes,
-        ends=problem.ends,
-        friction=problem.friction,
-        wheel_radius_m=problem.wheel_radius_m,
-        half_thickness_m=0.0 if problem.section is None else 0.5 * problem.section.thickness_m,
-        wheel_wrap_rad=problem.wheel_wrap_rad,
-    )
-
-
-def _needs(*names: str) -> Callable[[SawProblem], tuple[str, ...]]:
-    def missing(problem: SawProblem) -> tuple[str, ...]:
-        return tuple(_KEYS[name] for name in names if getattr(problem, name) is None)
-
-    return missing
-
-
-def _changed(
-    model: SawModel, parts: Callable[[Side], Mapping[str, FloatArray]], sides: tuple[Side, ...] = tuple(Side)
-) -> SawModel:
-    """Return the model with parts added to the spans of some of its sides."""
-    spans = {
-        side: replace(span, **parts(side)) if side in sides else span for side, span in model.spans.items()
-    }
-    return replace(model, spans=spans)
-
-
-_RUNNING = (Side.TIGHT, Side.SLACK)
-
-
-def _given(values: FloatArray | None) -> FloatArray:
-    """Return data of which `needs` has made sure that they are there."""
-    assert values is not None  # noqa: S101
-    return values
-
-
-def _pull(model: SawModel, problem: SawProblem) -> SawModel:
-    half_N = 0.5 * _given(problem.tension_difference_N)
-    return _changed(model, lambda side: {"pull_N": side.sign * half_N}, _RUNNING)
-
-
-def _press_wheels(model: SawModel, problem: SawProblem) -> SawModel:
-    parts = {
-        "mounting_factor": _given(problem.mounting_factor),
-        "wheel_speed_m_s": _given(problem.speed_m_s),
-    }
-    return _changed(model, lambda side: parts, _RUNNING)  # noqa: ARG005  (the same on both sides)
-
-
-def _travel(model: SawModel, problem: SawProblem) -> SawModel:
-    parts = {"travel_speed_m_s": _given(problem.speed_m_s)}
-    return _changed(model, lambda side: parts, _RUNNING)  # noqa: ARG005  (the same on both sides)
-
-
-def _bend(model: SawModel, problem: SawProblem) -> SawModel:
-    parts = {"bending_stiffness_N_m2": _given(problem.bending_stiffness_N_m2)}
-    return _changed(model, lambda side: parts)  # noqa: ARG005  (the same on all sides)
-
-
-def _twist(model: SawModel, problem: SawProblem) -> SawModel:
-    return replace(model, torsion=problem.section)
-
-
-def _none(problem: SawProblem) -> float:  # noqa: ARG001  (the signature of `influence`)
-    return 0.0
 
 
 EFFECTS: Registry[Effect[SawProblem, SawModel]] = Registry(
     "effect of a band saw",
     (
-        Effect(
-            name="tension-difference",
-            adds="half the pull of the saw's torque on the tight side, and less on the slack side",
-            instead="the preload on both sides",
-            needs=_needs("tension_difference_N"),
-            influence=bounded(difference_bound),
-            apply=_pull,
-            cost=0.05,
+        _effect(
+            "tension-difference",
+            "half the pull of the saw's torque on the tight side, and less on the slack side",
+            "the preload on both sides",
+            ("tension_difference_N",),
+            bound=difference_bound,
         ),
-        Effect(
-            name="wheel-inertia-tension",
-            adds="the tension kappa rho A v^2 by which wheels that may give way follow the running blade",
-            instead="wheel axles that do not give way",
-            needs=_needs("mounting_factor", "wheel_radius_m", "wheel_speed_rad_s"),
-            influence=bounded(wheels_bound),
-            apply=_press_wheels,
-            cost=0.05,
+        _effect(
+            "wheel-inertia-tension",
+            "the tension kappa rho A v^2 by which wheels that may give way follow the running blade",
+            "wheel axles that do not give way",
+            ("mounting_factor", "wheel_radius_m", "wheel_speed_rad_s"),
+            bound=wheels_bound,
         ),
-        Effect(
-            name="travel",
-            adds="the motion of the blade through its span, which its waves run with and against",
-            instead="a blade that stands still",
-            needs=_needs("wheel_radius_m", "wheel_speed_rad_s"),
-            influence=bounded(travel_bound),
-            apply=_travel,
-            cost=0.05,
+        _effect(
+            "travel",
+            "the motion of the blade through its span, which its waves run with and against",
+            "a blade that stands still",
+            ("wheel_radius_m", "wheel_speed_rad_s"),
+            bound=travel_bound,
         ),
-        Effect(
-            name="bending",
-            adds="the blade's stiffness EI, with a boundary layer at held ends",
-            instead="a string",
-            needs=_needs("bending_stiffness_N_m2"),
-            influence=bounded(bending_bound),
-            apply=_bend,
+        _effect(
+            "bending",
+            "the blade's stiffness EI, with a boundary layer at held ends",
+            "a string",
+            ("bending_stiffness_N_m2",),
+            bound=bending_bound,
             cost=50.0,
         ),
-        Effect(
-            name="torsion",
-            adds="the frequencies of twisting, beside those of bending",
-            instead="no frequencies of twisting; those of bending do not depend on them",
-            needs=_needs("section"),
-            influence=_none,
-            apply=_twist,
+        _effect(
+            "torsion",
+            "the frequencies of twisting, beside those of bending",
+            "no frequencies of twisting; those of bending do not depend on them",
+            ("section",),
+            bound=None,
             cost=0.2,
         ),
     ),
@@ -378,7 +196,8 @@ _MARGIN = 0.25
 
 
 def _method(model: SawModel, budget: float) -> Method:
-    if not any(span.bending_stiffness_N_m2.any() for span in model.spans.values()):
+    stiffness = model.problem.bending_stiffness_N_m2
+    if "bending" not in model.effects or stiffness is None or not stiffness.any():
         return _CLOSED_FORM
     accuracy = min(max(budget, _FINEST), _COARSEST)
     return Method(
@@ -387,10 +206,6 @@ def _method(model: SawModel, budget: float) -> Method:
         error=accuracy,
         why="the order is raised until a coarser solution agrees to a quarter of this",
     )
-
-
-def _solve(model: SawModel, method: Method) -> SawAnswer:
-    return solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST))
 
 
 def _distance(answer: SawAnswer, reference: SawAnswer) -> float:
@@ -411,6 +226,11 @@ def _relative(values: FloatArray, reference: FloatArray) -> float:
 
 
 SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
-    name="bandsaw", effects=EFFECTS, bare=bare, method=_method, solve=_solve, distance=_distance
+    name="bandsaw",
+    effects=EFFECTS,
+    bare=lambda problem: SawModel(problem=problem),
+    method=_method,
+    solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),
+    distance=_distance,
 )
 """A blade on two wheels."""

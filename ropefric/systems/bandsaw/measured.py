@@ -1,6 +1,5 @@
 """What measured frequencies say about the models: how far each is off, and which mounting would explain them."""
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -12,10 +11,9 @@ from scipy.special import gammaincc
 from ropefric.arrays import FloatArray
 from ropefric.errors import FitError, InputError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.inverse import preload_for_N
-from ropefric.systems.bandsaw.models import MODELS
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
+from ropefric.systems.bandsaw.saw import MODELS, Saw, Side, frequencies_Hz, preload_for_N
 from ropefric.systems.bandsaw.span import Span
+from ropefric.systems.checks import checked
 
 
 class IdentificationStatus(StrEnum):
@@ -90,18 +88,13 @@ class Measurement:
     std_Hz: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("frequency_Hz", "std_Hz"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise InputError(
-                    f"{name} is {value:g}; it must be finite and positive", key=name, fix="correct this value"
-                )
+        checked("frequency_Hz", self.frequency_Hz)
+        if self.std_Hz is not None:
+            checked("std_Hz", self.std_Hz)
+        if self.speed_m_s is not None:
+            checked("speed_m_s", self.speed_m_s, "zero or more")
         if self.mode < 1:
             raise InputError(f"the mode is {self.mode}; modes count from 1", key="mode")
-        if self.speed_m_s is not None and not (math.isfinite(self.speed_m_s) and self.speed_m_s >= 0.0):
-            raise InputError(
-                f"the speed is {self.speed_m_s:g} m/s; it must be finite and zero or more", key="speed_m_s"
-            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,9 +7,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.systems.bandsaw.drive import PRINTED_TORQUE_FACTOR
-from ropefric.systems.bandsaw.saw import Saw, Side
-from ropefric.systems.bandsaw.string import frequency_Hz
+from ropefric.systems.bandsaw.saw import PRINTED_TORQUE_FACTOR, Saw, Side
+from ropefric.systems.bandsaw.span import frequency_Hz
 
 
 def printed_frequencies_Hz(

@@ -1,15 +1,18 @@
-"""Where a mode of the blade meets an excitation: over the speed, and how far off at work."""
+"""Where modes of the blade meet excitations: over the speed, at work, and which preload keeps them apart."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
+from ropefric.systems.bandsaw.roots import roots_between
+from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, preloads_for_N
+from ropefric.systems.checks import checked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,42 +43,19 @@ class Excitation:
 
 def wheel_rotation(wheel_radius_m: float, harmonics: tuple[int, ...] = (1, 2, 3)) -> Excitation:
     """Return the excitation by a wheel that is out of round or balance: once a turn, v/(2πR)."""
-    return Excitation(
-        name="wheel rotation",
-        per_metre=1.0 / (2.0 * math.pi * _length("wheel_radius_m", wheel_radius_m)),
-        harmonics=harmonics,
-    )
+    per_metre = 1.0 / (2.0 * math.pi * float(checked("wheel_radius_m", wheel_radius_m)))
+    return Excitation(name="wheel rotation", per_metre=per_metre, harmonics=harmonics)
 
 
 def tooth_passing(tooth_pitch_m: float, harmonics: tuple[int, ...] = (1,)) -> Excitation:
     """Return the excitation by teeth that enter the wood: once a pitch."""
-    return Excitation(
-        name="tooth passing",
-        per_metre=1.0 / _length("tooth_pitch_m", tooth_pitch_m),
-        harmonics=harmonics,
-    )
-
-
-def blade_passing(loop_length_m: float, harmonics: tuple[int, ...] = (1, 2, 3)) -> Excitation:
-    """Return the excitation by the joint of the blade: once a round."""
-    return Excitation(
-        name="blade passing",
-        per_metre=1.0 / _length("loop_length_m", loop_length_m),
-        harmonics=harmonics,
-    )
+    per_metre = 1.0 / float(checked("tooth_pitch_m", tooth_pitch_m))
+    return Excitation(name="tooth passing", per_metre=per_metre, harmonics=harmonics)
 
 
 def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] = (1,)) -> Excitation:
     """Return an excitation whose frequency does not depend on the blade's speed, such as a motor or a fan."""
     return Excitation(name=name, constant_Hz=frequency_Hz, harmonics=harmonics)
-
-
-def _length(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise InputError(
-            f"{name} is {value:g}; it must be finite and positive", key=name, fix="correct this value"
-        )
-    return value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,30 +103,43 @@ def find_crossings(
             key="speeds_m_s",
             fix="give np.linspace(...)",
         )
-    of_modes = frequencies_Hz(saw, side, n_modes, speed_m_s=speeds)
-    found = []
-    for excitation in excitations:
-        excited = excitation.frequencies_Hz(speeds)
-        for column, harmonic in enumerate(excitation.harmonics):
-            above = of_modes > excited[:, column, np.newaxis]
-            for mode in np.flatnonzero(above[0] & ~above[-1]) + 1:
-                after = int(np.argmin(above[:, mode - 1]))
-                bracket = (float(speeds[after - 1]), float(speeds[after]))
-                speed = _meeting_m_s(
-                    saw, side, excitation, harmonic=harmonic, mode=int(mode), bracket=bracket
-                )
-                found.append(
-                    Crossing(
-                        side=side,
-                        mode=int(mode),
-                        excitation=excitation.name,
-                        harmonic=harmonic,
-                        speed_m_s=speed,
-                        frequency_Hz=harmonic * float(excitation.constant_Hz + excitation.per_metre * speed),
-                        speed_margin=speed / saw.speed_m_s - 1.0 if saw.speed_m_s > 0.0 else np.inf,
-                    )
-                )
-    return tuple(sorted(found, key=lambda crossing: (crossing.speed_m_s, crossing.mode, crossing.harmonic)))
+    ends = speeds[[0, -1]]
+    of_modes = frequencies_Hz(saw, side, n_modes, speed_m_s=ends)
+    pairs = [
+        (excitation, harmonic, mode)
+        for excitation in excitations
+        for column, harmonic in enumerate(excitation.harmonics)
+        for above in [of_modes > excitation.frequencies_Hz(ends)[:, column, np.newaxis]]
+        for mode in (np.flatnonzero(above[0] & ~above[1]) + 1).tolist()
+    ]
+    if not pairs:
+        return ()
+    modes = np.array([mode for _, _, mode in pairs])
+    constant_Hz = np.array([harmonic * excitation.constant_Hz for excitation, harmonic, _ in pairs])
+    per_metre = np.array([harmonic * excitation.per_metre for excitation, harmonic, _ in pairs])
+
+    def above_Hz(speed: FloatArray, cases: npt.NDArray[np.intp]) -> FloatArray:
+        found = frequencies_Hz(saw, side, int(modes[cases].max()), speed_m_s=speed)
+        own_Hz = found[np.arange(cases.size), modes[cases] - 1]
+        return np.asarray(own_Hz - constant_Hz[cases] - per_metre[cases] * speed)
+
+    low, high = (np.full(len(pairs), end) for end in ends)
+    meeting = roots_between(above_Hz, low, high, tolerance=1e-11)
+    crossings = [
+        Crossing(
+            side=side,
+            mode=mode,
+            excitation=excitation.name,
+            harmonic=harmonic,
+            speed_m_s=speed,
+            frequency_Hz=harmonic * (excitation.constant_Hz + excitation.per_metre * speed),
+            speed_margin=speed / saw.speed_m_s - 1.0 if saw.speed_m_s > 0.0 else np.inf,
+        )
+        for (excitation, harmonic, mode), speed in zip(pairs, meeting.tolist(), strict=True)
+    ]
+    return tuple(
+        sorted(crossings, key=lambda crossing: (crossing.speed_m_s, crossing.mode, crossing.harmonic))
+    )
 
 
 def margins(
@@ -175,11 +168,170 @@ def margins(
     return tuple(sorted(found, key=lambda margin: abs(margin.relative)))
 
 
-def _meeting_m_s(
-    saw: Saw, side: Side, excitation: Excitation, *, harmonic: int, mode: int, bracket: tuple[float, float]
-) -> float:
-    def above_Hz(speed: float) -> float:
-        mode_Hz = float(frequencies_Hz(saw, side, mode, speed_m_s=speed)[0, -1])
-        return mode_Hz - harmonic * (excitation.constant_Hz + excitation.per_metre * speed)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SawChart:
+    """What a Campbell chart shows."""
 
-    return float(brentq(above_Hz, *bracket, xtol=1e-10 * bracket[1], rtol=1e-12))
+    saw: Saw
+    speed_m_s: FloatArray
+    mode_Hz: dict[Side, FloatArray]
+    excitations: tuple[Excitation, ...]
+    crossings: tuple[Crossing, ...]
+
+
+def saw_chart(
+    saw: Saw, excitations: tuple[Excitation, ...], speeds_m_s: npt.ArrayLike, n_modes: int = 4
+) -> SawChart:
+    """Return the data of a Campbell chart of both sides at constant torque."""
+    speeds = np.array(speeds_m_s, dtype=np.float64)
+    if not excitations:
+        raise InputError("a chart without excitations shows no resonance", key="excitations")
+    sides = (Side.TIGHT, Side.SLACK)
+    found = [
+        crossing for side in sides for crossing in find_crossings(saw, side, excitations, speeds, n_modes)
+    ]
+    speeds.flags.writeable = False
+    return SawChart(
+        saw=saw,
+        speed_m_s=speeds,
+        mode_Hz={side: frequencies_Hz(saw, side, n_modes, speed_m_s=speeds) for side in sides},
+        excitations=excitations,
+        crossings=tuple(sorted(found, key=lambda crossing: crossing.speed_m_s)),
+    )
+
+
+_SIDES = (Side.TIGHT, Side.SLACK)
+_SEARCHED = 65
+
+
+class StrainStatus(StrEnum):
+    """What is to be done about the preload."""
+
+    KEEP = "keep"
+    CHANGE = "change"
+    IMPOSSIBLE = "impossible"
+
+    @property
+    def advice(self) -> str:
+        """Return what the status means and what to do."""
+        return {
+            StrainStatus.KEEP: "The present preload keeps every mode far enough from every excitation.",
+            StrainStatus.CHANGE: "Set the recommended preload: the nearest that keeps the margin.",
+            StrainStatus.IMPOSSIBLE: (
+                "No preload in the range keeps the margin: as one mode leaves an excitation another arrives. "
+                "Change the wheel speed or the free span, accept the best margin, or consider fewer harmonics."
+            ),
+        }[self]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StrainAdvice:
+    """A recommended preload."""
+
+    status: StrainStatus
+    preload_N: float
+    margin: float
+    forbidden_N: tuple[tuple[float, float], ...]
+
+
+def recommend_preload(
+    saw: Saw,
+    excitations: tuple[Excitation, ...],
+    *,
+    margin: float,
+    range_N: tuple[float, float],
+    n_modes: int = 6,
+) -> StrainAdvice:
+    """Return the preload nearest to the present one at which all modes of both sides keep a margin.
+
+    Every frequency rises with the preload, so a mode and an excitation forbid one interval of it, whose ends are
+    found by inversion; what none of the intervals covers is allowed.
+    """
+    low_N, high_N = range_N
+    if not 0.0 < margin < 1.0:
+        raise InputError(f"the margin is {margin:g}", key="margin", fix="give 0.1 for 10 %")
+    if not (0.0 < low_N < high_N and math.isfinite(high_N)):
+        raise InputError(
+            f"the range is {low_N:g} N to {high_N:g} N; it must be positive and rising", key="range_N"
+        )
+    forbidden = _union(
+        interval
+        for side in _SIDES
+        for interval in _forbidden(saw, side, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
+    )
+    shown = tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden)
+    present_N = min(max(saw.preload_N, low_N), high_N)
+    candidates = [present_N, low_N, high_N, *(end for interval in forbidden for end in interval)]
+    # The ends of the intervals are roots: a hair inside them still is outside for people.
+    hair_N = 1e-9 * high_N
+    allowed = [
+        preload_N
+        for preload_N in candidates
+        if low_N <= preload_N <= high_N
+        and all(not start + hair_N < preload_N < stop - hair_N for start, stop in forbidden)
+    ]
+    if not allowed:
+        best_N = _best(saw, excitations, range_N, n_modes)
+        return StrainAdvice(
+            status=StrainStatus.IMPOSSIBLE,
+            preload_N=best_N,
+            margin=_margin_at(saw, excitations, best_N, n_modes),
+            forbidden_N=shown,
+        )
+    nearest_N = min(allowed, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
+    return StrainAdvice(
+        status=StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE,
+        preload_N=nearest_N,
+        margin=_margin_at(saw, excitations, nearest_N, n_modes),
+        forbidden_N=shown,
+    )
+
+
+def _forbidden(
+    saw: Saw,
+    side: Side,
+    excitations: tuple[Excitation, ...],
+    *,
+    margin: float,
+    range_N: tuple[float, float],
+    n_modes: int,
+) -> list[tuple[float, float]]:
+    """Return the intervals of preload that the modes of one side forbid, cut to the range."""
+    slowest, fastest = frequencies_Hz(saw, side, n_modes, preload_N=range_N)
+    excited = np.concatenate([excitation.frequencies_Hz(saw.speed_m_s) for excitation in excitations])
+    excited_Hz, mode = (
+        part.ravel() for part in np.meshgrid(excited, np.arange(1, n_modes + 1), indexing="ij")
+    )
+    below_Hz, above_Hz = excited_Hz * (1.0 - margin), excited_Hz * (1.0 + margin)
+    least_Hz, most_Hz = slowest[mode - 1], fastest[mode - 1]
+    # An interval that goes on beyond the range must not leave its end allowed.
+    past_N = 1e-6 * range_N[1]
+    start_N = range_N[0] - past_N * (least_Hz > below_Hz)
+    stop_N = range_N[1] + past_N * (most_Hz < above_Hz)
+    met = (most_Hz > below_Hz) & (least_Hz < above_Hz)
+    for edge_N, edge_Hz, inside in (
+        (start_N, below_Hz, met & (least_Hz < below_Hz)),
+        (stop_N, above_Hz, met & (most_Hz > above_Hz)),
+    ):
+        edge_N[inside] = preloads_for_N(saw, side, edge_Hz[inside], mode[inside])
+    return list(zip(start_N[met].tolist(), stop_N[met].tolist(), strict=True))
+
+
+def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    merged: list[tuple[float, float]] = []
+    for start, stop in sorted(intervals):
+        if merged and start <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(merged[-1][1], stop))
+        else:
+            merged.append((start, stop))
+    return tuple(merged)
+
+
+def _margin_at(saw: Saw, excitations: tuple[Excitation, ...], preload_N: float, n_modes: int) -> float:
+    nearest = margins(replace(saw, preload_N=preload_N), _SIDES, excitations, n_modes)
+    return abs(nearest[0].relative) if nearest else math.inf
+
+
+def _best(saw: Saw, excitations: tuple[Excitation, ...], range_N: tuple[float, float], n_modes: int) -> float:
+    tried = np.linspace(*range_N, _SEARCHED).tolist()
+    return float(max(tried, key=lambda preload_N: _margin_at(saw, excitations, preload_N, n_modes)))

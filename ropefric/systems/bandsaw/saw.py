@@ -1,7 +1,7 @@
-"""A band saw: one blade on two wheels, its tight and its slack side."""
+"""A band saw: one blade on two wheels, what it is made of, what drives it, and the frequencies of its two sides."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 
 import numpy as np
@@ -9,9 +9,64 @@ import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.registry import Registry
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.ends import CLAMPED, Ends
-from ropefric.systems.bandsaw.span import Span
+from ropefric.systems.bandsaw.roots import roots_between
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_mounting
+from ropefric.systems.checks import checked
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """The cross-section of a blade, a thin strip, and what it is made of."""
+
+    width_m: float
+    thickness_m: float
+    density_kg_m3: float = 7800.0
+    young_modulus_Pa: float = 206e9
+    shear_modulus_Pa: float = 79.4e9
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            checked(field.name, getattr(self, field.name))
+        if self.thickness_m > self.width_m:
+            raise InputError(
+                f"the strip is {self.thickness_m:g} m thick and {self.width_m:g} m wide",
+                key="thickness_m",
+                fix="the thickness is the smaller one",
+            )
+
+    @property
+    def linear_density_kg_m(self) -> float:
+        """Return ρA [kg/m]."""
+        return self.density_kg_m3 * self.width_m * self.thickness_m
+
+    @property
+    def bending_stiffness_N_m2(self) -> float:
+        """Return EI = E b h³/12 of bending the flat way [N m2]."""
+        return self.young_modulus_Pa * self.width_m * self.thickness_m**3 / 12.0
+
+
+STEEL_85_09 = Section(width_m=0.085, thickness_m=0.0009)
+"""A strip with the cross-section Wang and Jiang (2010) print; its width and thickness are a guess."""
+
+PRINTED_TORQUE_FACTOR = 9549.0
+"""The factor of M = 9549 P/n with P in kW and n in 1/min; unrounded it is 30000/π = 9549.2966."""
+
+
+def torque_N_m(
+    power_W: npt.ArrayLike, wheel_speed_rad_s: npt.ArrayLike, *, printed: bool = False
+) -> FloatArray:
+    """Return the torque of the driven wheel M = P/ω [N m], eq. (16)."""
+    power = checked("power_W", power_W, "zero or more")
+    rounding = PRINTED_TORQUE_FACTOR / (30000.0 / math.pi) if printed else 1.0
+    return np.asarray(power / checked("wheel_speed_rad_s", wheel_speed_rad_s) * rounding)
+
+
+def tension_difference_N(torque_N_m: npt.ArrayLike, wheel_radius_m: npt.ArrayLike) -> FloatArray:
+    """Return the difference of the tensions on the two sides of the driven wheel ΔF = M/R [N], eq. (17)."""
+    torque = checked("torque_N_m", torque_N_m, "zero or more")
+    return np.asarray(torque / checked("wheel_radius_m", wheel_radius_m))
 
 
 class Side(StrEnum):
@@ -43,23 +98,10 @@ class Saw:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            if field.name == "ends":
-                continue
-            value = getattr(self, field.name)
-            may_be_zero = field.name in _MAY_BE_ZERO
-            if not (math.isfinite(value) and (value >= 0.0 if may_be_zero else value > 0.0)):
-                rule = "zero or more" if may_be_zero else "positive"
-                raise InputError(
-                    f"{field.name} is {value:g}; it must be finite and {rule}",
-                    key=field.name,
-                    fix="correct this value",
-                )
-        if self.mounting_factor > 1.0:
-            raise InputError(
-                f"the mounting factor is {self.mounting_factor:g}; it must be from 0 to 1",
-                key="mounting_factor",
-                fix="give 0 for fixed wheel axles, 1 for a constant-force mounting, or a number between",
-            )
+            if field.name not in {"ends", "mounting_factor"}:
+                rule = "zero or more" if field.name in _MAY_BE_ZERO else "positive"
+                checked(field.name, getattr(self, field.name), rule)  # type: ignore[arg-type]
+        refuse_mounting(self.mounting_factor)
 
     @property
     def speed_m_s(self) -> float:
@@ -67,7 +109,7 @@ class Saw:
         return self.wheel_speed_rad_s * self.wheel_radius_m
 
 
-_MAY_BE_ZERO = {"wheel_speed_rad_s", "tension_difference_N", "mounting_factor", "bending_stiffness_N_m2"}
+_MAY_BE_ZERO = {"wheel_speed_rad_s", "tension_difference_N", "bending_stiffness_N_m2"}
 
 
 def span_of(
@@ -78,16 +120,16 @@ def span_of(
     preload_N: npt.ArrayLike | None = None,
 ) -> Span:
     """Return one side of a saw with all its parts in it, for one speed and preload or many."""
-    speed = np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)
     runs = 0.0 if side is Side.REST else 1.0
+    speed = runs * np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)
     return Span(
         free_span_m=np.asarray(saw.free_span_m),
         linear_density_kg_m=np.asarray(saw.linear_density_kg_m),
         preload_N=np.asarray(saw.preload_N if preload_N is None else preload_N, dtype=np.float64),
         pull_N=np.asarray(0.5 * side.sign * saw.tension_difference_N),
         mounting_factor=np.asarray(saw.mounting_factor),
-        wheel_speed_m_s=runs * speed,
-        travel_speed_m_s=runs * speed,
+        wheel_speed_m_s=speed,
+        travel_speed_m_s=speed,
         bending_stiffness_N_m2=np.asarray(saw.bending_stiffness_N_m2),
     )
 
@@ -107,3 +149,91 @@ def frequencies_Hz(
     """
     span = span_of(saw, side, speed_m_s=speed_m_s, preload_N=preload_N)
     return beam_frequencies_Hz(span, saw.ends, n_modes, accuracy=accuracy)
+
+
+def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.ArrayLike = 1) -> FloatArray:
+    """Return the preloads F_0 at which modes of one side have frequencies, at the saw's speed, shape (n,) [N].
+
+    For a string c = a + √(a² + v²) with a = f l/n, from eq. (8), and F_0 = ρA c² ∓ ΔF/2 − κ ρA v². A stiff blade
+    needs less, which is found by bracketing.
+    """
+    wanted_Hz, modes = np.broadcast_arrays(np.atleast_1d(checked("frequency_Hz", frequency_Hz)), mode)
+    if modes.size and modes.min() < 1:
+        raise InputError(f"the mode is {modes.min()}; modes count from 1", key="mode")
+    v = 0.0 if side is Side.REST else saw.speed_m_s
+    a = wanted_Hz * saw.free_span_m / modes
+    c = a + np.hypot(a, v)
+    inertia_N = saw.linear_density_kg_m * v**2
+    apart_N = 0.5 * side.sign * saw.tension_difference_N + saw.mounting_factor * inertia_N
+    total_N = saw.linear_density_kg_m * c**2
+    if saw.bending_stiffness_N_m2 == 0.0:
+        return np.asarray(total_N - apart_N)
+
+    # Without ΔF and κ in the way, the total tension is what is looked for; its sign is then the only limit.
+    plain = replace(saw, tension_difference_N=0.0, mounting_factor=0.0)
+
+    def surplus_Hz(total_N: FloatArray, cases: npt.NDArray[np.intp]) -> FloatArray:
+        found = frequencies_Hz(plain, side, int(modes[cases].max()), preload_N=total_N, accuracy=1e-12)
+        return np.asarray(found[np.arange(cases.size), modes[cases] - 1] - wanted_Hz[cases])
+
+    buckling_N = saw.ends.buckling * saw.bending_stiffness_N_m2 / saw.free_span_m**2
+    lowest_N = np.full(total_N.shape, max(inertia_N - buckling_N * (1.0 - 1e-9), 1e-6 * buckling_N))
+    every = np.arange(total_N.size)
+    below = total_N <= lowest_N
+    if not below.any():
+        below = surplus_Hz(lowest_N, every) >= 0.0
+    if below.any():
+        first = int(np.argmax(below))
+        raise InputError(
+            f"mode {modes[first]} of the {side} side has {wanted_Hz[first]:g} Hz only below a tension of "
+            f"{lowest_N[first]:.4g} N",
+            key="frequency_Hz",
+            fix="ask for a higher frequency or a lower mode",
+        )
+    return roots_between(surplus_Hz, lowest_N, total_N, tolerance=1e-11) - apart_N
+
+
+def preload_for_N(saw: Saw, side: Side, frequency_Hz: float, mode: int = 1) -> float:
+    """Return the preload F_0 at which a mode of one side has a frequency [N], see `preloads_for_N`."""
+    return float(preloads_for_N(saw, side, frequency_Hz, mode)[0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BladeModel:
+    """A choice of a saw's parts, to be compared with measurements."""
+
+    name: str
+    meaning: str
+    runs: bool
+    mounting_factor: float
+    bends: bool
+
+    def applied_to(self, saw: Saw) -> Saw:
+        """Return the saw with this model's parts."""
+        return replace(
+            saw,
+            wheel_speed_rad_s=saw.wheel_speed_rad_s if self.runs else 0.0,
+            mounting_factor=self.mounting_factor,
+            bending_stiffness_N_m2=saw.bending_stiffness_N_m2 if self.bends else 0.0,
+        )
+
+
+_MODELS = {
+    "string-at-rest": (False, 0.0, False, "a string under the tensions of work that does not move (table 2, left)"),
+    "string-fixed-axles": (True, 0.0, False, "a running string between fixed wheel axles, kappa = 0 (table 2, right)"),
+    "string-constant-force": (
+        True, 1.0, False, "a running string, wheels pressed apart with a constant force, kappa = 1 (table 3, right)"
+    ),
+    "beam-fixed-axles": (True, 0.0, True, "a running stiff blade between fixed wheel axles, kappa = 0"),
+    "beam-constant-force": (
+        True, 1.0, True, "a running stiff blade, wheels pressed apart with a constant force, kappa = 1"
+    ),
+}  # fmt: skip
+MODELS: Registry[BladeModel] = Registry(
+    "model of the blade",
+    [
+        BladeModel(name=name, meaning=meaning, runs=runs, mounting_factor=kappa, bends=bends)
+        for name, (runs, kappa, bends, meaning) in _MODELS.items()
+    ],
+)
+"""Every model by name, from plain to complete."""

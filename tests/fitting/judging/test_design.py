@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from scipy import optimize, stats
 
 from ropefric.errors import InputError
-from ropefric.fitting.design import design, design_chart
-from ropefric.fitting.design_result import DesignStatus
+from ropefric.fitting.design import DesignStatus, design, design_chart
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import new_rope_std, predict
 from ropefric.fitting.rising_root import first_crossing, rising_root

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.systems.bandsaw.drive import tension_difference_N, torque_N_m
-from ropefric.systems.bandsaw.saw import Saw, Side
-from ropefric.systems.bandsaw.section import STEEL_85_09
+from ropefric.systems.bandsaw.saw import STEEL_85_09, Saw, Side, tension_difference_N, torque_N_m
 
 PUBLISHED = Path(__file__).parents[3] / "data" / "published"
 

@@ -14,8 +14,7 @@ from ropefric.systems.bandsaw.measured import (
     explain_mounting,
     identify,
 )
-from ropefric.systems.bandsaw.models import MODELS
-from ropefric.systems.bandsaw.saw import Side, frequencies_Hz
+from ropefric.systems.bandsaw.saw import MODELS, Side, frequencies_Hz
 
 T, S, R = Side.TIGHT, Side.SLACK, Side.REST
 
@@ -235,7 +234,7 @@ def test_models_leave_out_what_they_say(saw, stiffness):
         (lambda saw: Measurement(side=T, frequency_Hz=0.0), InputError, "frequency_Hz is 0"),
         (lambda saw: Measurement(side=T, frequency_Hz=1.0, std_Hz=-1.0), InputError, "std_Hz is -1"),
         (lambda saw: Measurement(side=T, frequency_Hz=1.0, mode=0), InputError, "modes count from 1"),
-        (lambda saw: Measurement(side=T, frequency_Hz=1.0, speed_m_s=-1.0), InputError, "speed is -1"),
+        (lambda saw: Measurement(side=T, frequency_Hz=1.0, speed_m_s=-1.0), InputError, "speed_m_s is -1"),
         (lambda saw: explain_mounting(saw, Measurement(side=R, frequency_Hz=1.0)), InputError, "stood still"),
         (
             lambda saw: deviations(saw, [Measurement(side=T, frequency_Hz=1.0)], ["beam-fixed-axles"]),

@@ -10,17 +10,28 @@ from hypothesis import strategies as st
 
 from ropefric.errors import InputError
 from ropefric.systems.bandsaw.answer import torsion_frequencies_Hz, torsion_wave_speed_m_s
-from ropefric.systems.bandsaw.drive import inertia_tension_N, tension_difference_N, torque_N_m
-from ropefric.systems.bandsaw.ends import CLAMPED, PINNED
-from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
-from ropefric.systems.bandsaw.section import STEEL_85_09, Section
-from ropefric.systems.bandsaw.span import Span, add, as_pair, divide, multiply, total
-from ropefric.systems.bandsaw.string import (
+from ropefric.systems.bandsaw.saw import (
+    STEEL_85_09,
+    Section,
+    Side,
+    frequencies_Hz,
+    span_of,
+    tension_difference_N,
+    torque_N_m,
+)
+from ropefric.systems.bandsaw.span import (
+    CLAMPED,
+    PINNED,
+    Span,
+    add,
+    as_pair,
+    divide,
     frequency_at_shortfall_Hz,
     frequency_Hz,
+    multiply,
     running_mode,
     string_frequencies_Hz,
-    wave_times_s,
+    total,
 )
 
 
@@ -80,7 +91,7 @@ def test_the_frequency_falls_to_zero_at_the_critical_speed(saw):
 
 def test_the_period_is_the_time_there_and_back():
     c, v = np.array([40.0, 75.6, 90.0]), np.array([0.0, 35.55, -89.9])
-    forward, backward = wave_times_s(1.6, c, v)
+    forward, backward = 1.6 / (c + v), 1.6 / (c - v)
     np.testing.assert_allclose(1.0 / (forward + backward), frequency_Hz(1, 1.6, c, v), rtol=1e-14)
     assert forward[1] < backward[1]
     assert forward[2] > backward[2]
@@ -189,14 +200,11 @@ def test_refusals_name_the_critical_speed(saw):
         (lambda: frequency_Hz(1, 0.0, 75.0), "free_span_m is 0"),
         (lambda: frequency_at_shortfall_Hz(1, 1.6, 75.0, 0.0), "shortfall is 0"),
         (lambda: frequency_at_shortfall_Hz(1, 1.6, 75.0, 2.0), "backwards"),
-        (lambda: wave_times_s(1.6, 75.0, 75.0), "critical speed"),
         (lambda: string_frequencies_Hz(Span(**GOOD), 0), "0 modes"),
         (lambda: torsion_frequencies_Hz(Span(**GOOD), STEEL_85_09, 0), "0 modes"),
         (lambda: torque_N_m(7500.0, 0.0), "wheel_speed_rad_s is 0"),
         (lambda: torque_N_m(-1.0, 1.0), "power_W is -1"),
         (lambda: tension_difference_N(1.0, 0.0), "wheel_radius_m is 0"),
-        (lambda: inertia_tension_N(0.6, 30.0, mounting_factor=1.5), "mounting factor is 1.5"),
-        (lambda: inertia_tension_N(0.6, np.inf), "speed_m_s is inf; it must be finite"),
         (lambda: Section(width_m=0.001, thickness_m=0.1), "0.1 m thick"),
         (lambda: Section(width_m=0.0, thickness_m=0.1), "width_m is 0"),
         (
@@ -214,7 +222,7 @@ def test_functions_refuse(call, words):
     ("changed", "words"),
     [
         ({"preload_N": 0.0}, "preload_N is 0"),
-        ({"mounting_factor": 1.01}, "mounting factor is 1.01"),
+        ({"mounting_factor": 1.01}, "mounting_factor is 1.01"),
         ({"wheel_speed_rad_s": -1.0}, "wheel_speed_rad_s is -1"),
     ],
 )

@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 
 from ropefric.errors import InputError
 from ropefric.friction.condition import one_condition
+from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.friction.lift import log_lift_moving
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import lifted_arc_rad
 from ropefric.systems.hoist.effects import SYSTEM
@@ -63,7 +63,7 @@ def test_each_effect_alone_tells_the_law_one_thing(full_problem, solved, effect,
 def test_centrifugal_agrees_with_the_friction_room(full_problem, solved):
     lift = solved(full_problem, ["wrap-dependence", "size", "end-tension", "centrifugal"])
     law, theta = full_problem.friction.law, full_problem.friction.theta
-    wanted = log_lift_moving(law, theta, own(full_problem), linear_density_kg_m=0.062, speed_m_s=3.0)
+    wanted = LiftModel(law=law, linear_density_kg_m=0.062, speed_m_s=3.0).log_lift(theta, own(full_problem))
     assert lift.log_lift[0] == pytest.approx(wanted[0], rel=1e-14)
 
 

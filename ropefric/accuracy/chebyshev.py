@@ -11,7 +11,7 @@ import scipy.linalg
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.systems.bandsaw.galerkin import ScaledBeam
+from ropefric.systems.bandsaw.beam import ScaledBeam
 
 
 def chebyshev_frequencies(beam: ScaledBeam, order: int, n_modes: int = 6) -> FloatArray:

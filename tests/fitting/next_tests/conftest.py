@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.planning.candidates import allowed_conditions
-from ropefric.fitting.planning.limits import RigLimits, geometric_levels, linear_levels
-from ropefric.fitting.planning.one_factor import middle_of, one_factor_plan
-from ropefric.fitting.planning.precision import MeanScatter, planned_guess
+from ropefric.fitting.next_tests import MeanScatter, allowed_conditions, planned_guess
+from ropefric.fitting.plan_search import (
+    RigLimits,
+    geometric_levels,
+    linear_levels,
+    middle_of,
+    one_factor_plan,
+)
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
@@ -119,4 +123,4 @@ def campaigns():
 @pytest.fixture(scope="session")
 def root():
     """The folder of the checkout."""
-    return Path(__file__).parents[2]
+    return Path(__file__).parents[3]

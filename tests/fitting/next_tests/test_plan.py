@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting.planning.plan import plan_tests
-from ropefric.fitting.planning.precision import MeanScatter, expected_std, planned_fit, planned_guess
+from ropefric.fitting.next_tests import MeanScatter, expected_std, plan_tests, planned_fit, planned_guess
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.planning.plan import plan_tests
-from ropefric.fitting.planning.precision import MeanScatter
+from ropefric.fitting.next_tests import MeanScatter, plan_tests
 from ropefric.fitting.predict import predict
 
 # What a plan must be better by in the width of the interval of the wanted lift force.

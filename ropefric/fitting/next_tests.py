@@ -1,0 +1,549 @@
+"""Which conditions to test next: the plan that makes a wanted prediction, or a law's parameters, most certain.
+
+In: what is known of a law (`planned_fit`, or `planned_guess` before the first test) and what the rig can set. Out: a
+`LabPlan` with how certain the wanted lift forces are expected to be before and after, and with the usual plan instead.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.errors import InputError, UnknownNameError
+from ropefric.fitting.plan_search import (
+    FACTORS,
+    Criterion,
+    Exchange,
+    RigLimits,
+    best_plan,
+    middle_of,
+    nearest_to,
+    one_factor_plan,
+)
+from ropefric.fitting.predict import REGRESSORS, outside_words
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.statistics import RANK_RATIO, decomposed, plain_covariance
+from ropefric.friction.condition import Conditions, condition_groups
+from ropefric.friction.law import FrictionLaw
+from ropefric.registry import did_you_mean
+from ropefric.uncertainty.quantity import quantile
+
+SCHEMA = "ropefric.test-plan/1"
+_SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+_MOST = 1000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeanScatter:
+    """How the mean of a condition's repeats scatters."""
+
+    within: float
+    between: float = 0.0
+    instrument_N: float = 0.0
+
+    def __post_init__(self) -> None:
+        numbers = (self.within, self.between, self.instrument_N)
+        if not all(math.isfinite(x) and x >= 0.0 for x in numbers) or not any(numbers):
+            raise InputError(
+                f"scatter within {self.within:g}, between {self.between:g}, instrument {self.instrument_N:g} N",
+                key="scatter",
+                fix="give standard deviations of ln F from 0, one above it: 0.017 is 1.7 % between repeats",
+            )
+
+    def variance(self, log_lift: FloatArray, repeats: npt.ArrayLike) -> FloatArray:
+        """Return the variance of mean ln F_A of conditions, s_b² + s_w²/m + (u/F_A)², shape (n,)."""
+        m = np.asarray(repeats, dtype=np.float64)
+        return np.asarray(self.between**2 + self.within**2 / m + (self.instrument_N * np.exp(-log_lift)) ** 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlannedLaw:
+    """A law at the parameters a plan is made for, and what is known of them already."""
+
+    law: FrictionLaw
+    theta: FloatArray
+    free: BoolArray
+    scatter: MeanScatter
+    known: FloatArray
+    tested: Conditions | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.free.any():
+            raise InputError(
+                f"every parameter of {self.law.name} is held, so tests have nothing to determine", key="fixed"
+            )
+
+    @property
+    def n_free(self) -> int:
+        """Return the number q of parameters to determine."""
+        return int(np.count_nonzero(self.free))
+
+    @property
+    def free_names(self) -> tuple[str, ...]:
+        """Return their names."""
+        return tuple(np.array(self.law.parameter_names)[self.free].tolist())
+
+    def gradients(self, conditions: Conditions) -> FloatArray:
+        """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
+        return np.asarray(self.law.jacobian(self.theta, conditions)[:, self.free])
+
+    def rows(self, conditions: Conditions, repeats: npt.ArrayLike) -> FloatArray:
+        """Return gradients over the standard deviation of a mean, shape (n, q): Σ rows rowsᵀ is the information."""
+        log_lift, slopes = self.law.log_lift_and_jacobian(self.theta, conditions)
+        return np.asarray(slopes[:, self.free] / np.sqrt(self.scatter.variance(log_lift, repeats))[:, None])
+
+
+def planned_guess(
+    law: FrictionLaw, guess: Mapping[str, float], scatter: MeanScatter, *, fixed: tuple[str, ...] = ()
+) -> PlannedLaw:
+    """Return a law at guessed parameters, nothing of them known yet."""
+    theta = law.theta_from(guess)
+    for name in fixed:
+        if name not in law.parameter_names:
+            raise UnknownNameError(
+                f"{law.name} has no parameter {name!r}", fix=did_you_mean(name, law.parameter_names)
+            )
+    free = np.array([not item.fixed and item.name not in fixed for item in law.parameters])
+    return PlannedLaw(
+        law=law, theta=theta, free=free, scatter=scatter, known=np.zeros((0, int(np.count_nonzero(free))))
+    )
+
+
+def planned_fit(
+    fit: FitResult,
+    *,
+    within: float | None = None,
+    between: float | None = None,
+    instrument_N: float | None = None,
+) -> PlannedLaw:
+    """Return a fitted law with the conditions it was fitted to, which the new tests add to."""
+    found, notes = fit.statistics, []
+    if within is None:
+        within = found.scatter_within
+    if between is None:
+        between = found.scatter_between
+    if not math.isfinite(within):
+        raise InputError(
+            "the fit has no repeats, so it does not know the scatter of one trial",
+            key="scatter_within",
+            fix='give it, such as --scatter-within "1.7 %"',
+        )
+    if not math.isfinite(between):
+        between = 0.0
+        notes.append("the fit cannot tell the scatter between conditions: none is assumed")
+    if not fit.trials.get("n"):
+        raise InputError("the fit does not list its conditions", key="fit", fix="fit the trials again")
+    if instrument_N is None:
+        chain_N = np.array(fit.trials["peak_std_N"], dtype=np.float64)
+        instrument_N = float(np.median(chain_N[np.isfinite(chain_N)])) if np.isfinite(chain_N).any() else 0.0
+    scatter = MeanScatter(within=within, between=between, instrument_N=instrument_N)
+    tested = Conditions(**{name: np.array(fit.trials[name], dtype=np.float64) for name in _SETTINGS})
+    theta = np.asarray(fit.theta)
+    free = np.array([item.vary and not item.at_bound for item in fit.parameters], dtype=bool)
+    held = [item.name for item in fit.parameters if item.vary and item.at_bound]
+    if held:
+        notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
+    bare = PlannedLaw(
+        law=fit.friction_law,
+        theta=theta,
+        free=free,
+        scatter=scatter,
+        known=np.zeros((0, int(np.count_nonzero(free)))),
+        tested=tested,
+        notes=tuple(notes),
+    )
+    return replace(bare, known=bare.rows(tested, np.array(fit.trials["n"])))
+
+
+def expected_std(planned: PlannedLaw, rows: FloatArray, wanted: Conditions) -> FloatArray:
+    """Return the standard error of ln F_A that rows of information give at conditions, shape (n,).
+
+    Infinite where the rows leave undetermined what the prediction needs.
+    """
+    targets = planned.gradients(wanted)
+    if not len(rows):
+        return np.full(len(wanted), np.inf)
+    length = np.linalg.norm(rows, axis=0)
+    length = np.where(length > 0.0, length, 1.0)
+    _, values, turn = np.linalg.svd(rows / length, full_matrices=True)
+    values = np.concatenate([values, np.zeros(rows.shape[1] - values.size)])
+    along = (targets / length) @ turn.T
+    seen = values > values[0] / RANK_RATIO
+    needed = np.abs(along[:, ~seen]) > 1e-6 * np.linalg.norm(along, axis=1)[:, None]
+    std = np.linalg.norm(along[:, seen] / values[seen], axis=1)
+    return np.where(needed.any(axis=1), np.inf, std)
+
+
+def allowed_conditions(
+    planned: PlannedLaw, limits: RigLimits, grid: Conditions
+) -> tuple[BoolArray, list[str]]:
+    """Return which combinations can be tested, shape (N,), and what is left out, in words."""
+    law, theta = planned.law, planned.theta
+    allowed, notes = law.answers(theta, grid), []
+    refused = ~allowed
+    if refused.any():
+        notes.append(
+            f"{int(refused.sum())} of {len(grid)} settings are left out: {law.name} has no answer there"
+        )
+    if allowed.any():
+        log_lift = np.full(len(grid), -np.inf)
+        log_lift[allowed] = law.log_lift(theta, grid.select(allowed))
+        over = log_lift > math.log(limits.largest_force_N)
+        if over.any():
+            notes.append(
+                f"{int(over.sum())} of {len(grid)} settings are left out: F_A would exceed the "
+                f"{limits.largest_force_N:.4g} N of the cell"
+            )
+        allowed &= ~over
+    return allowed, notes
+
+
+def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
+    """Return which combinations were tested before, shape (N,): a condition set up again is no new one."""
+    if planned.tested is None:
+        return np.zeros(len(grid), dtype=bool)
+    group = condition_groups(
+        *(np.append(getattr(planned.tested, name), getattr(grid, name)) for name in _SETTINGS)
+    )
+    n_tested = len(planned.tested)
+    return np.isin(group[n_tested:], group[:n_tested])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outlook:
+    """How certain predictions are expected to be."""
+
+    std_log: FloatArray
+    dof: int
+    level: float
+
+    @property
+    def half_width_log(self) -> FloatArray:
+        """Return half the width of the interval of each ln F_A, t(dof) · std; infinite without degrees of freedom."""
+        if not self.dof:
+            return np.full_like(self.std_log, np.inf)
+        return quantile(0.5 + 0.5 * self.level, float(self.dof)) * self.std_log
+
+    def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
+        """Return standard error and interval [N] about lift forces; None where infinite."""
+        half = self.half_width_log
+        low_N, high_N = lift_N * np.exp(-half), lift_N * np.exp(np.minimum(half, 700.0))
+        rows = []
+        for i, std in enumerate(self.std_log.tolist()):
+            ends = [float(low_N[i]), float(high_N[i])] if math.isfinite(half[i]) else [None, None]
+            rows.append(
+                {
+                    "std_log": _number(std),
+                    "std_N": _number(std * float(lift_N[i])),
+                    "interval_N": ends,
+                    "dof": self.dof,
+                }
+            )
+        return rows
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LabPlan:
+    """Conditions to test, and what they are expected to give.
+
+    Attributes
+    ----------
+    planned : PlannedLaw
+        What the plan was made for.
+    conditions : Conditions
+        n conditions, wheel by wheel.
+    repeats : int
+        Pulls of each.
+    log_lift : ndarray, shape (n,)
+        Expected ln F_A.
+    wanted : Conditions
+        The t predictions wanted.
+    wanted_log_lift : ndarray, shape (t,)
+        Their ln F_A by the parameters the plan was made for.
+    criterion : {"v", "d"}
+        What was made small.
+    level : float
+        Level of the intervals.
+    parameter_std : ndarray, shape (q,)
+        Standard errors of the free parameters expected with the plan.
+    before, after : Outlook
+        Without and with the plan.
+    one_factor, one_factor_at_target : Outlook
+        With a plan of the same size that varies one factor at a time about the middle of the rig's settings, or about
+        the first wanted condition, in its stead.
+    largest_force_N : float
+        Of the cell [N].
+    n_candidates : int
+        Conditions to choose from.
+    starts, agreeing_starts, seed : int
+        Starts of the search, how many ended at this plan's value, and their seed.
+    notes : tuple of str
+        What to know about it.
+    """
+
+    planned: PlannedLaw
+    conditions: Conditions
+    repeats: int
+    log_lift: FloatArray
+    wanted: Conditions
+    wanted_log_lift: FloatArray
+    criterion: Criterion
+    level: float
+    parameter_std: FloatArray
+    before: Outlook
+    after: Outlook
+    one_factor: Outlook
+    one_factor_at_target: Outlook
+    largest_force_N: float
+    n_candidates: int
+    starts: int
+    agreeing_starts: int
+    seed: int
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.conditions)
+
+    @property
+    def gain(self) -> float:
+        """Return how much wider the intervals of ln F_A are with the one-factor plan about the middle [-]."""
+        return _ratio(self.one_factor, self.after)
+
+    @property
+    def gain_at_target(self) -> float:
+        """Return the same against the one-factor plan about the wanted condition [-]."""
+        return _ratio(self.one_factor_at_target, self.after)
+
+    @property
+    def improvement(self) -> float:
+        """Return how much wider they are without the plan [-]; infinite where nothing is known yet."""
+        return _ratio(self.before, self.after)
+
+    def expected_parameter_std(self) -> dict[str, float]:
+        """Return the expected standard error of each parameter that is to be determined."""
+        return dict(zip(self.planned.free_names, self.parameter_std.tolist(), strict=True))
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the conditions as rows in SI, with the expected force and its part of what the cell takes."""
+        at, lift_N = self.conditions, np.exp(self.log_lift)
+        return [
+            {
+                "condition": i + 1,
+                **_settings(at, i),
+                "repeats": self.repeats,
+                "expected_lift_force_N": float(lift_N[i]),
+                "cell_use": float(lift_N[i] / self.largest_force_N),
+            }
+            for i in range(len(self))
+        ]
+
+    def to_csv(self) -> str:
+        r"""Return the plan as CSV for the lab: a row a condition, in millimetres, degrees and newtons."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        heads = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
+        writer.writerow(("condition", *heads, "repeats", "expected_lift_force_N"))
+        for row in self.rows():
+            settings = (
+                1e3 * row["wheel_radius_m"],
+                2e3 * row["rope_radius_m"],
+                math.degrees(row["wrap_angle_rad"]),
+                row["end_tension_N"],
+            )
+            force = f"{row['expected_lift_force_N']:.4g}"
+            writer.writerow((row["condition"], *(f"{x:.10g}" for x in settings), row["repeats"], force))
+        return text.getvalue()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""
+        law, lift_N, at = self.planned.law, np.exp(self.wanted_log_lift), self.wanted
+        outlooks = ("before", "after", "one_factor", "one_factor_at_target")
+        return {name: getattr(self, name).to_dict(lift_N) for name in outlooks} | {
+            "schema": SCHEMA,
+            "law": law.name,
+            "parameters": law.as_mapping(self.planned.theta),
+            "expected_std": self.expected_parameter_std(),
+            "scatter": asdict(self.planned.scatter),
+            "criterion": self.criterion,
+            "conditions": self.rows(),
+            "n_tests": len(self) * self.repeats,
+            "wanted": [_settings(at, i) | {"lift_force_N": float(lift_N[i])} for i in range(len(at))],
+            "level": self.level,
+            "gain": _number(self.gain),
+            "gain_at_target": _number(self.gain_at_target),
+            "improvement": _number(self.improvement),
+            "n_candidates": self.n_candidates,
+            "starts": self.starts,
+            "agreeing_starts": self.agreeing_starts,
+            "seed": self.seed,
+            "notes": list(self.notes),
+        }
+
+
+def _ratio(other: Outlook, own: Outlook) -> float:
+    """Return the ratio of root-mean-square half widths; NaN where neither is finite."""
+    wide = math.sqrt(float(np.mean(other.half_width_log**2)))
+    narrow = math.sqrt(float(np.mean(own.half_width_log**2)))
+    return math.nan if math.isinf(narrow) else wide / narrow
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _settings(conditions: Conditions, index: int) -> dict[str, float]:
+    return {name: float(getattr(conditions, name)[index]) for name in _SETTINGS}
+
+
+def plan_tests(
+    planned: PlannedLaw,
+    limits: RigLimits,
+    wanted: Conditions,
+    *,
+    n_conditions: int = 12,
+    repeats: int = 12,
+    criterion: Criterion = "v",
+    level: float = 0.95,
+    starts: int = 10,
+    seed: int = 0,
+) -> LabPlan:
+    """Return the conditions to test next.
+
+    A condition adds g gᵀ/(s_b² + s_w²/m + (u/F_A)²) to the information, g = ∂ ln F_A/∂θ: the scatter between
+    conditions is not averaged out by its m repeats. A law that bends makes the plan depend on the parameters it is
+    made for; it is the best for those given.
+    """
+    if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0 or criterion not in {"v", "d"}:
+        raise InputError(
+            f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}",
+            key="n_conditions",
+            fix="plan one or more of each, by 'v' or 'd', at a level such as 0.95",
+        )
+    for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
+        if asked > _MOST:
+            raise InputError(f"{name} is {asked}; the limit is {_MOST}", key=name, fix="ask for fewer")
+    grid = limits.conditions()
+    allowed, notes = allowed_conditions(planned, limits, grid)
+    free = allowed & ~tested_before(planned, grid)
+    _check_enough(planned, int(np.count_nonzero(free)), n_conditions)
+    places = np.flatnonzero(free)
+    rows = planned.rows(grid.select(places), repeats)
+    targets = planned.gradients(wanted)
+    _check_seen(planned, rows)
+    chosen, agreeing = best_plan(
+        Exchange.of(rows, planned.known, targets, criterion=criterion), n_conditions, starts=starts, seed=seed
+    )
+    plan = grid.select(places[chosen])
+
+    def outlook(added: FloatArray) -> Outlook:
+        return _outlook(planned, np.vstack([planned.known, added]), wanted, level)
+
+    usual = {
+        name: outlook(planned.rows(grid.select(one), repeats))
+        for name, one in _one_factor_plans(limits, free, wanted, n_conditions).items()
+    }
+    return LabPlan(
+        planned=planned,
+        conditions=plan,
+        repeats=repeats,
+        log_lift=planned.law.log_lift(planned.theta, plan),
+        wanted=wanted,
+        wanted_log_lift=planned.law.log_lift(planned.theta, wanted),
+        criterion=criterion,
+        level=level,
+        parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([planned.known, rows[chosen]])))),
+        before=outlook(np.zeros((0, planned.n_free))),
+        after=outlook(rows[chosen]),
+        one_factor=usual["middle"],
+        one_factor_at_target=usual["target"],
+        largest_force_N=limits.largest_force_N,
+        n_candidates=places.size,
+        starts=starts,
+        agreeing_starts=agreeing,
+        seed=seed,
+        notes=(*planned.notes, *notes, *_outside(planned, limits, wanted), *_untested(limits, planned, plan)),
+    )
+
+
+def _outlook(planned: PlannedLaw, rows: FloatArray, wanted: Conditions, level: float) -> Outlook:
+    dof = len(rows) - planned.n_free
+    return Outlook(std_log=expected_std(planned, rows, wanted), dof=max(dof, 0), level=level)
+
+
+def _check_enough(planned: PlannedLaw, n_free: int, n: int) -> None:
+    if n_free < n:
+        raise InputError(
+            f"the rig's settings leave {n_free} conditions to choose from, and {n} are to be planned",
+            key="limits",
+            fix="give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions",
+        )
+    least = planned.n_free + 1 - len(planned.known)
+    if n < least:
+        raise InputError(
+            f"{n} conditions cannot determine the {planned.n_free} parameters of {planned.law.name} with an error",
+            code="RF410",
+            key="n_conditions",
+            fix=f"plan {least} conditions or more, or hold a parameter",
+        )
+
+
+def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
+    unseen = decomposed(np.vstack([rows, planned.known])).unseen
+    if unseen.any():
+        names = [name for name, gone in zip(planned.free_names, unseen, strict=True) if gone]
+        varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}
+        shown_by = [words for effect, words in varied.items() if effect in planned.law.effects]
+        raise InputError(
+            f"every plan within these settings is singular: none can tell {', '.join(names)} of "
+            f"{planned.law.name} apart",
+            code="RF410",
+            key="limits",
+            fix=f"give more {', '.join(shown_by) or 'wraps'}, hold a parameter, or plan for a simpler law",
+        )
+
+
+def _one_factor_plans(limits: RigLimits, free: BoolArray, wanted: Conditions, n: int) -> dict[str, IntArray]:
+    """Return one-factor plans about the middle of the settings, and about the first wanted condition."""
+    allowed = free.reshape(limits.shape)
+    spots: list[float] = []
+    for name in FACTORS:
+        levels = np.array(getattr(limits, name))
+        spots.append(float(np.interp(getattr(wanted, name)[0], levels, np.arange(levels.size))))
+    centres = {"middle": middle_of(allowed), "target": nearest_to(allowed, tuple(spots))}
+    return {name: one_factor_plan(allowed, centre, n) for name, centre in centres.items()}
+
+
+def _outside(planned: PlannedLaw, limits: RigLimits, wanted: Conditions) -> list[str]:
+    """Return what of the wanted conditions lies outside all that was and can be tested."""
+    spans: dict[str, Any] = limits.ranges()
+    if planned.tested is not None:
+        for name, (low, high) in spans.items():
+            old = getattr(planned.tested, name)
+            spans[name] = (min(low, float(old.min())), max(high, float(old.max())))
+    return [
+        f"wanted {words}, whatever is planned"
+        for i in range(len(wanted))
+        for words in outside_words(spans, wanted, i)
+    ]
+
+
+def _untested(limits: RigLimits, planned: PlannedLaw, plan: Conditions) -> list[str]:
+    """Return over which factors the plan takes the law on trust."""
+    notes = []
+    for name in FACTORS:
+        levels = getattr(limits, name)
+        tested = [plan] if planned.tested is None else [plan, planned.tested]
+        values = np.concatenate([getattr(part, name) for part in tested])
+        if np.ptp(values) < 0.5 * (levels[-1] - levels[0]):
+            title, unit, factor = REGRESSORS[name]
+            low, high = (f"{factor * float(end):.4g}" for end in (values.min(), values.max()))
+            where = f"only {title} {low} {unit}" if low == high else f"only {title} {low}–{high} {unit}"
+            notes.append(f"{where} is tested; add a few conditions elsewhere if the law itself is in doubt")
+    return notes

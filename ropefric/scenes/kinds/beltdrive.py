@@ -1,0 +1,367 @@
+"""Scenes of a belt drive, flat or with V belts or ropes, and of a single drum: capstan or band brake."""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import PlainValidator, model_validator
+
+from ropefric.arrays import FloatArray
+from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
+from ropefric.scenes.kind import (
+    Becomes,
+    Chart,
+    Failure,
+    Figure,
+    FrictionTable,
+    Kind,
+    Line,
+    Part,
+    Quantity,
+    SceneTable,
+    arrays,
+    finite,
+    in_words,
+    unit,
+)
+from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
+from ropefric.systems.beltdrive.effects import SYSTEM
+from ropefric.systems.friction import WrapFriction
+
+_TURN = 2.0 * math.pi
+_PER_MINUTE = 60.0 / _TURN
+
+
+class DrivingTable(StrictTable):
+    """`[driving]`."""
+
+    diameter: Annotated[float, unit("m", "300 mm", above=0), Becomes("wheel_radius_m", 0.5)]
+    wrap: Annotated[float, unit("rad", "180 deg", above=0), Becomes("wrap_angle_rad")]
+    speed: Annotated[float | None, unit("rad/s", "1500 rpm", above=0), Becomes("speed_rad_s")] = None
+
+
+class DrivenTable(StrictTable):
+    """`[driven]`."""
+
+    diameter: Annotated[float, unit("m", "600 mm", above=0), Becomes("driven_radius_m", 0.5)]
+    wrap: Annotated[float | None, unit("rad", "200 deg", above=0), Becomes("driven_wrap_rad")] = None
+
+
+class BeltTable(StrictTable):
+    """`[belt]`."""
+
+    count: Annotated[int, PlainValidator(whole_number(1, 1000)), Becomes("belt_count", many=False)] = 1
+    thickness: Annotated[float, unit("m", "5 mm", above=0), Becomes("rope_radius_m", 0.5)]
+    linear_density: Annotated[
+        float | None, unit("kg/m", "0.9 kg/m", above=0), Becomes("linear_density_kg_m")
+    ] = None
+    groove_angle: Annotated[float | None, unit("rad", "34 deg", above=0), Becomes("groove_angle_rad")] = None
+    axial_stiffness: Annotated[float | None, unit("N", "200 kN", above=0), Becomes("axial_stiffness_N")] = (
+        None
+    )
+
+
+class TensionTable(StrictTable):
+    """`[tension]`: of one belt, and what it is."""
+
+    closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
+    force: Annotated[float, unit("N", "1200 N", above=0), Becomes("tension_N")]
+
+
+class LoadTable(StrictTable):
+    """`[load]`."""
+
+    power: Annotated[float | None, unit("W", "7.5 kW", above=0), Becomes("power_W")] = None
+
+
+class DriveScene(SceneTable):
+    """A scene with `system = "beltdrive"`."""
+
+    driving: DrivingTable
+    driven: DrivenTable | None = None
+    belt: BeltTable
+    tension: TensionTable
+    load: LoadTable | None = None
+    friction: FrictionTable
+
+    @model_validator(mode="after")
+    def _can_run(self) -> Self:
+        if self.load is not None and self.load.power is not None and self.driving.speed is None:
+            reject(
+                "RF121",
+                "a power says nothing about the tensions without the speed",
+                fix='add speed = "1500 rpm" to [driving]',
+                key="driving.speed",
+            )
+        if self.driven is not None and self.driven.wrap is None and not self.driving.wrap < _TURN:
+            reject(
+                "RF121",
+                "a belt that goes round more than once does not tell the driven pulley's wrap",
+                fix='add wrap = "180 deg" to [driven]',
+                key="driven.wrap",
+            )
+        return self
+
+
+def _problem(table: DriveScene, friction: WrapFriction | None) -> DriveProblem:
+    assert friction is not None  # noqa: S101  (the schema asks for it)
+    # An open belt wraps both pulleys by one turn together.
+    open_belt = {} if table.driven is None else {"driven_wrap_rad": np.array([_TURN - table.driving.wrap])}
+    return DriveProblem(friction=friction, closure=table.tension.closure, **open_belt | arrays(table))
+
+
+def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[Quantity, ...]:
+    found = {"full_pull_N": answer.full_pull_N, "full_tight_N": answer.full_tight_N}
+    found["full_slack_N"] = answer.full_slack_N
+    found["initial_tension_N"] = 0.5 * (answer.full_tight_N + answer.full_slack_N)
+    if problem.speed_rad_s is not None:
+        found["full_power_W"] = answer.full_power_W
+    if problem.power_W is not None:
+        found["utilisation"] = answer.utilisation
+        found["belts_needed"] = answer.utilisation * problem.belt_count
+    return tuple(Quantity(name=name, value=value, positive=True) for name, value in found.items())
+
+
+def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[Failure, ...]:
+    if problem.power_W is None:
+        return ()
+    use, slack_N = answer.utilisation, answer.slack_N
+    words = "the belts slip: they do not carry the power"
+    return (
+        Failure(words=words, measure="utilisation", value=use, fails=use > 1.0),
+        Failure(
+            words="a belt goes slack at work", measure="slack side in N", value=slack_N, fails=slack_N <= 0.0
+        ),
+    )
+
+
+def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
+    tree: dict[str, Any] = {"closure": problem.closure, "circling_N": float(answer.circling_N[0])}
+    tree["belt_speed_m_s"] = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
+    work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
+    tree["at_work"] = {
+        "tight_N": float(answer.tight_N[0]),
+        "slack_N": float(answer.slack_N[0]),
+        "pull_N": float(answer.pull_N[0]),
+        "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),
+        "power_W": work_W,
+    }
+    wraps = {"driving": problem.wrap_angle_rad, "driven": problem.driven_wrap_rad}
+    tree["pulleys"] = {
+        name: {
+            "wrap_angle_rad": float(wrap[0]),
+            "mu": float(answer.coefficients[place, 0]),
+            "slip_arc_rad": finite(answer.slip_arc_rad[place, 0]),
+            "adhesion_arc_rad": finite(wrap[0] - answer.slip_arc_rad[place, 0]),
+        }
+        for place, (name, wrap) in enumerate(wraps.items())
+        if wrap is not None
+    }
+    if problem.driven_radius_m is not None:
+        ratio = float(answer.speed_ratio[0])
+        tree["creep"] = {"speed_ratio": ratio, "power_lost_W": work_W * (1.0 - ratio)}
+        if problem.speed_rad_s is not None:
+            gear = problem.wheel_radius_m / problem.driven_radius_m
+            tree["pulleys"]["driven"]["speed_rad_s"] = float((problem.speed_rad_s * gear)[0]) * ratio
+    elif problem.closure == "tensioner":
+        # Held at its slack end a band brakes by the more; the other way round it holds at the tight end.
+        least = float(np.exp(-answer.exponents[0, 0]))
+        tree["at_work"]["reversed_torque_N_m"] = tree["at_work"]["torque_N_m"] * least
+    best = best_speed_m_s(problem)
+    if best is not None:
+        share = answer.full_pull_N / (problem.tension_N - answer.circling_N)
+        tree["best"] = {
+            "speed_m_s": float(best[0]),
+            "rotation_rad_s": float((best / problem.wheel_radius_m)[0]),
+            "power_W": float((share * problem.tension_N * 2.0 / 3.0 * best)[0]),
+        }
+    if problem.power_W is not None:
+        tree["belts"] = max(1, math.ceil(float((answer.utilisation * problem.belt_count)[0]) - 1e-9))
+    return tree
+
+
+def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
+    work, best = tree["at_work"], tree.get("best")
+    lines = [
+        (
+            f"at work: T1 = {work['tight_N']:.5g} N, T2 = {work['slack_N']:.5g} N a belt, "
+            f"{tree['circling_N']:.4g} N of it to keep it on its circle; torque {work['torque_N_m']:.5g} N m"
+        )
+    ]
+    if "reversed_torque_N_m" in work:
+        lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
+    if "belts" in tree:
+        lines.append(
+            f"the power takes {tree['belts']} belt{'s' if tree['belts'] > 1 else ''} tensioned like this"
+        )
+    if best is not None:
+        lines.append(
+            f"best speed: {best['speed_m_s']:.4g} m/s, {best['rotation_rad_s'] * _PER_MINUTE:.5g} rpm of the driving "
+            f"pulley, for {best['power_W']:.5g} W at most"
+        )
+    if tree.get("creep", {}).get("power_lost_W"):
+        creep = tree["creep"]
+        lines.append(
+            f"creep: the driven rim runs {100 * (1 - creep['speed_ratio']):.3g} % slower, which loses "
+            f"{creep['power_lost_W']:.4g} W"
+        )
+    arcs = ("wrap_angle_rad", "slip_arc_rad", "adhesion_arc_rad")
+    rows = tuple(
+        (
+            name,
+            *(in_words(None if one[arc] is None else math.degrees(one[arc]), ".1f") for arc in arcs),
+            in_words(one["mu"]),
+            in_words(one["speed_rad_s"] * _PER_MINUTE if "speed_rad_s" in one else None, ".5g"),
+        )
+        for name, one in tree["pulleys"].items()
+    )
+    headings = (
+        "pulley",
+        "wrap [deg]",
+        "slips over [deg]",
+        "adheres over [deg]",
+        "mu with groove",
+        "driven [rpm]",
+    )
+    return (Part("Belt and pulleys", lines=tuple(lines), headings=headings, rows=rows),)
+
+
+def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
+    best = best_speed_m_s(problem)
+    if best is None or problem.linear_density_kg_m is None:
+        return None
+    fastest = math.sqrt(3.0) * float(best[0])
+    speeds = np.linspace(0.0, fastest, 201)
+    share = float((answer.full_pull_N / (problem.tension_N - answer.circling_N))[0])
+    power_kW = 1e-3 * share * speeds * (problem.tension_N[0] - problem.linear_density_kg_m[0] * speeds**2)
+    lines = [
+        Line("at most", speeds, power_kW),
+        Line(
+            f"best speed {best[0]:.4g} m/s", np.full(2, best[0]), np.array([0.0, power_kW.max()]), limit=True
+        ),
+    ]
+    if problem.speed_rad_s is not None:
+        work_W = answer.pull_N * problem.belt_speed_m_s
+        lines.append(Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))
+    return Chart(
+        title="Power of all belts over their speed",
+        x_column="belt_speed_m_s",
+        x_label="Belt speed v [m/s]",
+        y_column="power_kW",
+        y_label="Power P [kW]",
+        lines=tuple(lines),
+    )
+
+
+def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
+    """Return the tension round each pulley: constant where the belt adheres, then changing until it leaves."""
+    wraps = [problem.wrap_angle_rad[0]]
+    wraps += [] if problem.driven_wrap_rad is None else [problem.driven_wrap_rad[0]]
+    slips = answer.slip_arc_rad[: len(wraps), 0]
+    if np.isnan(slips).any():
+        return None
+    circling_N, lines = answer.circling_N[0], []
+    enters = (answer.tight_N[0] - circling_N, answer.slack_N[0] - circling_N)
+    for place, (name, wrap) in enumerate(zip(("driving pulley", "driven pulley"), wraps, strict=False)):
+        angle = np.linspace(0.0, wrap, 201)
+        grown = answer.coefficients[place, 0] * np.maximum(angle - (wrap - slips[place]), 0.0)
+        tension_N = circling_N + enters[place] * np.exp(-grown if place == 0 else grown)
+        lines.append(Line(name, np.degrees(angle), tension_N))
+    return Chart(
+        title="Tension of a belt round its pulleys: it adheres first, and slips where it leaves",
+        x_column="angle_deg",
+        x_label="Angle from where the belt arrives [deg]",
+        y_column="tension_N",
+        y_label="Tension T [N]",
+        lines=tuple(lines),
+    )
+
+
+def _contacts(problem: DriveProblem) -> Mapping[str, FloatArray]:
+    return {
+        "wheel_radius_m": problem.wheel_radius_m,
+        "rope_radius_m": problem.rope_radius_m,
+        "wrap_angle_rad": problem.wrap_angle_rad,
+        "end_tension_N": problem.tension_N,
+    }
+
+
+KIND = Kind(
+    name="beltdrive",
+    schema=DriveScene,
+    system=SYSTEM,
+    own_wheel=lambda table: (0.5 * table.driving.diameter, 0.5 * table.belt.thickness),
+    problem=_problem,
+    quantities=_quantities,
+    tree=_tree,
+    contacts=_contacts,
+    answerable=answerable,
+    failures=_failures,
+    sections=_sections,
+    figures={"belt_power": Figure(_power_chart), "belt_arcs": Figure(_arcs_chart)},
+    words={
+        "full_pull_N": "Largest pull of all belts [N]",
+        "full_tight_N": "Tight side at the largest pull, a belt [N]",
+        "full_slack_N": "Slack side at the largest pull, a belt [N]",
+        "initial_tension_N": "Initial tension for the largest pull, (T1 + T2)/2 a belt [N]",
+        "full_power_W": "Largest power of all belts at this speed [W]",
+        "utilisation": "Share of the largest pull at work",
+        "belts_needed": "Belts that the power takes, before rounding up",
+    },
+    template={
+        "belt-drive": """\
+# Two V belts between two pulleys: what they carry, how they creep.   ropefric solve belt-drive.toml
+system   = "beltdrive"
+accuracy = 0.001     # relative error you can live with
+effects  = "auto"    # "auto", "all", or a list of names; ropefric explain shows them
+
+[driving]
+diameter = "300 mm"
+wrap     = "180 deg"
+speed    = "1500 rpm"
+
+[driven]             # leave it out for a drum, a capstan or a band brake
+diameter = "600 mm"
+wrap     = "180 deg" # where it is left out, an open belt is meant: one turn less the driving pulley's wrap
+
+[belt]
+count           = 2
+thickness       = "13 mm"
+linear_density  = "0.9 kg/m"   # of one belt
+groove_angle    = "30 deg"     # of a wedge groove, flank to flank; leave it out for flat belts and ropes on drums
+axial_stiffness = "400 kN"     # EA of one belt, for its creep
+
+[tension]            # of one belt, with what keeps it on its circle
+closure = "limit"    # limit: the tight side's most; tensioner: the slack side's; fixed: pretension of fixed centres
+force   = "5250 N"
+
+[load]
+power = "120 kW"     # leave it out for the largest there is
+
+[friction]
+mu = 0.12            # or law and parameters, or fit = "FIT.json"
+""",
+        "band-brake": """\
+# A band brake: the band held at one end with a given force.   ropefric solve band-brake.toml
+system   = "beltdrive"
+accuracy = 0.01
+effects  = "auto"
+
+[driving]            # the drum
+diameter = "300 mm"
+wrap     = "270 deg"
+speed    = "20 rpm"
+
+[belt]
+thickness = "5 mm"
+
+[tension]
+closure = "tensioner"  # the force pulls at the slack end; the answer also tells the torque of the other direction
+force   = "500 N"
+
+[friction]
+mu = 0.25
+""",
+    },
+)

@@ -1,0 +1,16 @@
+"""Belts and ropes that carry a pull round a pulley, or from one to another: power, tensions, best speed, creep.
+
+`drive` is the drive and its balance of tensions, `effects` what a scene may leave out. A single pulley is a drum, a
+capstan or a band brake. Tensions are per belt and count what keeps the belt on its circle, m v2, which presses nothing.
+
+What is given of the tensions closes the balance:
+
+- limit: the tight side pulls with the most a belt may bear, T1 = T.
+- tensioner: a weight or spring holds the slack side, T2 = T, at rest and at any speed.
+- fixed: the centres stay where a pretension T was set. A linear elastic belt then keeps its length, so T1 + T2 = 2T.
+
+At full pull (T1 - m v2) = (T2 - m v2) e^M on the pulley with the smaller M = mu' wrap, mu' = mu/sin(half the groove
+angle) in a wedge groove. At a lower pull the belt slips over part of the arc only, where it leaves the pulley, and
+adheres over the rest (Grashof); there it stretches from T2 to T1, so that the driven rim runs slower by
+(1 + T2/EA)/(1 + T1/EA): elastic creep, and the power that it loses.
+"""

@@ -1,0 +1,280 @@
+"""A belt drive: the pull that friction carries, the tensions at work, and how far the belt creeps."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import InputError, SolverError
+from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
+from ropefric.systems.friction import WrapFriction
+
+CLOSURES = ("limit", "tensioner", "fixed")
+_LARGEST_EXPONENT = 700.0
+_MAX_STEPS = 200
+
+_RULES: dict[str, Rule] = {
+    "wheel_radius_m": "positive",
+    "wrap_angle_rad": "positive",
+    "tension_N": "positive",
+    "rope_radius_m": "positive",
+    "belt_count": "positive",
+    "speed_rad_s": "zero or more",
+    "driven_radius_m": "positive",
+    "driven_wrap_rad": "positive",
+    "linear_density_kg_m": "zero or more",
+    "groove_angle_rad": "positive",
+    "axial_stiffness_N": "positive",
+    "power_W": "zero or more",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DriveProblem:
+    """A belt drive, n cases side by side; scalars are spread. Without a driven pulley it is a drum or a brake."""
+
+    friction: WrapFriction
+    closure: str
+    wheel_radius_m: FloatArray
+    wrap_angle_rad: FloatArray
+    tension_N: FloatArray
+    rope_radius_m: FloatArray
+    belt_count: FloatArray
+    speed_rad_s: FloatArray | None = None
+    driven_radius_m: FloatArray | None = None
+    driven_wrap_rad: FloatArray | None = None
+    linear_density_kg_m: FloatArray | None = None
+    groove_angle_rad: FloatArray | None = None
+    axial_stiffness_N: FloatArray | None = None
+    power_W: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
+            refuse_out_of_scale(name, array, may_vanish=_RULES[name] != "positive")
+            object.__setattr__(self, name, array)
+        groove = self.groove_angle_rad
+        if groove is not None and (groove > np.pi).any():
+            raise InputError(
+                f"a groove of {groove.max():g} rad opens by more than half a turn", key="groove_angle_rad"
+            )
+        if self.power_W is not None and not (self.power_W * (self.belt_speed_m_s <= 0.0) == 0.0).all():
+            raise InputError("a pulley at rest carries no power", key="speed_rad_s", fix="give its speed")
+
+    @property
+    def n(self) -> int:
+        """Return how many cases there are."""
+        return self.wheel_radius_m.size
+
+    @property
+    def belt_speed_m_s(self) -> FloatArray:
+        """Return the rim speed of the driving pulley [m/s], shape (n,)."""
+        return np.zeros(self.n) if self.speed_rad_s is None else self.speed_rad_s * self.wheel_radius_m
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DriveModel:
+    """A belt drive with the effects that are simulated."""
+
+    problem: DriveProblem
+    effects: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DriveAnswer:
+    """What a belt drive carries at most, and how it runs; arrays of shape (n,), forces per belt.
+
+    Attributes
+    ----------
+    circling_N : ndarray
+        m v2, what keeps the belt on its circle [N].
+    coefficients, exponents : ndarray, shape (2, n)
+        mu', with what the groove makes of it, and mu' times the wrap, of driving and driven pulley; NaN without one.
+    full_tight_N, full_slack_N : ndarray
+        T1 and T2 at the largest pull [N].
+    tight_N, slack_N : ndarray
+        T1 and T2 at work [N]: at the power asked for, at the largest pull where none is.
+    strain : ndarray, shape (2, n)
+        Of the tight and the slack side at work; 0 where creep is left out.
+    """
+
+    problem: DriveProblem
+    circling_N: FloatArray
+    coefficients: FloatArray
+    exponents: FloatArray
+    full_tight_N: FloatArray
+    full_slack_N: FloatArray
+    tight_N: FloatArray
+    slack_N: FloatArray
+    strain: FloatArray
+
+    @property
+    def full_pull_N(self) -> FloatArray:
+        """Return the largest pull of all belts [N]."""
+        return np.asarray(self.problem.belt_count * (self.full_tight_N - self.full_slack_N))
+
+    @property
+    def full_power_W(self) -> FloatArray:
+        """Return the largest power of all belts at the speed of the driving pulley [W]."""
+        return np.asarray(self.full_pull_N * self.problem.belt_speed_m_s)
+
+    @property
+    def pull_N(self) -> FloatArray:
+        """Return the pull of all belts at work [N]."""
+        return np.asarray(self.problem.belt_count * (self.tight_N - self.slack_N))
+
+    @property
+    def utilisation(self) -> FloatArray:
+        """Return the pull at work over the largest one; above 1 the belts slip."""
+        return np.asarray(self.pull_N / self.full_pull_N)
+
+    @property
+    def speed_ratio(self) -> FloatArray:
+        """Return the rim speed of the driven pulley over that of the driving one, (1 + T2/EA)/(1 + T1/EA)."""
+        tight, slack = self.strain
+        return np.asarray((1.0 + slack) / (1.0 + tight))
+
+    @cached_property
+    def slip_arc_rad(self) -> FloatArray:
+        """Return the arcs of both pulleys over which the belt slips at work, shape (2, n); NaN where it slips wholly."""
+        pressing = np.stack([self.tight_N, self.slack_N]) - self.circling_N
+        whole = (pressing <= 0.0).any(axis=0) | (self.utilisation > 1.0 + 1e-9)
+        logs = np.log(np.where(whole, 1.0, pressing))
+        return np.asarray(np.where(whole, np.nan, (logs[0] - logs[1]) / self.coefficients))
+
+    @property
+    def logs(self) -> FloatArray:
+        """Return the logarithms of all numbers, shape (k, n); of the power that creep loses its share of all power."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            forces = (self.full_tight_N, self.full_slack_N, self.full_pull_N, self.tight_N, self.slack_N)
+            found = np.log(
+                [*forces, self.utilisation, self.speed_ratio, *self.coefficients, *self.slip_arc_rad]
+            )
+        return np.asarray(found)
+
+
+def solve_drive(model: DriveModel) -> DriveAnswer:
+    """Return what a belt drive carries, and how it runs at the power asked for."""
+    problem = model.problem
+    circling_N = np.zeros(problem.n)
+    if "centrifugal" in model.effects and problem.linear_density_kg_m is not None:
+        circling_N = problem.linear_density_kg_m * problem.belt_speed_m_s**2
+    _refuse_floating(problem, circling_N)
+    pressing_N, law = problem.tension_N - circling_N, problem.friction.law
+    coefficients = _coefficients(model, pressing_N)
+    if "wrap-dependence" in model.effects and "end-tension" in law.effects and problem.closure != "tensioner":
+        # What presses on the slack side depends on the friction, and such a law's friction on it.
+        for _ in range(_MAX_STEPS):
+            slack_N = _full_N(problem, pressing_N, _exponents(problem, coefficients))[1]
+            better = _coefficients(model, slack_N)
+            settled = np.nanmax(np.abs(better / coefficients - 1.0)) <= 1e-13
+            coefficients = better
+            if settled:
+                break
+        else:
+            raise SolverError(
+                "friction and slack tension do not settle", code="RF500", fix="use a law without tension"
+            )
+    exponents = _exponents(problem, coefficients)
+    full_tight_N, full_slack_N = (one + circling_N for one in _full_N(problem, pressing_N, exponents))
+    tight_N, slack_N = full_tight_N, full_slack_N
+    if problem.power_W is not None:
+        moving = np.where(problem.belt_speed_m_s > 0.0, problem.belt_speed_m_s, 1.0)
+        pull_N = problem.power_W / moving / problem.belt_count
+        behind = {"limit": 0.0, "tensioner": 1.0, "fixed": 0.5}[problem.closure]
+        tight_N = problem.tension_N + behind * pull_N
+        slack_N = tight_N - pull_N
+    strain = np.zeros((2, problem.n))
+    if "creep" in model.effects and problem.axial_stiffness_N is not None:
+        strain = np.stack([tight_N, slack_N]) / problem.axial_stiffness_N
+    return DriveAnswer(
+        problem=problem,
+        circling_N=circling_N,
+        coefficients=coefficients,
+        exponents=exponents,
+        full_tight_N=full_tight_N,
+        full_slack_N=full_slack_N,
+        tight_N=tight_N,
+        slack_N=slack_N,
+        strain=strain,
+    )
+
+
+def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
+    """Return mu' of driving and driven pulley, shape (2, n); NaN where there is no driven one."""
+    problem = model.problem
+    told = {"wrap-dependence": {"wrap", "end-tension"}, "size": {"size"}}
+    pulleys = [(problem.wheel_radius_m, problem.wrap_angle_rad)]
+    if problem.driven_radius_m is not None and problem.driven_wrap_rad is not None:
+        pulleys.append((problem.driven_radius_m, problem.driven_wrap_rad))
+    found = [
+        problem.friction.exponent(
+            wheel_radius_m=radius_m,
+            rope_radius_m=problem.rope_radius_m,
+            wrap_angle_rad=wrap_rad,
+            slack_tension_N=slack_N,
+            told=frozenset[str]().union(*(told[name] for name in model.effects & told.keys())),
+        )
+        / wrap_rad
+        for radius_m, wrap_rad in pulleys
+    ]
+    wedge = np.ones(problem.n)
+    if "wedge" in model.effects and problem.groove_angle_rad is not None:
+        wedge = 1.0 / np.sin(0.5 * problem.groove_angle_rad)
+    return np.stack([*found, np.full(problem.n, np.nan)][:2]) * wedge
+
+
+def _exponents(problem: DriveProblem, coefficients: FloatArray) -> FloatArray:
+    driven = problem.wrap_angle_rad if problem.driven_wrap_rad is None else problem.driven_wrap_rad
+    exponents = coefficients * np.stack([problem.wrap_angle_rad, driven])
+    if (np.nanmin(exponents, axis=0) > _LARGEST_EXPONENT).any():
+        raise InputError(
+            f"the tensions would differ by e^{np.nanmin(exponents, axis=0).max():.4g}, which is no number",
+            code="RF420",
+            key="wrap_angle_rad",
+            fix="use fewer turns",
+        )
+    return np.asarray(exponents)
+
+
+def _full_N(
+    problem: DriveProblem, pressing_N: FloatArray, exponents: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what presses on the tight and on the slack side at the largest pull [N]."""
+    exponent = np.nanmin(exponents, axis=0)  # of the pulley that slips first
+    if problem.closure == "limit":
+        return pressing_N, pressing_N * np.exp(-exponent)
+    if problem.closure == "tensioner":
+        return pressing_N * np.exp(exponent), pressing_N
+    share = np.tanh(0.5 * exponent)
+    return pressing_N * (1.0 + share), pressing_N * 2.0 / (1.0 + np.exp(exponent))
+
+
+def _refuse_floating(problem: DriveProblem, circling_N: FloatArray) -> None:
+    floating = problem.tension_N <= circling_N
+    if floating.any():
+        first = int(np.argmax(floating))
+        raise InputError(
+            f"m v^2 = {circling_N[first]:.6g} N is not below the tension of {problem.tension_N[first]:.6g} N: the belt "
+            "lifts off the pulley",
+            code="RF510",
+            key="speed_rad_s",
+            fix="raise the tension or lower the speed",
+        )
+
+
+def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
+    """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
+
+    Whatever closes the balance, the pull is proportional to T − m v2 of the tension that is given.
+    """
+    if problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():
+        return None
+    return np.asarray(np.sqrt(problem.tension_N / (3.0 * problem.linear_density_kg_m)))
+
+
+def answerable(problem: DriveProblem) -> BoolArray:
+    """Return for which of n cases the belt stays on its pulleys, shape (n,)."""
+    if problem.linear_density_kg_m is None:
+        return np.ones(problem.n, dtype=np.bool_)
+    return np.asarray(problem.tension_N > problem.linear_density_kg_m * problem.belt_speed_m_s**2)

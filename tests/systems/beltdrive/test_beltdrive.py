@@ -1,0 +1,287 @@
+"""Belt drives, capstans and band brakes: printed numbers, both closures, creep, what is left out, bad input."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+import ropefric as rf
+from ropefric.errors import DataError, InputError
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.scenes.plan import make_plan
+from ropefric.scenes.scene_templates import scene_text, write_scenes
+from ropefric.systems.beltdrive.drive import DriveModel, DriveProblem, best_speed_m_s, solve_drive
+from ropefric.systems.beltdrive.effects import EFFECTS, SYSTEM
+from ropefric.systems.friction import WrapFriction
+
+RPM = 2.0 * math.pi / 60.0
+
+
+def problem_of(mu, **values):
+    radius_m = values.pop("radius_m", 0.15)
+    fixed = {"closure": "limit", "belt_count": 1.0, "rope_radius_m": 0.005, "wheel_radius_m": radius_m}
+    return DriveProblem(friction=WrapFriction.constant(mu), **(fixed | values))
+
+
+def solved(problem, effects=tuple(EFFECTS)):
+    return solve_drive(DriveModel(problem=problem, effects=frozenset(effects)))
+
+
+def test_a_rope_on_a_drum():
+    """2.5 turns at 20 rpm; the printed 2.772 kW take 300 mm for the drum's diameter."""
+    rope = solved(problem_of(0.25, wrap_angle_rad=5.0 * math.pi, tension_N=9000.0, speed_rad_s=20.0 * RPM))
+    assert rope.full_slack_N[0] == pytest.approx(177.33, abs=0.005)
+    assert rope.full_power_W[0] == pytest.approx(2772.0, abs=0.5)
+
+
+def test_a_flat_belt_at_its_best_speed():
+    flat = {"wrap_angle_rad": math.radians(120.0), "tension_N": 1200.0, "linear_density_kg_m": 0.6}
+    best = best_speed_m_s(problem_of(0.3, **flat))
+    assert best[0] == pytest.approx(25.82, abs=0.005)
+    assert solved(problem_of(0.3, **flat, speed_rad_s=best / 0.15)).full_power_W[0] == pytest.approx(
+        9640.0, abs=5.0
+    )
+    around = solved(
+        problem_of(0.3, **flat, speed_rad_s=best / 0.15 * np.array([0.99, 1.0, 1.01]))
+    ).full_power_W
+    assert around.argmax() == 1
+
+
+def test_two_v_belts():
+    """23.562 m/s are 1500 rpm of 300 mm; each belt bears 5250 N and weighs 0.9 kg/m."""
+    belts = problem_of(
+        0.12, wrap_angle_rad=math.pi, tension_N=5250.0, belt_count=2.0, linear_density_kg_m=0.9,
+        groove_angle_rad=math.radians(30.0), speed_rad_s=1500.0 * RPM,
+    )  # fmt: skip
+    assert belts.belt_speed_m_s[0] == pytest.approx(23.562, abs=5e-4)
+    assert solved(belts).full_power_W[0] == pytest.approx(171_690.0, abs=5.0)
+    assert best_speed_m_s(belts)[0] / 0.15 / RPM == pytest.approx(2807.0, abs=0.5)
+
+
+CLOSED = {"wrap_angle_rad": 3.0, "tension_N": 1000.0, "linear_density_kg_m": 0.5, "speed_rad_s": 100.0}
+
+
+@pytest.mark.parametrize("closure", ["limit", "tensioner", "fixed"])
+def test_every_closure_slips_by_eytelwein_and_keeps_what_is_given(closure):
+    found = solved(problem_of(0.3, closure=closure, **CLOSED))
+    tight_N, slack_N, circling_N = found.full_tight_N[0], found.full_slack_N[0], 0.5 * 15.0**2
+    assert (tight_N - circling_N) / (slack_N - circling_N) == pytest.approx(math.exp(0.9), rel=1e-12)
+    given_N = {"limit": tight_N, "tensioner": slack_N, "fixed": 0.5 * (tight_N + slack_N)}[closure]
+    assert given_N == pytest.approx(1000.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("closure", ["limit", "tensioner", "fixed"])
+def test_the_power_is_carried_and_uses_its_share(closure):
+    full = solved(problem_of(0.3, closure=closure, **CLOSED))
+    half = solved(problem_of(0.3, closure=closure, **CLOSED, power_W=0.5 * full.full_power_W))
+    assert half.pull_N == pytest.approx(0.5 * full.full_pull_N, rel=1e-12)
+    assert half.utilisation[0] == pytest.approx(0.5, rel=1e-12)
+    assert 0.0 < half.slip_arc_rad[0, 0] < 3.0
+    assert full.slip_arc_rad[0, 0] == pytest.approx(3.0, rel=1e-9), "at the largest pull it slips all round"
+    beyond = solved(problem_of(0.3, closure=closure, **CLOSED, power_W=1.1 * full.full_power_W))
+    assert np.isnan(beyond.slip_arc_rad[0, 0])
+
+
+def test_creep_against_the_belt_followed_round_the_driving_pulley():
+    """Mass flow ρ/(1 + T/EA) v is the same everywhere; over the slip arc dT/dφ = -μ (T - m v2)."""
+    stiff_N = 2e5
+    belt = {**CLOSED, "driven_radius_m": 0.3, "driven_wrap_rad": 3.2, "axial_stiffness_N": stiff_N}
+    found = solved(problem_of(0.3, **belt, power_W=4000.0))
+    slip, circling_N = found.slip_arc_rad[0, 0], found.circling_N[0]
+    leaves = solve_ivp(
+        lambda _, tension_N: -0.3 * (tension_N - circling_N),
+        (0.0, slip),
+        found.tight_N,
+        rtol=1e-11,
+        atol=1e-9,
+    ).y[0, -1]
+    assert leaves == pytest.approx(found.slack_N[0], rel=1e-9)
+    assert found.speed_ratio[0] == pytest.approx(
+        (1.0 + leaves / stiff_N) / (1.0 + found.tight_N[0] / stiff_N), rel=1e-12
+    )
+    assert 0.99 < found.speed_ratio[0] < 1.0
+
+
+def test_without_creep_both_rims_run_at_one_speed():
+    belt = {**CLOSED, "driven_radius_m": 0.3, "driven_wrap_rad": 3.2, "axial_stiffness_N": 2e5}
+    rigid = solved(problem_of(0.3, **belt), effects=("centrifugal", "wedge"))
+    assert rigid.speed_ratio[0] == 1.0
+    assert solved(problem_of(0.3, **(belt | {"axial_stiffness_N": 1e15}))).speed_ratio[0] == pytest.approx(
+        1.0
+    )
+
+
+def test_the_pulley_with_the_smaller_wrap_slips_first():
+    small = solved(problem_of(0.3, **CLOSED, driven_radius_m=0.05, driven_wrap_rad=2.0))
+    ratio = (small.full_tight_N - small.circling_N) / (small.full_slack_N - small.circling_N)
+    assert ratio[0] == pytest.approx(math.exp(0.6), rel=1e-12)
+    assert small.slip_arc_rad[:, 0] == pytest.approx([2.0, 2.0], rel=1e-9)
+
+
+def test_a_law_that_feels_the_tension_is_told_what_presses_on_the_slack_side():
+    law = ALL_LAWS["howell"]
+    friction = WrapFriction(
+        law=law, theta=np.array([0.3, 0.9]), reference=one_condition(0.15, 0.005, 3.0, 500.0)
+    )
+    problem = DriveProblem(
+        friction=friction, closure="limit", belt_count=1.0, rope_radius_m=0.005, wheel_radius_m=0.15,
+        wrap_angle_rad=3.0, tension_N=1000.0,
+    )  # fmt: skip
+    found = solved(problem)
+    exponent = friction.exponent(
+        wheel_radius_m=0.15, rope_radius_m=0.005, wrap_angle_rad=3.0, slack_tension_N=found.full_slack_N,
+        told=frozenset({"wrap", "end-tension", "size"}),
+    )  # fmt: skip
+    assert found.full_slack_N[0] == pytest.approx(1000.0 * np.exp(-exponent)[0], rel=1e-12)
+
+
+LAWS = {"constant": [(0.05, 0.4)], "wrap-power": [(0.01, 0.4), (-0.9, -0.05), (0.02, 0.2)],
+        "coupled": [(0.1, 0.4), (-0.5, -0.05), (-1.0, 0.0), (-0.9, -0.05), (0.02, 0.15)],
+        "howell": [(0.1, 0.5), (0.7, 0.99)]}  # fmt: skip
+
+
+@st.composite
+def drives(draw):
+    """Drives from a sewing machine to a mill, with any of the data that may be missing."""
+    name = draw(st.sampled_from(sorted(LAWS)))
+    theta = np.array([draw(st.floats(low, high)) for low, high in LAWS[name]])
+    wrap, force_N, density = (
+        draw(st.floats(1.5, 4.5)),
+        draw(st.floats(20.0, 5000.0)),
+        draw(st.floats(0.01, 1.0)),
+    )
+    fastest = 0.9 * math.sqrt(force_N / density) / 0.1
+    reference = one_condition(
+        0.1, 0.004, wrap * draw(st.floats(0.8, 1.25)), force_N * draw(st.floats(0.3, 1.0))
+    )
+    values = {"linear_density_kg_m": density, "speed_rad_s": draw(st.floats(1.0, fastest))}
+    if draw(st.booleans()):
+        values |= {
+            "driven_radius_m": draw(st.floats(0.02, 0.5)),
+            "driven_wrap_rad": draw(st.floats(1.5, 4.5)),
+        }
+    if draw(st.booleans()):
+        values["groove_angle_rad"] = draw(st.floats(0.5, 2.5))
+    if draw(st.booleans()):
+        values["axial_stiffness_N"] = force_N * draw(st.floats(20.0, 1e5))
+    return DriveProblem(
+        friction=WrapFriction(law=ALL_LAWS[name], theta=theta, reference=reference),
+        closure=draw(st.sampled_from(["limit", "tensioner", "fixed"])), belt_count=2.0, rope_radius_m=0.004,
+        wheel_radius_m=0.1, wrap_angle_rad=wrap, tension_N=force_N, **values,
+    )  # fmt: skip
+
+
+@settings(deadline=None, max_examples=40, derandomize=True)
+@given(problem=drives(), accuracy=st.sampled_from([0.3, 0.05, 0.01, 1e-6]))
+def test_the_promise_holds_for_random_drives(problem, accuracy):
+    plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
+    full_plan, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
+    found, everything = SYSTEM.solve(model, plan.method), SYSTEM.solve(full, full_plan.method)
+    assert SYSTEM.distance(found, everything) <= min(accuracy, plan.error_bound)
+
+
+def test_what_is_left_out_is_small():
+    slow = problem_of(0.3, **(CLOSED | {"speed_rad_s": 1.0}))
+    plan, _ = make_plan(SYSTEM, slow, accuracy=0.01, effects="auto")
+    assert "centrifugal" in plan.left_out
+
+
+def scene(tmp_path, name="belt-drive", old="", new=""):
+    path = tmp_path / f"{name}.toml"
+    path.write_text(scene_text(name).replace(old, new, 1), encoding="utf-8")
+    return path
+
+
+def test_the_template_is_the_printed_drive(tmp_path):
+    path = next(path for path in write_scenes(tmp_path, ["belt-drive"]) if path.suffix == ".toml")
+    solution = rf.solve(path)
+    tree = solution.to_dict()
+    assert solution.stands
+    assert tree["full_power_W"] == pytest.approx(171_690.0, abs=5.0)
+    assert tree["best"]["rotation_rad_s"] / RPM == pytest.approx(2807.0, abs=0.5)
+    assert tree["belts"] == 2
+    assert tree["initial_tension_N"] == pytest.approx(0.5 * (tree["full_tight_N"] + tree["full_slack_N"]))
+    driven = tree["pulleys"]["driven"]
+    assert driven["speed_rad_s"] == pytest.approx(750.0 * RPM * tree["creep"]["speed_ratio"], rel=1e-12)
+    assert tree["creep"]["power_lost_W"] == pytest.approx(
+        120e3 * (1.0 - tree["creep"]["speed_ratio"]), rel=1e-9
+    )
+    assert driven["slip_arc_rad"] + driven["adhesion_arc_rad"] == pytest.approx(math.pi)
+    json.dumps(tree, allow_nan=False)
+
+
+def test_too_much_power_slips(tmp_path):
+    solution = rf.solve(scene(tmp_path, old='"120 kW"', new='"200 kW"'))
+    assert not solution.stands
+    assert any("the belts slip" in words for words in solution.warnings)
+    assert solution.to_dict()["belts"] == 3
+
+
+def test_a_band_brake_both_ways(tmp_path):
+    tree = rf.solve(scene(tmp_path, "band-brake")).to_dict()["at_work"]
+    grip = math.exp(0.25 * 1.5 * math.pi)
+    assert tree["torque_N_m"] == pytest.approx(500.0 * (grip - 1.0) * 0.15, rel=1e-12)
+    assert tree["reversed_torque_N_m"] == pytest.approx(500.0 * (1.0 - 1.0 / grip) * 0.15, rel=1e-12)
+
+
+def test_a_sweep_and_a_fit(tmp_path):
+    found = rf.sweep(scene(tmp_path), "driving.speed=2000rpm,2807.23rpm,3500rpm")
+    assert found.columns["full_power_W"].argmax() == 1
+    write_scenes(tmp_path, ["hoist"])
+    tree = rf.solve(scene(tmp_path, old="mu = 0.12 ", new='fit = "fits/prth-coupled.json" #')).to_dict()
+    low, high = (
+        tree["full_power_W_interval"] if "full_power_W_interval" in tree else tree["full_power_interval"]
+    )
+    assert low < tree["full_power_W"] < high
+
+
+def test_the_charts_show_power_and_arcs(tmp_path):
+    from ropefric.plotting.chart import scene_figures
+
+    figures = dict(scene_figures(rf.solve(scene(tmp_path))))
+    assert set(figures) == {"belt_power", "belt_arcs"}
+    rows = figures["belt_arcs"].tables[0].rows
+    round_one = [tension_N for name, _, tension_N in rows if name == "driving pulley"]
+    assert (round_one[0], round_one[-1]) == pytest.approx((5250.0, 5250.0 - 120e3 / 23.5619449 / 2.0))
+    for figure in figures.values():
+        figure.figure.canvas.draw()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('closure = "limit"', 'closure = "limt"', "did you mean 'limit'"),
+        ('speed    = "1500 rpm"', "", "a power says nothing about the tensions without the speed"),
+        ('"5250 N"', "5250", '"5250 N"'),
+        ("count           = 2", "count = 2.5", "whole number from 1 to 1000"),
+        ("groove_angle ", "grove_angle ", "did you mean 'groove_angle'"),
+        ('"30 deg"', '"200 deg"', "more than half a turn"),
+        ('"1500 rpm"', '"9000 rpm"', "lifts off the pulley"),
+        ('"auto"', '["crep"]', "did you mean 'creep'"),
+        ('axial_stiffness = "400 kN"', "", "cannot be simulated without belt.axial_stiffness"),
+        ('wrap     = "180 deg"', 'wrap = "900 turn"', "no number"),
+    ],
+)
+def test_bad_keys_are_refused_by_name(tmp_path, old, new, words):
+    text = scene_text("belt-drive")
+    assert old in text
+    text = text.replace(old, new, 1)
+    if "axial" in old:
+        text = text.replace('"auto"', '["creep"]', 1)
+    if "turn" in new:
+        text = text.replace('wrap     = "180 deg"', 'wrap = "900 turn"', 1)
+    path = tmp_path / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(DataError, match=words) as caught:
+        rf.solve(path)
+    assert caught.value.problem.line is not None
+
+
+def test_a_pulley_at_rest_carries_no_power():
+    with pytest.raises(InputError, match="at rest"):
+        problem_of(0.3, wrap_angle_rad=3.0, tension_N=1000.0, power_W=100.0)

@@ -1,13 +1,13 @@
-"""From recordings to break-away forces."""
+"""From recordings to break-away forces and trial tables."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.api.campaigns import PathLike, as_campaign
 from ropefric.errors import DataError, InputError
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
@@ -18,11 +18,24 @@ from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
+from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
+from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame, table_of_extraction
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+PathLike = str | os.PathLike[str]
+"""A file or folder."""
+
+
+def as_campaign(campaign: Campaign | PathLike) -> Campaign:
+    """Return a campaign, loaded where its file is given."""
+    return campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
 
 
 def read_trace(
@@ -207,3 +220,39 @@ def reject(values: npt.ArrayLike, rule: str = "two-sigma") -> Repeatability:
     (4,)
     """
     return summarise(values, rule)
+
+
+def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> TrialTable:
+    """Return trials as a trial table; its `to_frame()` gives a pandas DataFrame.
+
+    Parameters
+    ----------
+    trials : TrialTable, Extraction, DataFrame or path-like
+        A table, the result of `extract`, a frame or CSV file with headers such as `wrap_angle_deg`.
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong in it.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> frame = pd.DataFrame({"wheel_radius_mm": [40, 40], "rope_diameter_mm": 10, "wrap_turns": 1,
+    ...                       "end_tension_N": 20, "peak_N": [70, 71]})
+    >>> trial_table(frame).to_frame()["peak_N"].tolist()
+    [70.0, 71.0]
+    """
+    if isinstance(trials, TrialTable):
+        return trials
+    if isinstance(trials, Extraction):
+        return table_of_extraction(trials)
+    if isinstance(trials, str | os.PathLike):
+        return read_trial_table(trials)
+    if hasattr(trials, "columns"):
+        return table_from_frame(trials)
+    raise InputError(
+        f"{type(trials).__name__} is no trial table",
+        key="trials",
+        fix="give a DataFrame or the path of a CSV file",
+    )

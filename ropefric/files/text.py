@@ -2,7 +2,6 @@
 
 import codecs
 import csv
-import gzip
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
@@ -15,6 +14,7 @@ from ropefric.errors import DataError
 from ropefric.files.read import BLOCK_BYTES, InputFile
 
 GZIP_MAGIC = b"\x1f\x8b"
+_GZIP = 31  # as zlib calls it
 
 MOST_UNPACKED_BYTES = 4 * 2**30
 """Text that gzip may unpack to; a few megabytes can be made to unpack to terabytes."""
@@ -33,26 +33,6 @@ _MARKS = (  # UTF-32 first: its little-endian mark starts with UTF-16's
     (b"\xfe\xff", "utf-16"),
     (b"\xef\xbb\xbf", "utf-8-sig"),
 )
-
-
-class _Stream:
-    """Blocks as the file that gzip wants to read."""
-
-    def __init__(self, blocks: Iterator[bytes]) -> None:
-        self._blocks = blocks
-        self._rest = memoryview(b"")
-
-    def read(self, size: int) -> bytes:
-        """Return `size` bytes, fewer at the end only: gzip takes a short read for the file's end."""
-        pieces = []
-        while size > 0:
-            if not self._rest:
-                self._rest = memoryview(next(self._blocks, b""))
-                if not self._rest:
-                    break
-            pieces.append(self._rest[:size])
-            size, self._rest = size - len(pieces[-1]), self._rest[size:]
-        return b"".join(pieces)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +61,7 @@ class Source:
         if not start:
             raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
         if start == GZIP_MAGIC:
-            return self._up_to_here(self._gunzipped())
+            return self._gunzipped()
         if self.path.suffix.lower() == ".gz":
             raise self.error(
                 "the name ends in .gz, but the content is not gzip",
@@ -92,32 +72,22 @@ class Source:
             return iter((self.file.part(0 if self.most_bytes > 0 else self.file.size - size, size),))
         return self.file.blocks()
 
-    def _up_to_here(self, blocks: Iterator[bytes]) -> Iterator[bytes]:
-        left = self.most_bytes or MOST_UNPACKED_BYTES + BLOCK_BYTES
-        for block in blocks:
-            yield block[:left]
-            left -= len(block)
-            if left <= 0:
-                return
-
     def _gunzipped(self) -> Iterator[bytes]:
         n_bytes = 0
         try:
-            with gzip.GzipFile(fileobj=_Stream(self.file.blocks()), mode="rb") as stream:  # type: ignore[call-overload]
-                while block := stream.read(BLOCK_BYTES):
-                    n_bytes += len(block)
-                    if n_bytes > MOST_UNPACKED_BYTES:
-                        raise self.error(
-                            f"the file unpacks to more than {MOST_UNPACKED_BYTES / 2**30:g} GB",
-                            fix="check what it holds; unpack it, and split it, if it is a recording",
-                        )
-                    yield block
-        except (OSError, EOFError, zlib.error) as error:
-            if isinstance(error, DataError):
-                raise
-            raise self.error(
-                f"the gzip data are damaged or cut off ({error})", fix="copy the file again from the logger"
-            ) from None
+            for block in _inflated(self.file.blocks()):
+                yield block[: self.most_bytes - n_bytes] if self.most_bytes else block
+                n_bytes += len(block)
+                if 0 < self.most_bytes <= n_bytes:
+                    return
+                if n_bytes > MOST_UNPACKED_BYTES:
+                    raise self.error(
+                        f"the file unpacks to more than {MOST_UNPACKED_BYTES / 2**30:g} GB",
+                        fix="check what it holds; unpack it, and split it, if it is a recording",
+                    )
+        except zlib.error as error:
+            fix = "copy the file again from the logger"
+            raise self.error(f"the gzip data are damaged or cut off ({error})", fix=fix) from None
         if not n_bytes:
             raise self.error("the file is empty (gzip of 0 bytes)")
 
@@ -127,6 +97,27 @@ class Source:
         if not data:
             raise self.error("the file is empty (0 bytes)", fix="record or copy it again")
         return data
+
+
+def _inflated(packed: Iterator[bytes]) -> Iterator[bytes]:
+    """Yield what gzip has packed, a block at most at a time; a file may have several members and zeros at its end."""
+    unpacker = zlib.decompressobj(_GZIP)
+    for rest in chain(packed, (b"",)):
+        is_end = not rest
+        while rest or is_end:
+            if unpacker.eof:
+                rest = rest.lstrip(b"\0")  # noqa: PLW2901
+                if not rest:
+                    break
+                unpacker = zlib.decompressobj(_GZIP)
+            block = unpacker.decompress(rest, BLOCK_BYTES)
+            if block:
+                yield block
+            elif not rest:
+                break
+            rest = unpacker.unused_data or unpacker.unconsumed_tail  # noqa: PLW2901
+    if not unpacker.eof:
+        raise zlib.error("the end is missing")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,48 +1,107 @@
-"""Sections as one HTML page that needs nothing else."""
+"""A report as data, and as one HTML page that needs nothing else."""
 
-from collections.abc import Sequence
-from html import escape
+import re
+from functools import cache
+from typing import Literal, NamedTuple
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from ropefric import __version__
 from ropefric.files.plain_text import visible
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section
 
-_STYLE = """\
-body { font: 16px/1.45 system-ui, sans-serif; color: #1d2433; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin: 1.8rem 0 0.4rem; }
-p { margin: 0.3rem 0; } table { border-collapse: collapse; margin: 0.6rem 0; }
-th, td { padding: 0.2rem 0.9rem 0.2rem 0; text-align: right; vertical-align: top; }
-th { border-bottom: 1px solid #8891a3; } .words { text-align: left; }
-tbody tr:nth-child(even) { background: #f3f5f9; }
-"""
+_SYMBOL = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")
 
 
-def as_page(title: str, sections: Sequence[Section]) -> str:
-    """Return sections as an HTML page."""
-    body = "".join(_section(section) for section in sections)
-    return visible(
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escape(title)}</title>\n'
-        f"<style>\n{_STYLE}</style>\n</head>\n<body>\n<h1>{escape(title)}</h1>\n{body}</body>\n</html>\n"
+class Alert(NamedTuple):
+    """Something to know before a result is used."""
+
+    grade: Literal["stop", "doubt", "note"]
+    title: str
+    text: str
+
+
+class Fact(NamedTuple):
+    """A key number: what it is, its value, and what belongs to it."""
+
+    name: str
+    value: str
+    remark: str = ""
+
+
+class Picture(NamedTuple):
+    """A figure on the page, and the files of its numbers beside the page."""
+
+    stem: str
+    svg: str
+    caption: str
+    files: tuple[str, ...] = ()
+
+
+class Fold(NamedTuple):
+    """A section that is shown on demand, and not printed."""
+
+    title: str
+    section: Section
+
+
+Block = Section | Picture | Fold | list[Fact] | list[Alert]
+
+
+class Chapter(NamedTuple):
+    """A heading with blocks under it; `key` is its anchor."""
+
+    key: str
+    title: str
+    blocks: tuple[Block, ...]
+
+
+class Report(NamedTuple):
+    """A whole report; its chapter `result` is what a reader may skip to."""
+
+    title: str
+    lead: str
+    chapters: tuple[Chapter, ...]
+
+
+def as_html(report: Report) -> str:
+    """Return a report as an HTML page; the same report gives the same text.
+
+    Everything but the figures is escaped. There is no script, and nothing is fetched.
+    """
+    blocks = [block for chapter in report.chapters for block in chapter.blocks]
+    stems = [block.stem for block in blocks if isinstance(block, Picture)]
+    page = (
+        _environment()
+        .get_template("report.html.j2")
+        .render(
+            report=report,
+            numbers={stem: place for place, stem in enumerate(stems, start=1)},
+            made_by=f"ropefric {__version__}",
+        )
     )
+    return visible(page) + "\n"
 
 
-def _section(section: Section) -> str:
-    parts = [f"<h2>{escape(section.title)}</h2>\n"] if section.title else []
-    parts += [f"<p>{escape(line)}</p>\n" for line in section.lines]
-    if section.table is not None:
-        parts.append(_table(section.table))
-    if section.notes:
-        items = "".join(f"<li>{escape(note)}</li>\n" for note in section.notes)
-        parts.append(f"<ul>\n{items}</ul>\n")
-    return "".join(parts)
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("ropefric.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"kind": _kind, "svg": Markup, "symbols": _symbols}
+    return environment
 
 
-def _table(table: Table) -> str:
-    head = _row(table, tuple(heading.rstrip() for heading in table.headings), "th")
-    rows = "".join(_row(table, row, "td") for row in table.rows)
-    return f"<table>\n<thead>\n{head}</thead>\n<tbody>\n{rows}</tbody>\n</table>\n"
+def _kind(block: Block) -> str:
+    """Return what kind of block it is, by which the template chooses its form."""
+    return type(block[0] if isinstance(block, list) else block).__name__.lower()
 
 
-def _row(table: Table, cells: tuple[str, ...], tag: str) -> str:
-    marks = (' class="words"' if table.is_words(column) else "" for column in range(len(cells)))
-    inner = "".join(f"<{tag}{mark}>{escape(cell)}</{tag}>" for mark, cell in zip(marks, cells, strict=True))
-    return f"<tr>{inner}</tr>\n"
+def _symbols(text: str) -> Markup:
+    """Return text with the index of each symbol set low, everything else escaped."""
+    return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(text))))  # noqa: S704  (escaped just now)

@@ -1,20 +1,38 @@
-"""The figures of a report, drawn for the inside of the page, each with its numbers as CSV beside the page."""
+"""The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import NamedTuple
 
 from ropefric.files.folder import Folder
+from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline.evidence import Evidence
-from ropefric.pipeline.run import CampaignRun
-from ropefric.plotting.figure import save_figure
+from ropefric.pipeline.run import CampaignAnswer, CampaignRun
+from ropefric.plotting.conditions import conditions_of, draw_repeatability
+from ropefric.plotting.design_chart import draw_design_chart
+from ropefric.plotting.figure import FigureWithData, save_figure
+from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
+from ropefric.plotting.overview import draw_overview
+from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
 from ropefric.plotting.svg import svg_text
-from ropefric.report.chapter import Picture
-from ropefric.report.drawings import Drawing, design_drawings, law_drawings, trial_drawings
-
-Pictures = dict[str, tuple[Picture, ...]]
-"""Pictures by the chapter they belong to, in order."""
+from ropefric.report.page import Picture
+from ropefric.trials.result import Extraction
 
 FOLDER = "figures"
 """Where the numbers of the figures are written, beside the page."""
+
+_LAWS = 4
+_FLAGGED = 4
+_SWEPT = ("wrap_angle_rad", "end_tension_N", "wheel_radius_m")
+
+
+class Drawing(NamedTuple):
+    """A figure to be drawn."""
+
+    chapter: str
+    stem: str
+    draw: Callable[[], FigureWithData]
+    caption: str
 
 
 def draw_pictures(
@@ -23,23 +41,124 @@ def draw_pictures(
     folder: Folder,
     *,
     progress: Callable[[int, int, str], None] | None = None,
-) -> Pictures:
-    """Return the figures of a report, and write the CSV files of their numbers under `figures` in a folder."""
-    drawings = [*trial_drawings(run.extraction), *law_drawings(run.answer), *design_drawings(evidence)]
+) -> dict[str, list[Picture]]:
+    """Return the figures of a report by chapter, and write the CSV files of their numbers into a folder."""
+    drawings = [*_of_trials(run.extraction), *_of_laws(run.answer), *_of_design(evidence)]
     found: dict[str, list[Picture]] = {}
     for done, drawing in enumerate(drawings, start=1):
-        found.setdefault(drawing.chapter, []).append(_picture(drawing, folder))
+        drawn = drawing.draw()
+        paths = save_figure(drawn, folder, f"{FOLDER}/{drawing.stem}", formats=())
+        files = tuple(f"{FOLDER}/{path.name}" for path in paths)
+        picture = Picture(drawing.stem, svg_text(drawn, stem=drawing.stem), drawing.caption, files)
+        found.setdefault(drawing.chapter, []).append(picture)
         if progress is not None:
             progress(done, len(drawings), drawing.stem)
-    return {chapter: tuple(pictures) for chapter, pictures in found.items()}
+    return found
 
 
-def _picture(drawing: Drawing, folder: Folder) -> Picture:
-    drawn = drawing.draw()
-    paths = save_figure(drawn, folder, f"{FOLDER}/{drawing.stem}", formats=())
-    return Picture(
-        stem=drawing.stem,
-        svg=svg_text(drawn, stem=drawing.stem),
-        caption=drawing.caption,
-        files=tuple(f"{FOLDER}/{path.name}" for path in paths),
+def _of_trials(extraction: Extraction) -> Iterator[Drawing]:
+    """Give the overview of a campaign, and the repeatability of the conditions that are worth a look."""
+    caption = "Every trial against every check: where a column has a mark, the recording wants a look."
+    yield Drawing("trials", "overview", partial(draw_overview, extraction), caption)
+    conditions = conditions_of(extraction)
+    for place, why in chosen_conditions(extraction):
+        stem, summary, trials = conditions[place]
+        caption = f"Repeatability of condition {place + 1}: {why}."
+        yield Drawing("trials", stem, partial(draw_repeatability, summary, trials), caption)
+
+
+def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
+    """Return the conditions whose repeatability is worth a figure: their place from 0, and why.
+
+    Those with the most trials flagged or set aside, then the one that scatters least and the one that scatters most.
+    """
+    conditions = extraction.conditions
+    gone = [item.n_recorded - item.n_kept for item in conditions]
+    worst = sorted(range(len(conditions)), key=lambda place: (-gone[place], place))[:_FLAGGED]
+    found = {
+        place: f"{gone[place]} of {conditions[place].n_recorded} trials not kept"
+        for place in worst
+        if gone[place]
+    }
+    scatter = sorted(
+        (item.std_kept_N / item.mean_kept_N, place)
+        for place, item in enumerate(conditions)
+        if item.n_kept > 1
     )
+    if scatter:
+        found.setdefault(scatter[0][1], "the smallest scatter of all")
+        found.setdefault(scatter[-1][1], "the largest scatter of all")
+    return tuple(found.items())
+
+
+def _of_laws(answer: CampaignAnswer) -> Iterator[Drawing]:
+    """Give what tells whether the trials obey the capstan equation, and how good the law that is used is."""
+    fit = answer.fit
+    others = [other for other in answer.fits if other.law not in {fit.law, "constant"}]
+    euler = [other for other in answer.fits if other.law == "constant" != fit.law]
+    fits = [fit, *others[: _LAWS - 2], *euler]
+    moved = [name for name in _SWEPT if fit.validity[name][1] > fit.validity[name][0]] or [_SWEPT[0]]
+    yield Drawing(
+        "friction",
+        "mu_facets",
+        partial(draw_mu_facets, fits),
+        "Average coefficient of friction of every condition against end tension, wrap and wheel radius. By the "
+        "capstan equation there would be one level line.",
+    )
+    yield Drawing(
+        "friction",
+        "capstan",
+        partial(draw_capstan, fits),
+        "ln(F_A/F_B) against the wrap. By the capstan equation all points would lie on one straight line through the "
+        "origin.",
+    )
+    for name in moved:
+        title = REGRESSORS[name][0]
+        yield Drawing(
+            "bands",
+            f"fit_over_{title.replace(' ', '_')}",
+            partial(draw_fit_band, fit, over=name),
+            f"The law over the {title}: the inner band holds the mean law, the outer one a pull with a new rope; "
+            "hatched: outside what was tested.",
+        )
+    yield Drawing(
+        "residuals",
+        "residuals",
+        partial(draw_residuals, fit),
+        "Residuals over their standard deviation. If all is right they have no trend, one in twenty lies beyond ±2, "
+        "and they follow the line of the normal quantiles.",
+    )
+    caption = "All laws by AICc, with their weight and their error at conditions they have not seen."
+    yield Drawing("ladder", "ladder", partial(draw_ladder, answer.comparison), caption)
+
+
+def _of_design(evidence: Evidence) -> Iterator[Drawing]:
+    """Give the budgets, what the design is sensitive to, and its neighbours, as far as there are any."""
+    typical = f"the measured force of condition {evidence.typical_number}"
+    for stated, stem, what in (
+        (evidence.lift, "budget_lift", "the lift force of the design"),
+        (evidence.typical, "budget_force", typical),
+    ):
+        if stated is not None:
+            model, budget = stated.model, stated.budget
+            rows = [(line.name, line.contribution) for line in budget.lines if line.contribution > 0.0]
+            draw = partial(draw_budget, rows, unit=model.unit, title=model.symbol, combined=budget.combined)
+            yield Drawing(
+                stem, stem, draw, f"What makes up the standard uncertainty of {what}, largest first."
+            )
+    if evidence.swings:
+        yield Drawing(
+            "tornado",
+            "tornado",
+            partial(draw_tornado, evidence.swings),
+            "What the lift force of the design does when one input changes: settings by 5 % of themselves, law and rope "
+            "from end to end of their intervals.",
+        )
+    if (chart := evidence.chart) is not None:
+        yield Drawing(
+            "design",
+            "design_chart",
+            partial(draw_design_chart, chart),
+            f"Lift force over the wrap at F_B = {chart.end_tension_N:.4g} N: solid the mean law, dashed what "
+            f"{100 * chart.probability:g} % of pulls with a new rope exceed; pale: outside what was tested.",
+        )

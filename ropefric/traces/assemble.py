@@ -1,10 +1,10 @@
 """From columns as they are in a file to a force trace in SI."""
 
-from collections.abc import Mapping
+from collections.abc import Callable
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, IntArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.quantities import si_unit_of, unit_factor
 from ropefric.registry import did_you_mean
@@ -27,25 +27,20 @@ def si_factor(channel: str, unit: str, *, path: str = "") -> float:
     fixed = _FIXED.get(channel)
     if channel == "counts" or unit == fixed or (fixed is None and not unit):
         return 1.0
-    if fixed and not unit:
-        raise _unit_error(channel, f"the {channel} has no unit", path)
-    try:
-        return unit_factor(unit, fixed or si_unit_of(unit), name=channel)
-    except InputError as error:
-        reason, hint = f"unknown unit '{unit[:40]}'", ""
-        if fixed or error.fix.startswith("write '"):  # a mistyped unit
-            reason, hint = error.problem.message.split(": ", 1)[-1], error.fix
-    raise _unit_error(channel, reason, path, hint)
-
-
-def _unit_error(channel: str, reason: str, path: str, hint: str = "") -> DataError:
-    example = f'{channel} = {{ column = 1, unit = "{_EXAMPLE.get(channel, "mm")}" }}'
-    return DataError(
+    reason, hint = f"the {channel} has no unit", "give the unit"
+    if unit:
+        try:
+            return unit_factor(unit, fixed or si_unit_of(unit), name=channel)
+        except InputError as error:
+            reason = f"unknown unit '{unit[:40]}'"
+            if fixed or error.fix.startswith("write '"):  # a mistyped unit
+                reason, hint = error.problem.message.split(": ", 1)[-1], error.fix or hint
+    raise DataError(
         reason,
         code="RF106",
         path=path,
         key=f"[import.channels] {channel}",
-        fix=f"{hint or 'give the unit'}, for example {example}",
+        fix=f'{hint}, for example {channel} = {{ column = 1, unit = "{_EXAMPLE.get(channel, "mm")}" }}',
     )
 
 
@@ -53,32 +48,37 @@ def assemble_trace(
     raw: RawRecording, profile: ImportProfile, *, calibration: Calibration | None = None
 ) -> ForceTrace:
     """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated."""
-    channels = _to_si(raw)
+
+    def refuse(message: str, code: str, key: str, fix: str) -> DataError:
+        return DataError(message, code=code, path=raw.source, key=key, fix=fix)
+
+    channels = _to_si(raw, refuse)
     if profile.derived:
         channels = evaluate_derived(profile.derived, channels, profile.constants, path=raw.source)
     if "force" not in channels and "counts" not in channels:
-        raise _no_force(raw, channels)
+        message = f"{raw.name} has no channel 'force' or 'counts', only {', '.join(channels) or 'none'}"
+        fix = f"name its column or derive it; {did_you_mean('force', channels)}"
+        raise refuse(message, "RF105", "[import.channels] force", fix)
     others = [values for name, values in channels.items() if name != "time"]
     keep, time_s, notes = mend_clock(
-        _time(raw, channels, profile), others, name=raw.name, source=raw.source, first_line=raw.first_line
+        _time_s(raw, channels, profile, refuse),
+        others,
+        name=raw.name,
+        source=raw.source,
+        first_line=raw.first_line,
     )
     if "force" in channels:
-        return ForceTrace(
-            time_s=time_s, force_N=channels["force"][keep], name=raw.name, source=raw.source, notes=notes
-        )
+        force_N = channels["force"][keep]
+        return ForceTrace(time_s=time_s, force_N=force_N, name=raw.name, source=raw.source, notes=notes)
     if calibration is None:
-        raise DataError(
-            f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons",
-            code="RF210",
-            path=raw.source,
-            key="counts",
-            fix="name the cell in trials.csv and [adc] in campaign.toml",
-        )
+        message = f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons"
+        raise refuse(message, "RF210", "counts", "name the cell in trials.csv and [adc] in campaign.toml")
     try:
-        counts: IntArray = as_counts(channels["counts"][keep])
+        counts = as_counts(channels["counts"][keep])
         force_N, saturation = calibration.apply(counts)
     except RopefricError as error:
-        raise _in_file(error, raw) from None
+        problem = error.problem
+        raise refuse(problem.message, problem.code, problem.key or "counts", problem.fix) from None
     return ForceTrace(
         time_s=time_s,
         force_N=force_N,
@@ -91,56 +91,34 @@ def assemble_trace(
     )
 
 
-def _to_si(raw: RawRecording) -> dict[str, FloatArray]:
-    channels = {}
+def _to_si(raw: RawRecording, refuse: Callable[..., DataError]) -> dict[str, FloatArray]:
+    channels: dict[str, FloatArray] = {}
     for name, values in raw.columns.items():
         factor = si_factor(name, raw.units.get(name, ""), path=raw.source)
-        channels[name] = values if factor == 1.0 else _scaled(values, factor, name, raw.source)
+        channels[name] = values
+        if factor != 1.0:
+            with np.errstate(over="ignore"):
+                channels[name] = values * factor
+            if (large := np.isinf(channels[name])).any():
+                message = f"sample {int(np.argmax(large)) + 1} is too large for a float in SI"
+                raise refuse(message, "RF102", name, "mend the value, or check the unit")
     return channels
 
 
-def _scaled(values: FloatArray, factor: float, name: str, path: str) -> FloatArray:
-    with np.errstate(over="ignore"):
-        scaled = values * factor
-    if np.isinf(scaled).any():
-        raise DataError(
-            f"sample {int(np.argmax(np.isinf(scaled))) + 1} is too large for a float in SI",
-            code="RF102",
-            path=path,
-            key=name,
-            fix="mend the value, or check the unit",
-        )
-    return scaled
-
-
-def _time(raw: RawRecording, channels: Mapping[str, FloatArray], profile: ImportProfile) -> FloatArray:
+def _time_s(
+    raw: RawRecording,
+    channels: dict[str, FloatArray],
+    profile: ImportProfile,
+    refuse: Callable[..., DataError],
+) -> FloatArray:
     if "time" in channels:
         return channels["time"]
     rate_Hz = profile.sampling_rate_Hz
     if rate_Hz is None or not np.isfinite(rate_Hz) or rate_Hz <= 0:
-        raise DataError(
-            f"{raw.name} has no time channel and no usable sampling rate",
-            code="RF105",
-            path=raw.source,
-            key="[import.channels] time",
-            fix='name the time column, time = { column = 1, unit = "s" }, or set [import] sampling_rate = "3 kHz"',
+        fix = (
+            'name the time column, time = { column = 1, unit = "s" }, or set [import] sampling_rate = "3 kHz"'
         )
+        message = f"{raw.name} has no time channel and no usable sampling rate"
+        raise refuse(message, "RF105", "[import.channels] time", fix)
     # Divided, not added up: sample i is at exactly i / rate.
     return np.arange(next(iter(channels.values())).size, dtype=np.float64) / rate_Hz
-
-
-def _no_force(raw: RawRecording, channels: Mapping[str, FloatArray]) -> DataError:
-    return DataError(
-        f"{raw.name} has no channel 'force' or 'counts', only {', '.join(channels) or 'none'}",
-        code="RF105",
-        path=raw.source,
-        key="[import.channels] force",
-        fix=f"name its column or derive it; {did_you_mean('force', channels)}",
-    )
-
-
-def _in_file(error: RopefricError, raw: RawRecording) -> DataError:
-    problem = error.problem
-    return DataError(
-        problem.message, code=problem.code, path=raw.source, key=problem.key or "counts", fix=problem.fix
-    )

@@ -1,6 +1,6 @@
 """Time stamps that repeat, jitter, run backwards or stop: mended or refused by a stated rule."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -13,6 +13,7 @@ GAP_STEPS = 5.0
 MAX_REPEATED_SHARE = 0.01
 """Up to this share of the samples, repeated stamps are single faults; beyond it they are rounding or refused [-]."""
 
+_BY_RATE = 'leave the time channel out and set [import] sampling_rate = "3 kHz"'
 _MAX_GROUP = 3.0
 _ON_LATTICE = 1e-3
 
@@ -50,12 +51,23 @@ def mend_clock(
     # Where all steps are positive, only the ends can be anything but finite.
     if (steps_s > 0).all() and np.isfinite(time_s[:1]).all() and np.isfinite(time_s[-1:]).all():
         return slice(None), time_s, _gap_notes(time_s, steps_s)
-    place = _Place(name, source, first_line)
-    keep, notes = _filled_rows(time_s, others, place)
-    index = np.flatnonzero(keep)  # of the samples kept, in the recording
+
+    def refuse(sample: int, message: str, *, code: str = "RF202", fix: str = "") -> DataError:
+        line = first_line + sample if first_line else None
+        message = f"{name}: sample {sample + 1} {message}"
+        return DataError(message, code=code, path=source, line=line, key="time", fix=fix)
+
+    has_stamp, notes = _stamped_rows(time_s, others, refuse)
+    index = np.flatnonzero(has_stamp)  # of the samples kept, in the recording
     steps_s = np.diff(time_s[index])
     if (steps_s < 0).any():
-        raise _backwards(time_s, index, steps_s, place)
+        n_back, at = int(np.count_nonzero(steps_s < 0)), int(np.argmax(steps_s < 0))
+        before_s, after_s = time_s[index[at : at + 2]]
+        why = f"this happens {n_back} times; sort the rows by time"
+        if n_back == 1:
+            why = "the clock was reset or wrapped once; cut the file there into two recordings"
+        message = f"has time {after_s:.9g} s after {before_s:.9g} s: time runs backwards"
+        raise refuse(int(index[at + 1]), message, fix=f"{why}, or {_BY_RATE}")
     if (steps_s == 0).any():
         twice = np.concatenate(([False], steps_s == 0))
         for channel in others:
@@ -69,7 +81,7 @@ def mend_clock(
     repeated = np.concatenate(([False], np.diff(mended_s) == 0))
     n_repeated = int(repeated.sum())
     if n_repeated > MAX_REPEATED_SHARE * index.size:
-        mended_s = _spread(mended_s, repeated, index, place)
+        mended_s = _spread(mended_s, repeated, lambda at, *text, **fix: refuse(int(index[at]), *text, **fix))
         notes.append(f"{_samples(n_repeated)} with a rounded time stamp; spread evenly between the stamps")
     elif n_repeated:
         notes.append(f"{_samples(n_repeated)} with a repeated time stamp; only the first of each was kept")
@@ -79,68 +91,23 @@ def mend_clock(
     return keep, mended_s, (*notes, *_gap_notes(mended_s, np.diff(mended_s)))
 
 
-class _Place:
-    """Where a sample stands, for messages."""
-
-    def __init__(self, name: str, source: str, first_line: int) -> None:
-        self.name, self.source, self.first_line = name, source, first_line
-
-    def error(self, index: int, message: str, *, code: str = "RF202", fix: str = "") -> DataError:
-        line = self.first_line + index if self.first_line else None
-        return DataError(
-            f"{self.name}: sample {index + 1} {message}",
-            code=code,
-            path=self.source,
-            line=line,
-            key="time",
-            fix=fix,
-        )
-
-
-def _filled_rows(
-    time_s: FloatArray, others: Sequence[FloatArray], place: _Place
+def _stamped_rows(
+    time_s: FloatArray, others: Sequence[FloatArray], refuse: Callable[..., DataError]
 ) -> tuple[BoolArray, list[str]]:
-    stamped = np.isfinite(time_s)
-    unstamped = ~stamped & np.isinf(time_s)
+    has_stamp = np.isfinite(time_s)
+    has_value = np.isinf(time_s) if others else np.ones(time_s.size, dtype=np.bool_)
     for channel in others:
-        unstamped |= ~stamped & ~np.isnan(channel)
-    if not others:
-        unstamped = ~stamped
-    if unstamped.any():
-        raise place.error(
-            int(np.argmax(unstamped)),
-            "has values but no time stamp",
-            fix='remove the row, or leave the time channel out and set [import] sampling_rate = "3 kHz"',
-        )
-    n_empty = int(np.count_nonzero(~stamped))
+        has_value |= ~np.isnan(channel)
+    lost, n_empty = ~has_stamp & has_value, int(np.count_nonzero(~has_stamp))
+    if lost.any():
+        fix = f"remove the row, or {_BY_RATE}"
+        raise refuse(int(np.argmax(lost)), "has values but no time stamp", fix=fix)
     if n_empty == time_s.size:
-        raise place.error(0, "and all others are empty: there is no value in the recording", code="RF201")
-    return stamped, [f"{n_empty} empty rows dropped"] if n_empty else []
+        raise refuse(0, "and all others are empty: there is no value in the recording", code="RF201")
+    return has_stamp, [f"{n_empty} empty rows dropped"] if n_empty else []
 
 
-def _backwards(
-    time_s: FloatArray, index: np.ndarray[tuple[int], np.dtype[np.intp]], steps_s: FloatArray, place: _Place
-) -> DataError:
-    at = int(np.argmax(steps_s < 0))
-    before, after = int(index[at]), int(index[at + 1])
-    n_back = int(np.count_nonzero(steps_s < 0))
-    if n_back == 1:
-        why = "the clock was reset or wrapped once; cut the file there into two recordings"
-    else:
-        why = f"this happens {n_back} times; sort the rows by time"
-    return place.error(
-        after,
-        f"has time {time_s[after]:.9g} s after {time_s[before]:.9g} s: time runs backwards",
-        fix=f'{why}, or leave the time channel out and set [import] sampling_rate = "3 kHz"',
-    )
-
-
-def _spread(
-    time_s: FloatArray,
-    repeated: BoolArray,
-    index: np.ndarray[tuple[int], np.dtype[np.intp]],
-    place: _Place,
-) -> FloatArray:
+def _spread(time_s: FloatArray, repeated: BoolArray, refuse: Callable[..., DataError]) -> FloatArray:
     """Return rounded stamps with the samples of each spread over the time to the next."""
     starts = np.flatnonzero(~repeated)
     sizes = np.diff(starts, append=time_s.size)
@@ -151,11 +118,11 @@ def _spread(
         ticks = steps_s / steps_s.min()
         on_lattice = bool((np.abs(ticks - np.round(ticks)) <= _ON_LATTICE * np.round(ticks)).all())
     if not steps_s.size or not on_lattice or sizes[longest] > _MAX_GROUP * sizes.mean() + 1:
-        raise place.error(
-            int(index[starts[longest]]),
+        raise refuse(
+            int(starts[longest]),
             f"shares its time stamp {stamps_s[longest]:.9g} s with {_samples(int(sizes[longest]) - 1)}; "
             f"{int(repeated.sum())} of {time_s.size} stamps repeat, and not as rounding would repeat them",
-            fix='leave the time channel out and set [import] sampling_rate = "3 kHz"',
+            fix=_BY_RATE,
         )
     median_s = float(np.median(steps_s))
     lengths_s = np.minimum(np.append(steps_s, median_s), median_s)
@@ -163,9 +130,7 @@ def _spread(
     spread_s = np.asarray(time_s + rank * np.repeat(lengths_s / sizes, sizes), dtype=np.float64)
     stuck = ~((np.diff(spread_s) > 0) & np.isfinite(spread_s[1:]))
     if stuck.any():
-        raise place.error(
-            int(index[int(np.argmax(stuck)) + 1]), "cannot be told from the one before it by its time stamp"
-        )
+        raise refuse(int(np.argmax(stuck)) + 1, "cannot be told from the one before it by its time stamp")
     return spread_s
 
 

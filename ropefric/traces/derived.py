@@ -3,6 +3,7 @@
 import ast
 import math
 from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 from typing import Any
 
 import numpy as np
@@ -53,89 +54,87 @@ def evaluate_derived(
             fix="rename one of them",
         )
     for name, formula in derived.items():
-        known[name] = _evaluate(name, formula, known, constants, path)
+        try:
+            known[name] = _evaluate(formula.strip(), known, constants)
+        except _FormulaError as error:
+            shown = formula if len(formula) <= 80 else formula[:77] + "..."
+            why, fix = error.args
+            raise DataError(
+                f"{shown!r} {why}",
+                code="RF109",
+                path=path,
+                key=f"[import.derived] {name}",
+                fix=fix or 'write arithmetic with channels in SI, such as force = "pull - pressure * area"',
+            ) from None
     return known
 
 
-def _evaluate(
-    name: str, formula: str, channels: Mapping[str, FloatArray], constants: Mapping[str, float], path: str
-) -> FloatArray:
-    tree, used = _parse(name, formula, {*FUNCTIONS, *_CONSTANTS, *constants, *channels}, path)
+class _FormulaError(Exception):
+    """What is wrong with a formula."""
+
+    def __init__(self, why: str, fix: str = "") -> None:
+        super().__init__(why, fix)
+
+
+def _evaluate(formula: str, channels: Mapping[str, FloatArray], constants: Mapping[str, float]) -> FloatArray:
     symbols = {**FUNCTIONS, **_CONSTANTS, **constants, **channels}
+    tree, used = _parse(formula, symbols.keys())
     try:
         with np.errstate(all="ignore"):  # what comes of it is judged below
             code = compile(tree, "<derived>", "eval")
             result = np.asarray(eval(code, {"__builtins__": {}}, symbols))  # noqa: S307  (arithmetic only, see _parse)
     except Exception as error:  # noqa: BLE001  (whatever a formula does wrong, the user hears of the formula)
         reason = str(error).strip().splitlines()
-        raise _refuse(
-            name, formula, f"fails: {reason[0] if reason else type(error).__name__}", path
-        ) from None
-    return _judge(name, formula, result, [channels[word] for word in channels if word in used], path)
-
-
-def _judge(name: str, formula: str, result: Any, inputs: list[FloatArray], path: str) -> FloatArray:
+        raise _FormulaError(f"fails: {reason[0] if reason else type(error).__name__}") from None
+    inputs = [channels[word] for word in channels if word in used]
     if result.dtype.kind not in "buif":
-        raise _refuse(name, formula, f"gives {result.dtype} values, not real numbers", path)
+        raise _FormulaError(f"gives {result.dtype} values, not real numbers")
     if not inputs:
-        raise _refuse(name, formula, "uses no channel", path)
+        raise _FormulaError("uses no channel")
     if result.shape != inputs[0].shape:
-        raise _refuse(
-            name, formula, f"gives shape {result.shape}, but the channels have {inputs[0].shape}", path
-        )
+        raise _FormulaError(f"gives shape {result.shape}, but the channels have {inputs[0].shape}")
     result = result.astype(np.float64)
     unexplained = ~np.isfinite(result) & np.all([np.isfinite(channel) for channel in inputs], axis=0)
     unexplained |= np.isinf(result)
     if unexplained.any():
         index = int(np.argmax(unexplained))
-        raise _refuse(name, formula, f"gives {result[index]} at sample {index + 1}", path)
+        raise _FormulaError(f"gives {result[index]} at sample {index + 1}")
     return np.ascontiguousarray(result)
 
 
-def _parse(name: str, formula: str, known: set[str], path: str) -> tuple[ast.Expression, set[str]]:
+def _parse(formula: str, known: AbstractSet[str]) -> tuple[ast.Expression, set[str]]:
     """Return the formula's tree and the names it uses, after checking that it is arithmetic only."""
     if len(formula) > _MAX_LENGTH:
-        raise _refuse(name, formula, f"is longer than {_MAX_LENGTH} characters", path)
+        raise _FormulaError(f"is longer than {_MAX_LENGTH} characters")
     try:
-        tree = ast.parse(formula.strip(), mode="eval")
+        tree = ast.parse(formula, mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError, Warning):
-        raise _refuse(name, formula, "is not a formula", path) from None
+        raise _FormulaError("is not a formula") from None
     used: set[str] = set()
     for node in ast.walk(tree):
         if not isinstance(node, _GRAMMAR) or isinstance(node, _NO_BITS):
-            raise _refuse(name, formula, f"is more than arithmetic ({type(node).__name__})", path)
+            raise _FormulaError(f"is more than arithmetic ({type(node).__name__})")
         if isinstance(node, ast.Constant):
-            node.value = _float(node.value, name, formula, path)
-        elif isinstance(node, ast.Call) and not (
-            isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS
-        ):
+            node.value = _to_float(node.value)
+        elif isinstance(node, ast.Call):
             called = node.func.id if isinstance(node.func, ast.Name) else ast.unparse(node.func)
-            hint = did_you_mean(called, FUNCTIONS)
-            raise _refuse(name, formula, f"calls {called!r}, which is not offered", path, hint)
+            if called not in FUNCTIONS:
+                raise _FormulaError(
+                    f"calls {called!r}, which is not offered", did_you_mean(called, FUNCTIONS)
+                )
         elif isinstance(node, ast.Name):
             if node.id not in known:
                 hint = did_you_mean(node.id, known - FUNCTIONS.keys())
-                raise _refuse(name, formula, f"uses the unknown name {node.id!r}", path, hint)
+                raise _FormulaError(f"uses the unknown name {node.id!r}", hint)
             used.add(node.id)
     return tree, used
 
 
-def _float(value: object, name: str, formula: str, path: str) -> float:
+def _to_float(literal: object) -> float:
     """Return a literal as a float: 9**9**9 in integers would never end."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise _refuse(name, formula, f"holds {value!r}, which is no number", path)
+    if isinstance(literal, bool) or not isinstance(literal, int | float):
+        raise _FormulaError(f"holds {literal!r}, which is no number")
     try:
-        return float(value)
+        return float(literal)
     except OverflowError:
-        raise _refuse(name, formula, "holds a number too large for a float", path) from None
-
-
-def _refuse(name: str, formula: str, why: str, path: str, fix: str = "") -> DataError:
-    shown = formula if len(formula) <= 80 else formula[:77] + "..."
-    return DataError(
-        f"{shown!r} {why}",
-        code="RF109",
-        path=path,
-        key=f"[import.derived] {name}",
-        fix=fix or 'write arithmetic with channels in SI, such as force = "pull - pressure * area"',
-    )
+        raise _FormulaError("holds a number too large for a float") from None

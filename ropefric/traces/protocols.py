@@ -3,9 +3,9 @@
 A new one is a `pick` function and a line in `PROTOCOLS`.
 """
 
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -150,24 +150,15 @@ def _cycles(force_N: FloatArray, loaded_N: float, unloaded_N: float) -> list[tup
 def _longest_level(force_N: FloatArray, band_N: float) -> tuple[int, int]:
     """Return the longest stretch whose largest and smallest force differ by no more than `band_N`."""
     values = force_N.tolist()
-    highest: deque[int] = deque()
-    lowest: deque[int] = deque()
-    best, start = (0, 0), 0
-    for i, value in enumerate(values):
-        while highest and values[highest[-1]] <= value:
-            highest.pop()
-        while lowest and values[lowest[-1]] >= value:
-            lowest.pop()
-        highest.append(i)
-        lowest.append(i)
-        while values[highest[0]] - values[lowest[0]] > band_N:
+    best, start, low, high = (0, 0), 0, inf, -inf
+    for stop, value in enumerate(values, start=1):
+        low, high = min(low, value), max(high, value)
+        while high - low > band_N:
             start += 1
-            while highest[0] < start:
-                highest.popleft()
-            while lowest[0] < start:
-                lowest.popleft()
-        if i + 1 - start > best[1] - best[0]:
-            best = (start, i + 1)
+            if values[start - 1] in (low, high):
+                low, high = min(values[start:stop]), max(values[start:stop])
+        if stop - start > best[1] - best[0]:
+            best = (start, stop)
     return best
 
 

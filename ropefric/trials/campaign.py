@@ -20,12 +20,7 @@ from ropefric.traces.breakaway import SIDES
 from ropefric.traces.calibration import Adc
 from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.trials.campaign_model import (
-    Campaign,
-    CampaignFile,
-    Protocol,
-    protocol_names,
-)
+from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
 from ropefric.trials.workers import Limits
 

@@ -14,7 +14,7 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.pipeline.run import run_campaign
-from ropefric.report.write import write_report
+from ropefric.report.campaign import write_report
 from ropefric.trials.campaign import load_campaign
 
 FLAGS = (

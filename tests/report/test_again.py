@@ -12,7 +12,7 @@ from ropefric.fitting.choice import choose_law
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline.run import run_campaign
-from ropefric.report.write import write_report
+from ropefric.report.campaign import write_report
 from ropefric.trials.campaign import load_campaign
 
 LARGEST_BYTES = 3_000_000

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from ropefric.report.page import as_page
+from ropefric.report.page import Chapter, Report, as_html
 from ropefric.report.section import WIDTH, Section, Table, as_text, interval, plain
 
 TABLE = Table(headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", "")))
@@ -31,7 +31,8 @@ def test_sections_are_set_apart():
 
 
 def test_a_page_holds_what_the_text_holds_and_escapes_it():
-    page = as_page("a < b", [Section(title="x & y", lines=("<script>",), table=TABLE, notes=("n",))])
+    section = Section(title="x & y", lines=("<script>",), table=TABLE, notes=("n",))
+    page = as_html(Report("a < b", "", (Chapter("result", "Result", (section,)),)))
     for words in ("<title>a &lt; b</title>", "x &amp; y", "&lt;script&gt;", "<td>1234.5</td>", "<li>n</li>"):
         assert words in page
     assert "<script>" not in page

@@ -77,7 +77,7 @@ def budget(
         }
         return _of_fit(out, fit, wheel, rope_diameter, uncertainty, one_pull=one_pull, check=check)
     from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.report.uncertainty import budgets_section, uncertainty_sections  # noqa: PLC0415
+    from ropefric.report.parts import budgets_section, uncertainty_sections  # noqa: PLC0415
 
     if quantity not in {"force", "mu"}:
         raise BadParameter(f"{quantity!r} is neither force nor mu", param_hint="--quantity")
@@ -149,7 +149,7 @@ def _of_fit(
 ) -> Answer:
     from ropefric.fitting.lift_budget import WheelUncertainty, state_lift  # noqa: PLC0415  (all: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
-    from ropefric.report.uncertainty import uncertainty_sections  # noqa: PLC0415
+    from ropefric.report.parts import uncertainty_sections  # noqa: PLC0415
 
     options = ("--wheel-radius", "--wrap", "--end-tension")
     missing = [name for name, value in zip(options, wheel.values(), strict=True) if value is None]

@@ -79,7 +79,7 @@ def plan_tests(
     from ropefric.fitting.plan_search import RigLimits  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415
-    from ropefric.report.lab_plan import plan_sections  # noqa: PLC0415
+    from ropefric.report.parts import plan_sections  # noqa: PLC0415
 
     exit_code, rope_m = 0, rope_diameter
     known: dict[str, object] = {}

@@ -74,8 +74,7 @@ def work_through(
     """
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.pipeline.run import campaign_folder, run_campaign  # noqa: PLC0415
-    from ropefric.report.summary import summary_sections  # noqa: PLC0415
-    from ropefric.report.write import write_report  # noqa: PLC0415
+    from ropefric.report.campaign import summary_sections, write_report  # noqa: PLC0415
 
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:

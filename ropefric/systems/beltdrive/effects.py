@@ -1,7 +1,5 @@
 """The effects a belt drive may be simulated with, and how much each can change any number of it at most."""
 
-from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +7,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
 from ropefric.systems.beltdrive.drive import DriveAnswer, DriveModel, DriveProblem, solve_drive
-from ropefric.systems.effect import Effect, Method, System
+from ropefric.systems.effect import Effect, Method, System, missing
 from ropefric.systems.subsets import log_change, subset_bounds
 
 _OF_LAW = {"wrap-dependence", "size"}
@@ -33,18 +31,8 @@ _influence_of = subset_bounds(_numbers, _applicable)
 
 
 def _effect(name: str, adds: str, instead: str, **needs: str) -> Any:
-    missing: Callable[[DriveProblem], tuple[str, ...]] = lambda problem: tuple(  # noqa: E731
-        key for field, key in needs.items() if getattr(problem, field) is None
-    )
-    return Effect(
-        name=name,
-        adds=adds,
-        instead=instead,
-        needs=missing,
-        influence=_influence_of(name),
-        apply=lambda model, problem: replace(model, effects=model.effects | {name}),  # noqa: ARG005
-        cost=0.05,
-    )
+    influence = _influence_of(name)
+    return Effect(name=name, adds=adds, instead=instead, needs=missing(needs), influence=influence, cost=0.05)
 
 
 EFFECTS: Registry[Effect[DriveProblem, DriveModel]] = Registry(

@@ -1,14 +1,13 @@
 """The effects a lift's traction may be checked with, and how much each can change any number of it at most."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System
+from ropefric.systems.effect import Effect, Method, System, missing
 from ropefric.systems.subsets import log_change, subset_bounds
 from ropefric.systems.traction.sheave import TractionAnswer, TractionModel, TractionProblem, solve_traction
 
@@ -30,25 +29,15 @@ def _applicable(problem: TractionProblem) -> tuple[str, ...]:
 _influence_of = subset_bounds(_numbers, _applicable)
 
 
-def _needs(**keys: str) -> Callable[[TractionProblem], tuple[str, ...]]:
-    return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
-
-
-def _pulley(problem: TractionProblem) -> tuple[str, ...]:
+def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
     heavy = problem.car_pulley_kg is not None or problem.counterweight_pulley_kg is not None
-    missing = () if heavy else ("pulleys.car_side or pulleys.counterweight_side",)
-    return (*missing, *_needs(deceleration_m_s2="lift.deceleration")(problem))
+    lacking = () if heavy else ("pulleys.car_side or pulleys.counterweight_side",)
+    return (*lacking, *missing({"deceleration_m_s2": "lift.deceleration"})(problem))
 
 
 def _effect(name: str, adds: str, instead: str, needs: Callable[[TractionProblem], tuple[str, ...]]) -> Any:
     return Effect(
-        name=name,
-        adds=adds,
-        instead=instead,
-        needs=needs,
-        influence=_influence_of(name),
-        apply=lambda model, problem: replace(model, effects=model.effects | {name}),  # noqa: ARG005
-        cost=0.05,
+        name=name, adds=adds, instead=instead, needs=needs, influence=_influence_of(name), cost=0.05
     )
 
 
@@ -59,41 +48,40 @@ EFFECTS: Registry[Effect[TractionProblem, TractionModel]] = Registry(
             "rope-weight",
             "the weight of the ropes, on the car's or the counterweight's side by where the car is",
             "ropes without weight",
-            _needs(linear_density_kg_m="ropes.linear_density"),
+            missing({"linear_density_kg_m": "ropes.linear_density"}),
         ),
         _effect(
             "deceleration",
             "the inertia of car, load, counterweight and ropes in an emergency stop",
             "a stop so soft that only the weights count",
-            _needs(deceleration_m_s2="lift.deceleration"),
+            missing({"deceleration_m_s2": "lift.deceleration"}),
         ),
         _effect(
             "pulley-inertia",
             "the inertia of the deflector pulleys in an emergency stop",
             "pulleys without mass",
-            _pulley,
+            _pulleys,
         ),
         _effect(
             "speed",
             "a coefficient that falls with the rope's speed in an emergency stop, by 1 + v/(10 m/s)",
             "the coefficient at rest",
-            _needs(speed_m_s="lift.speed"),
+            missing({"speed_m_s": "lift.speed"}),
         ),
         _effect(
             "wrap-dependence",
             "a coefficient that depends on wrap and tension",
             "its average at the reference wrap and tension",
-            _needs(friction="friction"),
+            missing({"friction": "friction"}),
         ),
         _effect(
             "size",
             "a coefficient that depends on the sheave's radius over the rope's",
             "the coefficient at the reference wheel and rope",
-            _needs(friction="friction"),
+            missing({"friction": "friction"}),
         ),
     ),
 )
-"""In the order in which they are applied."""
 
 _CLOSED_FORM = Method(
     name="closed form",

@@ -3,6 +3,7 @@
 import io
 import math
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -10,13 +11,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.files.text import Source
 from ropefric.files.text_table import find_head_rows, is_number
-from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table, bad_cell
-
-Grid = list[list[Any]]
-_RowsOf = Callable[[str], Iterable[Sequence[Any]]]
-_Opener = Callable[[io.BytesIO], tuple[Sequence[str], _RowsOf]]
+from ropefric.traces.readers.table import Reader, Table, bad_cell, check_choice, foreign, needs_package
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 """Cells whose formula failed; they hold no value, and python-calamine shows them empty."""
@@ -48,10 +44,13 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             text = _text(cell)
             if text in profile.no_value:
                 return math.nan
-            if isinstance(cell, str) and is_number(text, decimal):
-                value = float(text.replace(",", "."))
-                if math.isfinite(value):
-                    return value
+            value = (
+                float(text.replace(",", "."))
+                if isinstance(cell, str) and is_number(text, decimal)
+                else math.inf
+            )
+            if math.isfinite(value):
+                return value
             raise bad_cell(text, names[index] or f"column {index + 1}", decimal, source, line=line)
 
         columns = ([(row[i] if i < len(row) else None, i, line) for line, row in body] for i in indices)
@@ -67,63 +66,34 @@ def _text(cell: Any) -> str:
     return repr(cell) if isinstance(cell, float) else str(cell).strip()
 
 
-def _load(source: Source, table: str) -> Grid:
+def _load(source: Source, table: str) -> list[list[Any]]:
     """Return the cells of the sheet named, else of the first that has content."""
     raw = io.BytesIO(source.raw_bytes())
-    open_book = _calamine() or _openpyxl()
-    if open_book is None:
-        raise source.error(
-            "reading sheets needs the package python-calamine or openpyxl",
-            code="RF107",
-            fix='pip install "ropefric[lab]"',
-        )
-    try:
-        sheets, rows_of = open_book(raw)
-        chosen = [table] if table in sheets else [] if table else sheets
-        grids = ([list(row) for row in rows_of(name)] for name in chosen)
-        grid = next((grid for grid in grids if grid), [])
-    except MemoryError:
-        raise
-    except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
-        raise source.error(
-            f"this is not a readable sheet ({type(error).__name__}: {error})",
-            fix="save it again as .xlsx or .csv, or name its format in [import] format",
-        ) from None
-    if table and not chosen:
-        raise source.error(
-            f"there is no sheet {table!r}",
-            code="RF105",
-            key="[import] table",
-            fix=did_you_mean(table, sheets),
-        )
-    return grid
+    with foreign(
+        source,
+        "this is not a readable sheet",
+        "save it again as .xlsx or .csv, or name its format in [import] format",
+    ):
+        sheets, rows_of = _open(raw, source)
+        check_choice(table, sheets, "sheet", source)
+        grids = ([list(row) for row in rows_of(name)] for name in ([table] if table else sheets))
+        return next((grid for grid in grids if grid), [])
 
 
-def _calamine() -> _Opener | None:
-    try:
+def _open(raw: io.BytesIO, source: Source) -> tuple[Sequence[str], Callable[[str], Iterable[Sequence[Any]]]]:
+    """Return the names of a book's sheets, and a way to the rows of each, by whichever package there is."""
+    with suppress(ImportError):
         from python_calamine import CalamineWorkbook  # noqa: PLC0415  (an extra that is not always there)
-    except ImportError:
-        return None
 
-    def open_book(raw: io.BytesIO) -> tuple[Sequence[str], _RowsOf]:
         book = CalamineWorkbook.from_filelike(raw)
         # From the first row on, so that row numbers are those the sheet shows.
         return book.sheet_names, lambda name: book.get_sheet_by_name(name).to_python(skip_empty_area=False)
-
-    return open_book
-
-
-def _openpyxl() -> _Opener | None:
     try:
         from openpyxl import load_workbook  # noqa: PLC0415  (an extra that is not always there)
     except ImportError:
-        return None
-
-    def open_book(raw: io.BytesIO) -> tuple[Sequence[str], _RowsOf]:
-        book = load_workbook(raw, read_only=True, data_only=True)
-        return book.sheetnames, lambda name: book[name].iter_rows(values_only=True)
-
-    return open_book
+        raise needs_package("sheets needs the package python-calamine or openpyxl", source) from None
+    pages = load_workbook(raw, read_only=True, data_only=True)
+    return pages.sheetnames, lambda name: pages[name].iter_rows(values_only=True)
 
 
 READER = Reader(

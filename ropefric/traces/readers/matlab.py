@@ -1,16 +1,14 @@
 """MATLAB files up to version 7."""
 
 import io
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ropefric.files.text import Source
-from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table, array_table
+from ropefric.traces.readers.table import Reader, Table, array_table, check_choice, foreign
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 
@@ -19,13 +17,7 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the file's one table: a matrix, a struct of vectors, or the vectors of the workspace."""
     variables = _load(source)
     if profile.table:
-        if profile.table not in variables:
-            raise source.error(
-                f"there is no variable {profile.table!r}",
-                code="RF105",
-                key="[import] table",
-                fix=did_you_mean(profile.table, variables),
-            )
+        check_choice(profile.table, variables, "variable", source)
         chosen = variables[profile.table]
         columns = _fields(chosen) if chosen.dtype.names else _matrix_or_vector(profile.table, chosen)
     else:
@@ -48,17 +40,11 @@ def _load(source: Source) -> dict[str, np.ndarray[Any, Any]]:
             "this is a MATLAB v7.3 (HDF5) file, which is not read here",
             fix="save it in MATLAB with save('run.mat', ..., '-v7'), or export CSV",
         )
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # on variables that cannot be read; they are reported missing
-            content = loadmat(io.BytesIO(raw))  # type: ignore[arg-type]
-    except MemoryError:
-        raise
-    except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
-        raise source.error(
-            f"this is not a readable MATLAB file ({type(error).__name__}: {error})",
-            fix="save it again with save('run.mat', ..., '-v7'), or name its format in [import] format",
-        ) from None
+    fix = "save it again with save('run.mat', ..., '-v7'), or name its format in [import] format"
+    with foreign(
+        source, "this is not a readable MATLAB file", fix
+    ):  # variables that cannot be read are missing
+        content = loadmat(io.BytesIO(raw))  # type: ignore[arg-type]
     return {
         str(name): value
         for name, value in content.items()

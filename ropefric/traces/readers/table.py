@@ -1,7 +1,9 @@
 """What a reader gives: tables whose columns become the channels of recordings."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
@@ -177,6 +179,33 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
     return source.error(message, code="RF102", line=line, key=name, fix=fix)
 
 
+@contextmanager
+def foreign(source: Source, what: str, fix: str, *, code: str = "RF101", key: str = "") -> Iterator[None]:
+    """Turn whatever a library raises on a damaged file, errors of a dozen kinds, into one that names the file."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except (MemoryError, DataError):
+        raise
+    except Exception as error:  # noqa: BLE001  (see above)
+        why = f"{what} ({type(error).__name__}: {error})"
+        raise source.error(why, code=code, key=key, fix=fix) from None
+
+
+def check_choice(name: str, known: Iterable[str], kind: str, source: Source) -> None:
+    """Refuse the name of a table that a file does not have."""
+    known = list(known)
+    if name and name not in known:
+        fix = did_you_mean(name, known)
+        raise source.error(f"there is no {kind} {name!r}", code="RF105", key="[import] table", fix=fix)
+
+
+def needs_package(what: str, source: Source) -> DataError:
+    """Return the error for a format whose package is not installed."""
+    return source.error(f"reading {what}", code="RF107", fix='pip install "ropefric[lab]"')
+
+
 def array_table(
     columns: Mapping[str, np.ndarray[Any, Any]],
     source: Source,
@@ -185,7 +214,8 @@ def array_table(
     time_s: FloatArray | None = None,
 ) -> Table:
     """Return a table of named arrays of a binary file; blank names are columns that have numbers only."""
-    keys = [key.strip() or f"column {number}" for number, key in enumerate(columns, start=1)]
+    names = tuple(key.strip() for key in columns)
+    keys = [name or f"column {number}" for number, name in enumerate(names, start=1)]
     arrays = list(columns.values())
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
@@ -195,37 +225,29 @@ def array_table(
             listed = ", ".join(
                 f"{keys[i]} has {size}{' values' if i == indices[0] else ''}" for i, size in sizes.items()
             )
-            raise source.error(
-                f"the columns differ in length: {listed}", code="RF103", fix="save them with one length"
-            )
+            why = f"the columns differ in length: {listed}"
+            raise source.error(why, code="RF103", fix="save them with one length")
         if found and found[0].size == 0:
             raise source.error("there are no data rows")
         return found
 
     return Table(
-        names=tuple(key.strip() for key in columns),
+        names=names,
         units=tuple((units or {}).get(key, "") for key in columns),
         values=values,
-        has_header=any(key.strip() for key in columns),
+        has_header=any(names),
         time_s=time_s,
     )
 
 
 def _real(key: str, values: np.ndarray[Any, Any], source: Source) -> FloatArray:
+    why, fix = "", ""
     if values.dtype.kind not in "iuf":
-        raise source.error(
-            f"the column holds {values.dtype} values, not real numbers",
-            code="RF102",
-            key=key,
-            fix="name another column, or save this one as numbers",
-        )
-    array = values.astype(np.float64)
-    infinite = np.isinf(array)
-    if infinite.any():
-        raise source.error(
-            f"sample {int(np.argmax(infinite)) + 1} is infinite, which is no measurement",
-            code="RF102",
-            key=key,
-            fix="save NaN where a sample is missing",
-        )
-    return array
+        why = f"the column holds {values.dtype} values, not real numbers"
+        fix = "name another column, or save this one as numbers"
+    elif np.isinf(values).any():
+        why = f"sample {int(np.argmax(np.isinf(values))) + 1} is infinite, which is no measurement"
+        fix = "save NaN where a sample is missing"
+    if why:
+        raise source.error(why, code="RF102", key=key, fix=fix)
+    return values.astype(np.float64)

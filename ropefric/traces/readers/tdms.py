@@ -2,16 +2,14 @@
 
 import io
 import logging
-import warnings
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.files.text import Source
-from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table, array_table
+from ropefric.traces.readers.table import Reader, Table, array_table, check_choice, foreign, needs_package
 
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
@@ -19,20 +17,16 @@ _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the table of one group: the profile's, else the first that has channels with data."""
     groups = {group.name: group.channels() for group in _load(source).groups()}
-    if profile.table and profile.table not in groups:
-        raise source.error(
-            f"there is no group {profile.table!r}",
-            code="RF105",
-            key="[import] table",
-            fix=did_you_mean(profile.table, groups),
-        )
+    check_choice(profile.table, groups, "group", source)
     filled = [name for name, channels in groups.items() if any(len(channel) for channel in channels)]
     if not filled:
         raise source.error("no group has data", fix="record it again")
     channels = groups[profile.table or filled[0]]
     columns, units = {}, {}
     for channel in channels:
-        columns[channel.name] = _values(channel, source)
+        what, fix = "the channel cannot be scaled", "save the scaled values"
+        with foreign(source, what, fix, code="RF102", key=channel.name):
+            columns[channel.name] = np.asarray(channel[:])
         found = (channel.properties.get(key) for key in _UNIT_KEYS)
         units[channel.name] = next((str(unit) for unit in found if unit), "")
     return (array_table(columns, source, units=units, time_s=_waveform_time(channels)),)
@@ -42,36 +36,11 @@ def _load(source: Source) -> Any:
     try:
         from nptdms import TdmsFile  # noqa: PLC0415  (an extra that is not always there)
     except ImportError:
-        raise source.error(
-            "reading TDMS needs the package nptdms", code="RF107", fix='pip install "ropefric[lab]"'
-        ) from None
+        raise needs_package("TDMS needs the package nptdms", source) from None
     logging.getLogger("nptdms").setLevel(logging.CRITICAL)  # it writes damaged bytes to the terminal
-    raw = source.raw_bytes()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return TdmsFile.read(io.BytesIO(raw))
-    except MemoryError:
-        raise
-    except Exception as error:  # noqa: BLE001  (damaged files end in errors of a dozen kinds)
-        raise source.error(
-            f"this is not a readable TDMS file ({type(error).__name__}: {error})",
-            fix="copy it again, or name its format in [import] format",
-        ) from None
-
-
-def _values(channel: Any, source: Source) -> np.ndarray[Any, Any]:
-    try:
-        return np.asarray(channel[:])  # scaled
-    except MemoryError:
-        raise
-    except Exception as error:  # noqa: BLE001  (scalings of damaged files fail in many ways)
-        raise source.error(
-            f"the channel cannot be scaled ({type(error).__name__}: {error})",
-            code="RF102",
-            key=channel.name,
-            fix="save the scaled values",
-        ) from None
+    fix = "copy it again, or name its format in [import] format"
+    with foreign(source, "this is not a readable TDMS file", fix):
+        return TdmsFile.read(io.BytesIO(source.raw_bytes()))
 
 
 def _waveform_time(channels: Any) -> FloatArray | None:

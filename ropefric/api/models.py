@@ -1,0 +1,536 @@
+"""From trials to friction laws, lift forces and designs; from scenes to answers."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.api.recordings import PathLike, as_campaign, trial_table
+from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
+from ropefric.fitting.bootstrap import with_intervals
+from ropefric.fitting.compare import Comparison, compare_laws
+from ropefric.fitting.design import Design, SolveFor
+from ropefric.fitting.design import design as find_design
+from ropefric.fitting.diagnose import Diagnosis
+from ropefric.fitting.diagnose import diagnose as find_causes
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
+from ropefric.fitting.measured_budget import (
+    GRAVITY_LIMIT,
+    MeasuredQuantity,
+    conditions_of_extraction,
+    conditions_of_table,
+    state_condition,
+)
+from ropefric.fitting.next_tests import LabPlan, PlannedLaw, planned_fit
+from ropefric.fitting.next_tests import plan_tests as find_plan
+from ropefric.fitting.plan_search import Criterion, RigLimits
+from ropefric.fitting.predict import Method, Prediction
+from ropefric.fitting.predict import predict as predict_lift
+from ropefric.fitting.problem import Loss
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.store import load_fit
+from ropefric.friction.condition import Conditions, one_condition
+from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
+from ropefric.scenes.plan import Explanation, explain_scene
+from ropefric.scenes.scene import Scene, load_scene
+from ropefric.scenes.solve import Solution, solve_scene
+from ropefric.scenes.sweep import Axis, Sweep, parse_axis, sweep_scene
+from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.result import Extraction
+from ropefric.trials.table import TrialTable
+from ropefric.uncertainty.statement import Statement
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def fit(
+    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    law: str,
+    *,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    start: Mapping[str, float] | None = None,
+    scale_covar: Literal["auto"] | bool = "auto",
+    loss: Loss = "linear",
+    clustered: bool = True,
+    n_starts: int = 4,
+    seed: int = 0,
+    intervals: Literal["covariance", "profile", "bootstrap"] = "covariance",
+) -> FitResult:
+    """Return a friction law fitted to trials; `status` says whether to trust it.
+
+    Parameters
+    ----------
+    trials : TrialTable, Extraction, DataFrame or path-like
+        See `trial_table`.
+    law : str
+        "constant", "wrap-power", "coupled", …
+    fixed, bounds, start, scale_covar, loss, clustered, n_starts, seed
+        As `ropefric.fitting.fit.fit_law`.
+    intervals : {"covariance", "profile", "bootstrap"}
+        Where the 95 % intervals come from.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import pandas as pd
+    >>> wrap_rad = np.repeat([3.0, 6.0, 9.0], 2)
+    >>> frame = pd.DataFrame({"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": wrap_rad,
+    ...     "end_tension_N": 20, "peak_N": 20 * np.exp(0.2 * wrap_rad + 0.01 * np.array([1, -1, -1, 1, 1, -1]))})
+    >>> round(fit(frame, "constant")["mu"].value, 3)
+    0.2
+    """
+    made = fit_law(
+        trial_table(trials), law, fixed=fixed, bounds=bounds, start=start, scale_covar=scale_covar, loss=loss,
+        clustered=clustered, n_starts=n_starts, seed=seed,
+    )  # fmt: skip
+    return with_intervals(made, intervals, seed=seed)
+
+
+def compare(
+    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    laws: Iterable[str] | None = None,
+    *,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> Comparison:
+    """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it."""
+    return compare_laws(trial_table(trials), laws, progress=progress)
+
+
+def diagnose(
+    trials: "TrialTable | Extraction | pd.DataFrame | PathLike", comparison: Comparison | None = None
+) -> Diagnosis:
+    """Return why trials do not obey the capstan equation, with the evidence, or that they do."""
+    return find_causes(trial_table(trials), comparison)
+
+
+def predict(
+    fit: FitResult | PathLike,
+    *,
+    wheel_radius_m: npt.ArrayLike,
+    wrap_angle_rad: npt.ArrayLike,
+    end_tension_N: npt.ArrayLike,
+    rope_radius_m: npt.ArrayLike | None = None,
+    level: float = 0.95,
+    method: Method = "linear",
+    linear_density_kg_m: float | None = None,
+    speed_m_s: float | None = None,
+) -> Prediction:
+    """Return the lift force of a fitted law for n wheels, with confidence and prediction intervals.
+
+    Parameters
+    ----------
+    fit : FitResult or path-like
+        The fit or its file.
+    wheel_radius_m, wrap_angle_rad, end_tension_N : array_like, scalar or shape (n,)
+        R_w [m], φ [rad], F_B [N].
+    rope_radius_m : array_like, optional
+        R_r [m]; that of the trials where they had one rope only.
+    level, method, linear_density_kg_m, speed_m_s
+        As `ropefric.fitting.predict.predict`.
+    """
+    stored = as_fit(fit)
+    wheels = Conditions(
+        wheel_radius_m=np.asarray(wheel_radius_m, dtype=np.float64),
+        rope_radius_m=_rope(stored, rope_radius_m),
+        wrap_angle_rad=np.asarray(wrap_angle_rad, dtype=np.float64),
+        end_tension_N=np.asarray(end_tension_N, dtype=np.float64),
+    )
+    return predict_lift(
+        stored,
+        wheels,
+        level=level,
+        method=method,
+        linear_density_kg_m=linear_density_kg_m,
+        speed_m_s=speed_m_s,
+    )
+
+
+def design(
+    fit: FitResult | PathLike,
+    *,
+    lift_N: npt.ArrayLike,
+    solve_for: SolveFor = "wrap",
+    wheel_radius_m: npt.ArrayLike | None = None,
+    wrap_angle_rad: npt.ArrayLike | None = None,
+    end_tension_N: npt.ArrayLike | None = None,
+    rope_radius_m: npt.ArrayLike | None = None,
+    probability: float | None = 0.95,
+) -> Design:
+    """Return the smallest wrap, wheel radius or end tension that lifts a load with a probability.
+
+    Parameters
+    ----------
+    fit : FitResult or path-like
+        The fit or its file.
+    lift_N, solve_for, wheel_radius_m, wrap_angle_rad, end_tension_N, probability
+        As `ropefric.fitting.design.design`.
+    rope_radius_m : array_like, optional
+        R_r [m]; that of the trials where they had one rope only.
+    """
+    stored = as_fit(fit)
+    return find_design(
+        stored, lift_N=lift_N, rope_radius_m=_rope(stored, rope_radius_m), wheel_radius_m=wheel_radius_m,
+        wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N, solve_for=solve_for, probability=probability,
+    )  # fmt: skip
+
+
+def run(
+    campaign: Campaign | PathLike,
+    folder: PathLike,
+    *,
+    law: str = "",
+    jobs: int = 1,
+    cache_dir: PathLike | None = None,
+    overwrite: bool = False,
+) -> CampaignRun:
+    """Return a campaign's result, from recordings to the lift force of its wheel, and write its files into a folder.
+
+    Parameters
+    ----------
+    campaign : Campaign or path-like
+        The campaign or its file.
+    folder : path-like
+        Where trials.csv, fits/, comparison.csv, … go; what an earlier run wrote there and no longer fits is removed.
+    law : str
+        The law to use; "" for the best whose fit may be used as it stands.
+    jobs, cache_dir
+        As `extract`.
+    overwrite : bool
+        Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
+    """
+    kept = None if cache_dir is None else Path(cache_dir)
+    loaded = as_campaign(campaign)
+    with campaign_folder(loaded, folder, force=overwrite) as target:
+        result = run_campaign(loaded, target, law=law, jobs=jobs, cache_dir=kept)
+        target.publish("answer")
+    return result
+
+
+def _rope(fit: FitResult, given_m: npt.ArrayLike | None) -> FloatArray:
+    if given_m is None:
+        given_m = fit.only_rope_radius_m()
+    return np.asarray(given_m, dtype=np.float64)
+
+
+def budget(
+    fit: FitResult | PathLike,
+    *,
+    wheel_radius_m: float,
+    wrap_angle_rad: float,
+    end_tension_N: float,
+    rope_radius_m: float | None = None,
+    u_wheel_radius_m: float = 0.0,
+    u_rope_radius_m: float = 0.0,
+    u_wrap_angle_rad: float = 0.0,
+    u_end_tension_N: float = 0.0,
+    one_pull: bool = False,
+    level: float = 0.95,
+    draws: int = 200_000,
+    seed: int = 0,
+) -> Statement:
+    """Return the uncertainty budget of a lift force that a fit predicts for a wheel known only so well.
+
+    Parameters
+    ----------
+    fit : FitResult or path-like
+        The fit or its file.
+    wheel_radius_m, wrap_angle_rad, end_tension_N : float
+        R_w [m], φ [rad], F_B [N].
+    rope_radius_m : float, optional
+        R_r [m]; that of the trials where they had one rope only.
+    u_wheel_radius_m, u_rope_radius_m, u_wrap_angle_rad, u_end_tension_N : float
+        Their standard uncertainties; 0 for what is exact.
+    one_pull : bool
+        Of one pull with a new rope, not of the mean law.
+    level, draws, seed
+        As `ropefric.uncertainty.statement.state_uncertainty`.
+
+    Returns
+    -------
+    Statement
+        `budget.lines`, its check by draws, what would make it smaller, and a `status`.
+
+    Raises
+    ------
+    InputError
+        If the law has no answer for this wheel, or the rope is not given and not known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import pandas as pd
+    >>> wrap_rad = np.repeat([3.0, 6.0, 9.0], 2)
+    >>> frame = pd.DataFrame({"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": wrap_rad,
+    ...     "end_tension_N": 20, "peak_N": 20 * np.exp(0.2 * wrap_rad + 0.01 * np.array([1, -1, -1, 1, 1, -1]))})
+    >>> stated = budget(fit(frame, "constant"), wheel_radius_m=0.04, wrap_angle_rad=7.0, end_tension_N=20.0,
+    ...                 u_wrap_angle_rad=0.03, draws=20_000)
+    >>> round(stated.budget.estimate, 1), max(stated.budget.lines, key=lambda line: line.share).name
+    (81.1, 'wrap angle')
+    """
+    stored = as_fit(fit)
+    radius_m = stored.only_rope_radius_m() if rope_radius_m is None else rope_radius_m
+    at = one_condition(wheel_radius_m, radius_m, wrap_angle_rad, end_tension_N)
+    uncertainty = WheelUncertainty(
+        wheel_radius_m=u_wheel_radius_m,
+        rope_radius_m=u_rope_radius_m,
+        wrap_angle_rad=u_wrap_angle_rad,
+        end_tension_N=u_end_tension_N,
+    )
+    return state_lift(stored, at, uncertainty, one_pull=one_pull, level=level, draws=draws, seed=seed)
+
+
+def measured_budgets(
+    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    quantity: MeasuredQuantity = "force",
+    *,
+    u_wrap_angle_rad: float | None = None,
+    gain_limit: float = 0.0,
+    weights_tolerance: float = 0.0,
+    gravity_limit: float = GRAVITY_LIMIT,
+    level: float = 0.95,
+    draws: int = 200_000,
+    seed: int = 0,
+) -> tuple[Statement, ...]:
+    """Return the uncertainty budget of each measured condition: of its force, or of μ̄ = ln(F_A/F_B)/φ.
+
+    Parameters
+    ----------
+    trials : TrialTable, Extraction, DataFrame or path-like
+        See `trial_table`. An extraction knows its measuring chain, a table only the total.
+    quantity : {"force", "mu"}
+        What the budget is of.
+    u_wrap_angle_rad : float, optional
+        Standard uncertainty of the wraps [rad]; by default what the trials say.
+    gain_limit : float
+        Limit of error of the gain, common to both sides [-].
+    weights_tolerance : float
+        Of the dead weights of an extraction [-], see `ropefric.fitting.measured_budget.weights`.
+    gravity_limit : float
+        Limit of error of g of the weights [-].
+    level, draws, seed
+        As `budget`.
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong in a table.
+    InputError
+        If the quantity is neither, or an argument is out of range.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> frame = pd.DataFrame({"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": 3.0,
+    ...                       "end_tension_N": 20, "peak_N": [36.0, 36.8, 36.3]})
+    >>> [round(one.budget.estimate, 2) for one in measured_budgets(frame, draws=20_000)]
+    [36.37]
+    """
+    if isinstance(trials, Extraction):
+        found = conditions_of_extraction(
+            trials, weights_tolerance=weights_tolerance, gravity_limit=gravity_limit
+        )
+    else:
+        found = conditions_of_table(trial_table(trials), gravity_limit=gravity_limit)
+    return tuple(
+        state_condition(
+            item,
+            quantity,
+            u_wrap_angle_rad=u_wrap_angle_rad,
+            gain_limit=gain_limit,
+            level=level,
+            draws=draws,
+            seed=seed,
+        )
+        for item in found
+    )
+
+
+def plan_tests(
+    known: FitResult | PlannedLaw | PathLike,
+    *,
+    wheels_m: Sequence[float],
+    wraps_rad: Sequence[float],
+    end_tensions_N: Sequence[float],
+    wheel_radius_m: float,
+    wrap_angle_rad: float,
+    end_tension_N: float,
+    rope_radius_m: float | None = None,
+    largest_force_N: float = math.inf,
+    n_conditions: int = 12,
+    repeats: int = 12,
+    criterion: Criterion = "v",
+    level: float = 0.95,
+    starts: int = 10,
+    seed: int = 0,
+) -> LabPlan:
+    """Return the conditions to test next so that one wanted lift force becomes as certain as it can.
+
+    Parameters
+    ----------
+    known : FitResult, PlannedLaw or path-like
+        A fit or its file; or a law with guessed parameters, from `ropefric.fitting.next_tests.planned_guess`.
+    wheels_m, wraps_rad, end_tensions_N : sequence of float
+        Settings the rig has: R_w [m], φ [rad], F_B [N].
+    wheel_radius_m, wrap_angle_rad, end_tension_N : float
+        The wheel whose lift force is wanted.
+    rope_radius_m : float, optional
+        R_r [m]; that of the trials where they had one rope only, and needed with a guessed law.
+    largest_force_N : float
+        The largest F_A the cell takes [N].
+    n_conditions, repeats, criterion, level, starts, seed
+        As `ropefric.fitting.next_tests.plan_tests`.
+
+    Raises
+    ------
+    InputError
+        If the rope is not given and not known, or no plan within these settings can tell.
+
+    Examples
+    --------
+    >>> from ropefric.fitting.next_tests import MeanScatter, planned_guess
+    >>> from ropefric.friction.laws import LAWS
+    >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
+    >>> plan = plan_tests(law, wheels_m=[0.03, 0.04], wraps_rad=[3.0, 6.0, 9.0, 12.0], end_tensions_N=[20.0, 40.0],
+    ...     wheel_radius_m=0.05, wrap_angle_rad=14.0, end_tension_N=20.0, rope_radius_m=0.005, largest_force_N=300.0,
+    ...     n_conditions=3, repeats=4)
+    >>> plan.conditions.wrap_angle_rad.tolist()
+    [9.0, 12.0, 12.0]
+    """
+    rope_m = rope_radius_m
+    if isinstance(known, PlannedLaw):
+        planned = known
+        if rope_m is None:
+            raise InputError(
+                "a guessed law does not know its rope", key="rope_radius_m", fix="give the rope's radius [m]"
+            )
+    else:
+        stored = as_fit(known)
+        planned = planned_fit(stored)
+        rope_m = stored.only_rope_radius_m() if rope_m is None else rope_m
+    return find_plan(
+        planned,
+        RigLimits(
+            wheel_radius_m=tuple(wheels_m),
+            wrap_angle_rad=tuple(wraps_rad),
+            end_tension_N=tuple(end_tensions_N),
+            rope_radius_m=rope_m,
+            largest_force_N=largest_force_N,
+        ),
+        one_condition(wheel_radius_m, rope_m, wrap_angle_rad, end_tension_N),
+        n_conditions=n_conditions,
+        repeats=repeats,
+        criterion=criterion,
+        level=level,
+        starts=starts,
+        seed=seed,
+    )
+
+
+def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
+    """Return the answer to a scene, simulated with the effects that its accuracy calls for.
+
+    Parameters
+    ----------
+    scene : Scene or path-like
+        The scene or its file.
+    level : float
+        Of the intervals.
+
+    Returns
+    -------
+    Solution
+        `to_dict()` holds the numbers, `warnings` what speaks against using them.
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong with the file, or where the scene has no answer.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.scenes.scene_templates import write_scenes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     hoist = solve(write_scenes(folder, ["hoist"])[0]).to_dict()
+    >>> round(hoist["lift_force_N"]), hoist["effects"]["simulated"]
+    (319, ['wrap-dependence', 'size', 'end-tension'])
+    """
+    return solve_scene(_as_scene(scene), level=level)
+
+
+def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
+    """Return why a scene is solved the way it is: each effect, whether it is simulated, and what it is worth.
+
+    Parameters
+    ----------
+    scene : Scene or path-like
+        The scene or its file.
+    measure : bool
+        Solve with and without each effect, for its worth and its time.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.scenes.scene_templates import write_scenes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     told = explain(write_scenes(folder, ["climbing-hoist"])[0])
+    >>> told.plan.left_out
+    ('centrifugal',)
+    """
+    return explain_scene(_as_scene(scene), measure=measure)
+
+
+def sweep(
+    scene: Scene | PathLike, *axes: str | Axis, progress: Callable[[int, int, str], None] | None = None
+) -> Sweep:
+    """Return the numbers of a scene's answer over a grid of any of its own numbers.
+
+    Parameters
+    ----------
+    scene : Scene or path-like
+        The scene or its file.
+    *axes : str or Axis
+        "wheel.wrap=90deg:1440deg:50", "wheel.radius=20mm,40mm"; several make a grid, of which the last runs fastest.
+    progress : callable, optional
+        Called with points done, points in all, and what they are.
+
+    Returns
+    -------
+    Sweep
+        `columns` by name, one value a point; `axes` and `shape` of the grid.
+
+    Raises
+    ------
+    UnknownNameError
+        For a key that the scene does not give, or that holds no number.
+    InputError
+        For values that the scene cannot take, or where no point has an answer.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.scenes.scene_templates import write_scenes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = sweep(write_scenes(folder, ["hoist"])[0], "wheel.wrap=1turn,2turn,3turn")
+    >>> found.columns["lift_force_N"].round().tolist()
+    [205.0, 490.0, 1110.0]
+    """
+    loaded = _as_scene(scene)
+    grid = tuple(parse_axis(loaded, axis) if isinstance(axis, str) else axis for axis in axes)
+    return sweep_scene(loaded, grid, progress=progress)
+
+
+def _as_scene(scene: Scene | PathLike) -> Scene:
+    return scene if isinstance(scene, Scene) else load_scene(scene)
+
+
+def as_fit(fit: FitResult | PathLike) -> FitResult:
+    """Return a fit, loaded where its file is given."""
+    return fit if isinstance(fit, FitResult) else load_fit(fit)

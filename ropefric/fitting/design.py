@@ -270,7 +270,7 @@ def _checked(
     """Return what is given of n designs, their loads [N], and where to look; everything that is wrong is said here."""
     if solve_for not in QUANTITIES:
         raise InputError(
-            f"cannot solve for {solve_for!r}", key="solve_for", fix=f"use one of {', '.join(QUANTITIES)}"
+            f"cannot solve for {solve_for!r}", key="solve_for", fix="use one of wrap, radius, end_tension"
         )
     target, unit, usual = QUANTITIES[solve_for]
     if quantities.pop(target) is not None:

@@ -166,7 +166,10 @@ class FitResult:
         tree = {
             "schema": SCHEMA,
             "law": self.law,
-            "parameters": {item.name: _without(asdict(item), "name") for item in self.parameters},
+            "parameters": {
+                item.name: {key: value for key, value in asdict(item).items() if key != "name"}
+                for item in self.parameters
+            },
             "parameter_order": [item.name for item in self.parameters],
             "covariance": self.covariance.tolist(),
             "covariance_kind": self.covariance_kind,
@@ -180,8 +183,7 @@ class FitResult:
             "provenance": dict(self.provenance),
             "trials": dict(self.trials),
         }
-        plain: dict[str, Any] = _plain(tree)
-        return plain
+        return dict(_plain(tree))
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any]) -> "FitResult":
@@ -195,13 +197,9 @@ class FitResult:
         return cls(
             law=ALL_LAWS[tree["law"]].name,
             parameters=tuple(_parameter(name, tree["parameters"][name]) for name in tree["parameter_order"]),
-            covariance=np.array(
-                [[_number(cell) for cell in row] for row in tree["covariance"]], dtype=np.float64
-            ),
+            covariance=np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64),
             covariance_kind=tree["covariance_kind"],
-            statistics=FitStatistics(
-                **{key: _statistic(key, value) for key, value in tree["statistics"].items()}
-            ),
+            statistics=FitStatistics(**{key: _number(value) for key, value in tree["statistics"].items()}),
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
@@ -229,10 +227,6 @@ def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
     )
 
 
-def _statistic(key: str, value: Any) -> Any:
-    return _number(value) if key in {"n", "n_conditions", "dof"} else float(_number(value))
-
-
 def _number(value: Any, gone: float = nan) -> Any:
     if value is None:
         return gone
@@ -241,10 +235,6 @@ def _number(value: Any, gone: float = nan) -> Any:
     if not isfinite(float(value)):
         raise TypeError(f"{value!r:.40} is no number that a fit can hold")
     return value
-
-
-def _without(tree: dict[str, Any], key: str) -> dict[str, Any]:
-    return {name: value for name, value in tree.items() if name != key}
 
 
 def _plain(value: Any) -> Any:

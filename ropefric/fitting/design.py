@@ -35,11 +35,11 @@ QUANTITIES: dict[str, tuple[str, str, tuple[float, float]]] = {
 _CHUNK = 16384
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
 _LEAST_WRAP_RAD = 1e-9
-Rising = Callable[[FloatArray, npt.NDArray[np.intp]], tuple[FloatArray, FloatArray]]
-"""`f(x, rows) -> (values, slopes)` of the functions numbered `rows` at one x each; −inf where there is no answer."""
-
 _MAX_STEPS = 200
 _SCAN = 24
+
+Rising = Callable[[FloatArray, npt.NDArray[np.intp]], tuple[FloatArray, FloatArray]]
+"""`f(x, rows) -> (values, slopes)` of the functions numbered `rows` at one x each; −inf where there is no answer."""
 
 
 class DesignStatus(IntEnum):
@@ -273,7 +273,7 @@ def _checked(
     """Return what is given of n designs, their loads [N], and where to look; everything that is wrong is said here."""
     if solve_for not in QUANTITIES:
         raise InputError(
-            f"cannot solve for {solve_for!r}", key="solve_for", fix=f"use one of {', '.join(QUANTITIES)}"
+            f"cannot solve for {solve_for!r}", key="solve_for", fix="use one of wrap, radius, end_tension"
         )
     target, unit, usual = QUANTITIES[solve_for]
     if quantities.pop(target) is not None:

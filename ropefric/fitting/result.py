@@ -10,7 +10,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.statistics import Identifiability
+from ropefric.fitting.statistics import FitStatistics, Identifiability
 from ropefric.fitting.verdict import Doubt, FitStatus, Verdict, doubts_of_fit, verdict_of
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
@@ -32,22 +32,6 @@ class FittedParameter:
     upper: float
     at_bound: bool
     vary: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FitStatistics:
-    """How well the law fits."""
-
-    n: int
-    n_conditions: int
-    dof: int
-    chi2: float
-    chi2_reduced: float
-    aicc: float
-    bic: float
-    scatter_within: float
-    scatter_between: float
-    interval_dof: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -124,17 +108,7 @@ class FitResult:
     @property
     def doubts(self) -> tuple[Doubt, ...]:
         """Return what speaks against the law in its own fit, with the word each calls for."""
-        found = self.statistics
-        return doubts_of_fit(
-            self.law,
-            status=self.status,
-            advice=self.advice,
-            n=found.n,
-            n_conditions=found.n_conditions,
-            n_fitted=found.n - found.dof,
-            within=found.scatter_within,
-            between=found.scatter_between,
-        )
+        return doubts_of_fit(self.law, self.status, self.advice, self.statistics)
 
     @property
     def verdict(self) -> Verdict:

@@ -68,9 +68,9 @@ def fit(
     verdict = verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [fit_section(result), verdict, *notes_sections(result)]
     return Answer(
-        data=result.to_dict() | {"verdict": result.verdict.to_dict()},
-        show=lambda _: sections,
-        exit_code=exit_code_of(result.verdict),
+        result.to_dict() | {"verdict": result.verdict.to_dict()},
+        lambda _: sections,
+        exit_code_of(result.verdict),
     )
 
 

@@ -95,7 +95,7 @@ def check_drive(tree):
     assert tree["full_tight_N"] >= tree["full_slack_N"] > 0.0
     for one in tree["pulleys"].values():
         slip = one["slip_arc_rad"]
-        assert slip is None or -1e-9 <= slip
+        assert slip is None or slip >= -1e-9
 
 
 CHECKS = {

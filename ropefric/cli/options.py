@@ -29,7 +29,7 @@ SERIAL_BELOW = 20
 """Recordings below which starting worker processes costs more than it saves."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Answer:
     """The result of one command: data for programs, what people see of it, an exit code.
 

@@ -185,6 +185,13 @@ def test_every_command_explains_itself_and_takes_the_global_options(name, capsys
     assert command.run.__doc__.strip().splitlines()[0].endswith(".")
 
 
+def test_the_help_says_what_each_command_does_in_full(capsys):
+    assert app.main(["--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for command in find_commands().values():
+        assert " ".join(command.run.__doc__.strip().partition("\n\n")[0].split()) in text
+
+
 def test_commands_stand_in_the_order_of_work_each_at_a_place_of_its_own():
     commands = find_commands()
     orders = [command.order for command in commands.values()]
@@ -241,7 +248,7 @@ def test_help_starts_light():
         "import sys\n"
         "from ropefric.cli.app import main\n"
         "assert main(['--help']) == 0\n"
-        "heavy = {'numpy', 'scipy', 'pandas', 'matplotlib', 'lmfit', 'pint', 'pydantic', 'asteval'}\n"
+        "heavy = {'numpy', 'scipy', 'pandas', 'matplotlib', 'lmfit', 'pint', 'pydantic', 'asteval', 'rich'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)

@@ -108,9 +108,9 @@ def budget(
         for item, each in stated
     ]
     return Answer(
-        data={"source": str(source), "budgets": trees},
-        show=lambda _: sections,
-        exit_code=0 if all(each.trustworthy for _, each in stated) else NOT_TRUSTED,
+        {"source": str(source), "budgets": trees},
+        lambda _: sections,
+        0 if all(each.trustworthy for _, each in stated) else NOT_TRUSTED,
     )
 
 
@@ -163,9 +163,9 @@ def _of_fit(
     more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
     title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
     return Answer(
-        data=stated.to_dict() | known | more,
-        show=lambda _: uncertainty_sections(stated, title),
-        exit_code=0 if stated.trustworthy else NOT_TRUSTED,
+        stated.to_dict() | known | more,
+        lambda _: uncertainty_sections(stated, title),
+        0 if stated.trustworthy else NOT_TRUSTED,
     )
 
 

@@ -45,16 +45,16 @@ def check(
     try:
         raise_problems(problems)
     except DataError as failure:
-        return Answer(data=data | failure.to_dict(), show=lambda _: tally, exit_code=DataError.exit_code)
+        return Answer(data | failure.to_dict(), lambda _: tally, DataError.exit_code)
     if scene:
-        return Answer(data=data, show=lambda _: tally)
+        return Answer(data, lambda _: tally)
     content = _content(load_campaign(campaign))
 
     def show(console: "Console") -> None:
         console.print(tally, markup=False, soft_wrap=True)
         _show_content(content, console)
 
-    return Answer(data=data | {"campaign": content}, show=show)
+    return Answer(data | {"campaign": content}, show)
 
 
 def _is_scene(path: Path) -> bool:

@@ -32,9 +32,9 @@ def compare(
     choice = choose_law(found)
     verdict = verdict_section(choice.verdict, f"The law: {choice.fit.law}")
     return Answer(
-        data=found.to_dict() | choice.to_dict(),
-        show=lambda _: [comparison_section(found), verdict],
-        exit_code=exit_code_of(choice.verdict),
+        found.to_dict() | choice.to_dict(),
+        lambda _: [comparison_section(found), verdict],
+        exit_code_of(choice.verdict),
     )
 
 

@@ -83,10 +83,10 @@ def design(
     for path in files:
         out.note(f"wrote {path}")
     return Answer(
-        data=found.to_dict()
+        found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
-        show=lambda _: [_section(found)],
-        exit_code=exit_code_of(stored.verdict) if reached else NOT_TRUSTED,
+        lambda _: [_section(found)],
+        exit_code_of(stored.verdict) if reached else NOT_TRUSTED,
     )
 
 

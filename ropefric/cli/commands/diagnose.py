@@ -14,9 +14,7 @@ def diagnose(out: Output, trials: TableArgument) -> Answer:
 
     found = find_causes(read_table(trials, out))
     return Answer(
-        data=found.to_dict(),
-        show=lambda _: [diagnosis_section(found, full=True)],
-        exit_code=exit_code_of(found.verdict),
+        found.to_dict(), lambda _: [diagnosis_section(found, full=True)], exit_code_of(found.verdict)
     )
 
 

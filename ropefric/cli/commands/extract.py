@@ -92,7 +92,7 @@ def extract(
         if not out.json:
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
-    return Answer(data=data, show=lambda console: _show(extraction, console), exit_code=exit_code)
+    return Answer(data, lambda console: _show(extraction, console), exit_code)
 
 
 def what_was_kept(cache_folder: Path | None) -> str:

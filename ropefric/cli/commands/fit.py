@@ -59,7 +59,7 @@ def fit(
         step(0, "reading")
         table = read_table(trials, out)
         step(1, "fitting")
-        fitted = fit_law(table, law, loss=loss, seed=seed, **options)  # type: ignore[arg-type]
+        fitted = fit_law(table, law, loss=loss, seed=seed, **options)
         step(2, "intervals")
         result = with_intervals(fitted, intervals, seed=seed)
         step(3, "done")
@@ -68,9 +68,9 @@ def fit(
     verdict = verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [fit_section(result), verdict, *notes_sections(result)]
     return Answer(
-        data=result.to_dict() | {"verdict": result.verdict.to_dict()},
-        show=lambda _: sections,
-        exit_code=exit_code_of(result.verdict),
+        result.to_dict() | {"verdict": result.verdict.to_dict()},
+        lambda _: sections,
+        exit_code_of(result.verdict),
     )
 
 

@@ -78,7 +78,7 @@ def inspect(
         console.print("\nsuggested for campaign.toml:\n", style="bold")
         console.print(profile.rstrip(), markup=False, soft_wrap=True)
 
-    return Answer(data=found.to_dict(), show=show)
+    return Answer(found.to_dict(), show)
 
 
 def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> "Inspection":  # noqa: FBT001

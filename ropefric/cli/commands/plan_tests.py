@@ -120,11 +120,7 @@ def plan_tests(
             raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
-    return Answer(
-        data=found.to_dict() | known | {"written": file},
-        show=lambda _: plan_sections(found),
-        exit_code=exit_code,
-    )
+    return Answer(found.to_dict() | known | {"written": file}, lambda _: plan_sections(found), exit_code)
 
 
 def _taken(path: Path) -> InputError:

@@ -109,9 +109,9 @@ def work_through(
         raise
     said = written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
     return Answer(
-        data=result.to_dict() | {"written": [*result.written, *pages]},
-        show=lambda _: [*summary_sections(result), said],
-        exit_code=exit_code_of(result.answer.verdict),
+        result.to_dict() | {"written": [*result.written, *pages]},
+        lambda _: [*summary_sections(result), said],
+        exit_code_of(result.answer.verdict),
     )
 
 

@@ -18,9 +18,7 @@ def show(out: Output, file: Path = Argument(..., metavar="FIT.json", help="A sto
     fit = read_fit(file, out)
     sections = [fit_section(fit, short=True), *notes_sections(fit), origin_section(fit)]
     return Answer(
-        data=fit.to_dict() | {"verdict": fit.verdict.to_dict()},
-        show=lambda _: sections,
-        exit_code=exit_code_of(fit.verdict),
+        fit.to_dict() | {"verdict": fit.verdict.to_dict()}, lambda _: sections, exit_code_of(fit.verdict)
     )
 
 

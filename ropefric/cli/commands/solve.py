@@ -92,9 +92,9 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
     tree = solution.to_dict()
     files = [] if folder is None else _write(out, solution, tree, folder)
     return Answer(
-        data=tree | {"files": files},
-        show=lambda _: solution_sections(solution, tree),
-        exit_code=0 if solution.stands else NOT_TRUSTED,
+        tree | {"files": files},
+        lambda _: solution_sections(solution, tree),
+        0 if solution.stands else NOT_TRUSTED,
     )
 
 
@@ -125,9 +125,9 @@ def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None
         found = sweep_scene(scene, axes, progress=progress.update)
     files = [] if folder is None else _write_sweep(out, found, folder, plot)
     return Answer(
-        data=_tree(found) | {"files": files},
-        show=lambda _: sweep_sections(found),
-        exit_code=0 if found.keeps_accuracy else NOT_TRUSTED,
+        _tree(found) | {"files": files},
+        lambda _: sweep_sections(found),
+        0 if found.keeps_accuracy else NOT_TRUSTED,
     )
 
 

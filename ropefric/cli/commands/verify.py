@@ -35,9 +35,9 @@ def verify(
         console.print(make_table(("fit", "", "change [standard errors]", "found "), rows, left=2))
 
     return Answer(
-        data={"ok": n_ok == len(found), "fits": [asdict(item) for item in found]},
-        show=show,
-        exit_code=0 if n_ok == len(found) else NOT_TRUSTED,
+        {"ok": n_ok == len(found), "fits": [asdict(item) for item in found]},
+        show,
+        0 if n_ok == len(found) else NOT_TRUSTED,
     )
 
 

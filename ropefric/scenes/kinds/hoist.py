@@ -7,9 +7,8 @@ from pydantic import model_validator
 from ropefric.files.toml_model import StrictTable, reject
 from ropefric.scenes.kind import Failure, FrictionTable, Kind, Quantity, SceneTable, arrays, key
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import Lift
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift
 from ropefric.systems.hoist.effects import SYSTEM, answerable
-from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
 
 
 class WheelTable(StrictTable):

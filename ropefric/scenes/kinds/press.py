@@ -29,7 +29,6 @@ from ropefric.scenes.kind import (
 )
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.answer import PressAnswer, PressProblem, StartUpTask, as_operated
-from ropefric.systems.press.closures import CLOSURES
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.loads import (
@@ -40,7 +39,7 @@ from ropefric.systems.press.loads import (
 )
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES
-from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.statics import CLOSURES, solve_statics
 from ropefric.systems.press.steady import drive_power_W, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings

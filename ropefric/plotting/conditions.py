@@ -42,6 +42,7 @@ _CROWDED = 6
 """Trials above which a reason is written upright, so that it does not run into its neighbours."""
 
 Condition = tuple[str, ConditionSummary, list[TrialResult]]
+Progress = Callable[[int, int, str], None]
 
 
 def conditions_of(extraction: Extraction) -> list[Condition]:
@@ -91,29 +92,44 @@ def write_condition_figures(
     under: str = "",
     formats: tuple[str, ...] = ("png",),
     executor: Executor | None = None,
-    progress: Callable[[int, int, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Path, ...]:
     """Draw each condition of an extraction into `folder`; return the paths written, condition by condition."""
+    return start_condition_figures(extraction, folder, under=under, formats=formats, executor=executor)(
+        progress
+    )
+
+
+def start_condition_figures(
+    extraction: Extraction,
+    folder: Folder | str | os.PathLike[str],
+    *,
+    under: str = "",
+    formats: tuple[str, ...] = ("png",),
+    executor: Executor | None = None,
+) -> Callable[[Progress | None], tuple[Path, ...]]:
+    """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
     target = as_folder(folder)
     jobs = [
         (summary, trials, f"{under}{stem}", formats) for stem, summary, trials in conditions_of(extraction)
     ]
-    written: list[tuple[Path, ...]] = [()] * len(jobs)
+    places = {executor.submit(_draw_one, *job): place for place, job in enumerate(jobs)} if executor else {}
 
-    def keep(done: int, place: int, files: dict[str, bytes]) -> None:
-        # Workers draw, and this process alone writes.
-        written[place] = target.write(files)
-        if progress is not None:
-            progress(done, len(jobs), jobs[place][2].removeprefix(under))
+    def write(progress: Progress | None = None) -> tuple[Path, ...]:
+        drawn = (
+            ((places[future], future.result()) for future in as_completed(places))
+            if executor
+            else ((place, _draw_one(*job)) for place, job in enumerate(jobs))
+        )
+        written: list[tuple[Path, ...]] = [()] * len(jobs)
+        for done, (place, files) in enumerate(drawn, start=1):
+            # Workers draw, and this process alone writes.
+            written[place] = target.write(files)
+            if progress is not None:
+                progress(done, len(jobs), jobs[place][2].removeprefix(under))
+        return tuple(path for paths in written for path in paths)
 
-    if executor is None:
-        for place, job in enumerate(jobs):
-            keep(place + 1, place, _draw_one(*job))
-    else:
-        places = {executor.submit(_draw_one, *job): place for place, job in enumerate(jobs)}
-        for done, future in enumerate(as_completed(places), start=1):
-            keep(done, places[future], future.result())
-    return tuple(path for paths in written for path in paths)
+    return write
 
 
 def _draw_one(

@@ -2,6 +2,7 @@
 
 import logging
 import math
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -75,7 +76,8 @@ def extract(
             write_tables(extraction, target)
             target.publish("tables")
             if figures:
-                draw_figures(extraction, target, n_jobs, out)
+                with ExitStack() as stack:
+                    start_figures(extraction, target, n_jobs, out, stack)()
     except KeyboardInterrupt:
         out.note(what_was_kept(cache_folder))
         raise
@@ -102,22 +104,30 @@ def what_was_kept(cache_folder: Path | None) -> str:
     return f"finished recordings are kept in {cache_folder}; the same command goes on from there"
 
 
-def draw_figures(extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output) -> None:
-    """Draw one figure per condition into figures/ of a folder and publish them, telling how far it is."""
+def start_figures(
+    extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output, stack: ExitStack
+) -> "Callable[[], None]":
+    """Begin to draw one figure per condition; return what waits for them, writes and publishes them.
+
+    Where it pays they are drawn in processes that live as long as `stack`; else by what is returned.
+    """
     from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
 
-    from ropefric.plotting.conditions import write_condition_figures  # noqa: PLC0415
+    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415
 
-    with Progress(out, "figures") as progress, ExitStack() as stack:
-        executor = None
-        if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
-            # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
-            executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
-            stack.callback(executor.shutdown, cancel_futures=True)
-        write_condition_figures(
-            extraction, folder, under="figures/", executor=executor, progress=progress.update
-        )
-    folder.publish("figures")
+    executor = None
+    if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
+        # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
+        executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
+        stack.callback(executor.shutdown, cancel_futures=True)
+    write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
+
+    def finish() -> None:
+        with Progress(out, "figures") as progress:
+            write(progress.update)
+        folder.publish("figures")
+
+    return finish
 
 
 def _work_quietly() -> None:

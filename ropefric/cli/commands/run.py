@@ -1,11 +1,13 @@
 """`ropefric run`: a campaign's whole way, from recordings to the lift force of a wheel."""
 
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from typer import Option
 
-from ropefric.cli.commands.extract import draw_figures, say_problems, what_was_kept
+from ropefric.cli.commands.extract import say_problems, start_figures, what_was_kept
 from ropefric.cli.options import (
     Answer,
     Cache,
@@ -21,6 +23,7 @@ from ropefric.cli.options import (
     written_to,
 )
 from ropefric.cli.output import Output, Progress
+from ropefric.errors import RopefricError
 
 if TYPE_CHECKING:
     from ropefric.trials.campaign_model import Campaign
@@ -83,27 +86,37 @@ def work_through(
     lend_fonts_a_place(folder)
     target = campaign_folder(campaign, folder, force=force)
 
+    to_finish: list[Callable[[], None]] = []
+
     def draw(extraction: "Extraction") -> None:
         say_problems(extraction, folder, out)
         if "conditions" in drawing:
-            draw_figures(extraction, target, n_jobs, out)
+            # Other processes draw while this one fits; what is published is one part at a time.
+            to_finish.append(start_figures(extraction, target, n_jobs, out, stack))
 
     try:
-        with target:
-            with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
-                result = run_campaign(
-                    campaign,
-                    target,
-                    law=law,
-                    jobs=n_jobs,
-                    cache_dir=cache_dir,
-                    extract_progress=extracting.update,
-                    fit_progress=lambda name, done, total: fitting.update(done, total, name),
-                    on_extracted=draw,
-                )
+        with target, ExitStack() as stack:
+            try:
+                with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
+                    result = run_campaign(
+                        campaign,
+                        target,
+                        law=law,
+                        jobs=n_jobs,
+                        cache_dir=cache_dir,
+                        extract_progress=extracting.update,
+                        fit_progress=lambda name, done, total: fitting.update(done, total, name),
+                        on_extracted=draw,
+                    )
+            except RopefricError:
+                for finish in to_finish:
+                    finish()
+                raise
             with Progress(out, "report") as reporting:
                 pages = write_report(result, target, figures="report" in drawing, progress=reporting.update)
             target.publish("answer")
+            for finish in to_finish:
+                finish()
     except KeyboardInterrupt:
         out.note(what_was_kept(cache_dir))
         raise

@@ -71,8 +71,18 @@ def fit(
         See `trial_table`.
     law : str
         "constant", "wrap-power", "coupled", …
-    fixed, bounds, start, scale_covar, loss, clustered, n_starts, seed
-        As `ropefric.fitting.fit.fit_law`.
+    fixed, start : mapping of parameter name to value, optional
+        Parameters that are held, and where the search begins for others.
+    bounds : mapping of parameter name to (lower, upper), optional
+        Where the search may go; the law's own bounds by default.
+    scale_covar : "auto" or bool
+        Whether the covariance is multiplied by χ²/dof, because the scatter is not known beforehand.
+    loss : {"linear", "soft_l1", "huber", "cauchy", "arctan"}
+        How much an outlier may pull.
+    clustered : bool
+        Whether the errors hold what the repeats of a condition share.
+    n_starts, seed : int
+        Starts of the search, and the seed of what spreads them.
     intervals : {"covariance", "profile", "bootstrap"}
         Where the 95 % intervals come from.
 

@@ -30,7 +30,9 @@ from ropefric.files.write import (
     cannot_write,
     discard,
     new_part,
+    not_written,
     put_in_place,
+    refuse_link,
     refuse_special,
     replacing,
     write_file,
@@ -177,9 +179,11 @@ class OutputFolder(Folder):
                 basis = self._entries[self._basis].sha256[-1]
             kept, stale = self._sort_out(label, new, basis)
             # Before the files: whatever comes in between, a file of ours is never taken for somebody else's.
-            self._write_entries(
-                self._entries | {name: self._either(name, new[name], label, basis) for name in new}
-            )
+            both = dict(self._entries)  # a file about to be replaced is the old one or the new one
+            for name, sha256 in new.items():
+                before = both.get(name, _Entry((), frozenset({label}), basis))
+                both[name] = replace(before, sha256=(*before.sha256, sha256))
+            self._write_entries(both)
             for name in stale:
                 self._remove(name)
             for name, staged in list(self._staged.items()):
@@ -188,8 +192,8 @@ class OutputFolder(Folder):
                 put_in_place(staged, path)
                 del self._staged[name]
             for name, sha256 in new.items():
-                before = kept[name].parts if name in kept else frozenset[str]()
-                kept[name] = _Entry((sha256,), before | {label}, basis)
+                parts = kept[name].parts if name in kept else frozenset[str]()
+                kept[name] = _Entry((sha256,), parts | {label}, basis)
             self._write_entries(kept)
         except OSError as error:
             raise cannot_write(error, error.filename2 or error.filename or self.path) from None
@@ -208,13 +212,6 @@ class OutputFolder(Folder):
                 kept[name] = _Entry(entry.sha256, parts, entry.basis)
         return kept, tuple(name for name in self._entries if name not in kept)
 
-    def _either(self, name: str, sha256: str, label: str, basis: str) -> _Entry:
-        """Return what is known of a file about to be replaced: it is the old one or the new one."""
-        before = self._entries.get(name)
-        if before is None:
-            return _Entry((sha256,), frozenset({label}), basis)
-        return _Entry((*before.sha256, sha256), before.parts, before.basis)
-
     def _remove(self, name: str) -> None:
         path = self.path / name
         if not self._behind_a_link(name) and self._is_ours(name) and _file_key(path) not in self._inputs:
@@ -230,13 +227,8 @@ class OutputFolder(Folder):
         found: list[str] = []
         for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
             folder = self.path / parent
-            if parent != "." and folder.is_symlink():
-                raise DataError(
-                    f"this is a link, to {folder.readlink()}, and nothing is written through links",
-                    code="RF105",
-                    path=folder.as_posix(),
-                    fix="remove the link, or choose another folder",
-                )
+            if parent != ".":
+                refuse_link(folder)
             if not os.path.lexists(folder) or parent == CACHE:
                 continue
             patterns = [PurePosixPath(name).name for name in self._names
@@ -254,13 +246,8 @@ class OutputFolder(Folder):
         problems = []
         for name in names:
             path = self.path / name
-            if self._behind_a_link(name):
-                raise DataError(
-                    "its folder is a link, and nothing is written through links",
-                    code="RF105",
-                    path=path.as_posix(),
-                    fix="remove the link, or choose another folder",
-                )
+            for parent in PurePosixPath(name).parents[:-1]:
+                refuse_link(self.path / parent)
             refuse_special(path)
             code, what, fix = "", "", "choose another folder, or move the file away"
             if _file_key(path) in self._inputs:
@@ -287,12 +274,9 @@ class OutputFolder(Folder):
         names = sorted(path.name for path in self.path.iterdir() if not path.name.startswith("."))
         if names:
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-            raise DataError(
-                f"the folder is neither new nor one of ropefric's: it holds {', '.join(names[:3])}{more}",
-                code="RF150",
-                path=self.path.as_posix(),
-                fix="choose a new or empty folder, or have the results written among these files with --force",
-            )
+            why = f"the folder is neither new nor one of ropefric's: it holds {', '.join(names[:3])}{more}"
+            fix = "choose a new or empty folder, or have the results written among these files with --force"
+            raise not_written(self.path, why, fix, "RF150")
 
     def _behind_a_link(self, name: str) -> bool:
         return any(
@@ -341,13 +325,7 @@ class OutputFolder(Folder):
             ]
             self._own.mkdir(parents=True, exist_ok=True)
             self._made = missing
-            if self._own.is_symlink():
-                raise DataError(
-                    "this is a link, and nothing is written through links",
-                    code="RF105",
-                    path=self._own.as_posix(),
-                    fix="remove the link, or choose another folder",
-                )
+            refuse_link(self._own)
             if not os.access(self.path, os.W_OK | os.X_OK):
                 raise cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
         except OSError as error:
@@ -355,9 +333,8 @@ class OutputFolder(Folder):
         except ValueError as error:
             if isinstance(error, DataError):
                 raise
-            raise DataError(
-                "this is not a usable folder name", code="RF105", path=repr(str(self.path))
-            ) from None
+            message = "this is not a usable folder name"
+            raise DataError(message, code="RF105", path=repr(str(self.path))) from None
 
     def _take_lock(self) -> None:
         path = self._own / "lock"
@@ -430,12 +407,8 @@ def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
     fix = "wait until it has ended, or choose another folder"
     if where:
         fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
-    return DataError(
-        f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}",
-        code="RF152",
-        path=folder.as_posix(),
-        fix=fix,
-    )
+    why = f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}"
+    return not_written(folder, why, fix, "RF152")
 
 
 def _me() -> dict[str, Any]:

@@ -63,10 +63,8 @@ class Source:
         if start == GZIP_MAGIC:
             return self._gunzipped()
         if self.path.suffix.lower() == ".gz":
-            raise self.error(
-                "the name ends in .gz, but the content is not gzip",
-                fix="rename the file without .gz, or copy it again",
-            )
+            fix = "rename the file without .gz, or copy it again"
+            raise self.error("the name ends in .gz, but the content is not gzip", fix=fix)
         if self.most_bytes:
             size = min(abs(self.most_bytes), self.file.size)
             return iter((self.file.part(0 if self.most_bytes > 0 else self.file.size - size, size),))
@@ -81,10 +79,9 @@ class Source:
                 if 0 < self.most_bytes <= n_bytes:
                     return
                 if n_bytes > MOST_UNPACKED_BYTES:
-                    raise self.error(
-                        f"the file unpacks to more than {MOST_UNPACKED_BYTES / 2**30:g} GB",
-                        fix="check what it holds; unpack it, and split it, if it is a recording",
-                    )
+                    fix = "check what it holds; unpack it, and split it, if it is a recording"
+                    most = f"{MOST_UNPACKED_BYTES / 2**30:g} GB"
+                    raise self.error(f"the file unpacks to more than {most}", fix=fix)
         except zlib.error as error:
             fix = "copy the file again from the logger"
             raise self.error(f"the gzip data are damaged or cut off ({error})", fix=fix) from None
@@ -280,87 +277,65 @@ def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
 
 def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
     r"""Give pieces of whole lines in UTF-8 that end in `\n`; a last line that nothing ends comes as it is."""
-    line, rest, before = 1, b"", b""
+    line, rest = 1, b""
     for decoded in _to_utf8(blocks, encoding, source):
         if not decoded:
             continue
-        line, before = line + before.count(b"\n"), b""
         data = rest + decoded
-        ends_in_return = data.endswith(b"\r")  # half of a line's end, perhaps
         if b"\r" in data:
-            whole = data[:-1] if ends_in_return else data
+            whole = data.removesuffix(b"\r")  # half of a line's end, perhaps
             data = whole.replace(b"\r\n", b"\n").replace(b"\r", b"\n") + data[len(whole) :]
         cut = data.rfind(b"\n") + 1
         whole, rest = data[:cut], data[cut:]
         if len(rest) > LONGEST_LINE_BYTES:
-            raise source.error(
-                f"the line has more than {LONGEST_LINE_BYTES // 2**20} million characters: this is no table",
-                line=line + whole.count(b"\n"),
-                fix="check that this is the recording",
-            )
+            why = f"the line has more than {LONGEST_LINE_BYTES // 2**20} million characters: this is no table"
+            line, fix = line + whole.count(b"\n"), "check that this is the recording"
+            raise source.error(why, line=line, fix=fix)
         if whole:
             yield _without_zeros(whole, line, source)
-            before = whole
-    line += before.count(b"\n") if rest else 0
+            line += whole.count(b"\n")
     if rest and source.most_bytes <= 0:  # where a part ends, a line is cut
-        yield _without_zeros(
-            rest.removesuffix(b"\r") + (b"\n" if rest.endswith(b"\r") else b""), line, source
-        )
+        last = rest.removesuffix(b"\r") + (b"\n" if rest.endswith(b"\r") else b"")
+        yield _without_zeros(last, line, source)
 
 
 def _without_zeros(data: bytes, line: int, source: Source) -> bytes:
-    if b"\0" in data:
-        at = data.index(b"\0")
-        raise source.error(
-            "this is not a text file: a byte is zero",
-            line=line + data.count(b"\n", 0, at),
-            fix='name the format ([import] format = "matlab", "tdms" or "excel"), or the encoding '
-            '([import] encoding = "utf-16-le") where it is text',
+    at = data.find(b"\0")
+    if at >= 0:
+        fix = (
+            'name the format ([import] format = "matlab", "tdms" or "excel"), or the encoding '
+            '([import] encoding = "utf-16-le") where it is text'
         )
+        line += data.count(b"\n", 0, at)
+        raise source.error("this is not a text file: a byte is zero", line=line, fix=fix)
     return data
 
 
 def _to_utf8(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
-    decoder, line, is_first, before = _decoder(encoding, source), 1, True, b""
-    keeps_ascii = encoding in ("utf-8", "utf-8-sig", "cp1252")
-    for block in chain(blocks, (None,)):
-        if block is not None:
-            line, before = line + before.count(b"\n"), block
-            if keeps_ascii and block.isascii() and not decoder.getstate()[0]:
-                is_first = False
-                yield block
-                continue
-        try:
-            text = decoder.decode(block or b"", final=block is None and not source.most_bytes)
-            yield (text.removeprefix("\ufeff") if is_first else text).encode()
-        except UnicodeDecodeError as error:
-            at = line + error.object.count(b"\n", 0, error.start)
-            reason = f"byte 0x{error.object[error.start]:02x} has no meaning there"
-            raise _undecodable(encoding, reason, source, at) from None
-        except (ValueError, Warning) as error:  # an encoding may be refused for its own reasons
-            raise _undecodable(encoding, str(error), source) from None
-        is_first = False
+    def refused(why: str, fix: str, line: int | None = None) -> DataError:
+        return source.error(why, code="RF108", line=line, key="[import] encoding", fix=fix)
 
-
-def _decoder(encoding: str, source: Source) -> codecs.IncrementalDecoder:
     try:
         with suppress(ValueError, Warning):
             b"0,1\n".decode(encoding)  # which refuses codecs that are no encodings of text
-        return codecs.getincrementaldecoder(encoding)()
+        decoder = codecs.getincrementaldecoder(encoding)()
     except LookupError:
-        raise source.error(
-            f"there is no text encoding {encoding!r}",
-            code="RF108",
-            key="[import] encoding",
-            fix='use "utf-8", "cp1252" or "utf-16", or leave it out',
-        ) from None
-
-
-def _undecodable(encoding: str, reason: str, source: Source, line: int | None = None) -> DataError:
-    return source.error(
-        f"the file cannot be read as {encoding}: {reason}",
-        code="RF108",
-        line=line,
-        key="[import] encoding",
-        fix="name its encoding, or save it as UTF-8; a binary file needs [import] format",
-    )
+        fix = 'use "utf-8", "cp1252" or "utf-16", or leave it out'
+        raise refused(f"there is no text encoding {encoding!r}", fix) from None
+    line, is_first, keeps_ascii = 1, True, encoding in ("utf-8", "utf-8-sig", "cp1252")
+    for block in chain(blocks, (None,)):
+        try:
+            if block is not None and keeps_ascii and block.isascii() and not decoder.getstate()[0]:
+                yield block
+            else:
+                text = decoder.decode(block or b"", final=block is None and not source.most_bytes)
+                yield (text.removeprefix("\ufeff") if is_first else text).encode()
+        except (ValueError, Warning) as error:  # an encoding may be refused for its own reasons
+            at, reason = None, str(error)
+            if isinstance(error, UnicodeDecodeError):
+                at = line + error.object.count(b"\n", 0, error.start)
+                reason = f"byte 0x{error.object[error.start]:02x} has no meaning there"
+            fix = "name its encoding, or save it as UTF-8; a binary file needs [import] format"
+            raise refused(f"the file cannot be read as {encoding}: {reason}", fix, at) from None
+        is_first = False
+        line += block.count(b"\n") if block else 0

@@ -217,11 +217,8 @@ def _refuse_one_or_two(sample: Sequence[str], lines: Sequence[str], source: Sour
     if not numbers or not all(_COMMA_INSIDE.fullmatch(line) for line in numbers):
         return
     if not any(len(cells) > 1 and all(cells) for cells in names):
-        raise source.error(
-            f"{numbers[0]!r} is one number with a decimal comma or two whole numbers; nothing tells which",
-            code="RF104",
-            fix='set [import] separator = "," or decimal = ","',
-        )
+        why = f"{numbers[0]!r} is one number with a decimal comma or two whole numbers; nothing tells which"
+        raise source.error(why, code="RF104", fix='set [import] separator = "," or decimal = ","')
 
 
 def _find_decimal(head: bytes, data_row: int, separator: str, source: Source) -> str:
@@ -232,25 +229,21 @@ def _find_decimal(head: bytes, data_row: int, separator: str, source: Source) ->
     for number, cell in _comma_cells(head, data_row, separator):
         is_grouped = _GROUPED.fullmatch(cell) is not None
         if cell.count(",") > 1 if is_grouped else "." in cell or not is_number(cell, ","):
-            raise source.error(
-                f"{cell!r} mixes marks: it looks like a number with thousands separators, which are never guessed",
-                code="RF104",
-                line=number,
-                fix='save the file without thousands separators, or set [import] decimal = "." or ","',
-            )
+            why = f"{cell!r} mixes marks: it looks like a number with thousands separators, which are never guessed"
+            fix = 'save the file without thousands separators, or set [import] decimal = "." or ","'
+            raise source.error(why, code="RF104", line=number, fix=fix)
         if not is_grouped:
             return ","
         grouped = grouped if grouped[0] else (number, cell)
     if grouped[0]:
         cell = grouped[1]
-        raise source.error(
-            f"{cell!r} may mean {cell.replace(',', '.')} or {cell.replace(',', '')}; no cell in the first "
-            "64 kB tells which",
-            code="RF104",
-            line=grouped[0],
-            fix='set [import] decimal = "," if it is a decimal comma; if the comma groups thousands, save the '
-            'file without them (with decimal = "." such a cell is refused)',
+        meanings = f"{cell.replace(',', '.')} or {cell.replace(',', '')}"
+        why = f"{cell!r} may mean {meanings}; no cell in the first 64 kB tells which"
+        fix = (
+            'set [import] decimal = "," if it is a decimal comma; if the comma groups thousands, save the '
+            'file without them (with decimal = "." such a cell is refused)'
         )
+        raise source.error(why, code="RF104", line=grouped[0], fix=fix)
     return "."
 
 
@@ -350,12 +343,7 @@ def _words_above(
 def _no_data(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source) -> DataError:
     if layout.data_row:
         last = max((number for number, row in enumerate(rows, start=1) if any(row)), default=0)
-        return source.error(
-            f"data_row = {layout.data_row}, but the last line with content is {last}",
-            key="[import] data_row",
-            fix="give the line of the first data row",
-        )
-    return source.error(
-        "there are no data rows: no line below the header holds a number",
-        fix="record it again, or set [import] data_row, separator and decimal",
-    )
+        why = f"data_row = {layout.data_row}, but the last line with content is {last}"
+        return source.error(why, key="[import] data_row", fix="give the line of the first data row")
+    fix = "record it again, or set [import] data_row, separator and decimal"
+    return source.error("there are no data rows: no line below the header holds a number", fix=fix)

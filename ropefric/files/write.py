@@ -30,6 +30,18 @@ def cannot_write(error: OSError, path: str | os.PathLike[str]) -> DataError:
     return DataError(f"cannot be written: {reason}", code="RF105", path=Path(path).as_posix(), fix=fix)
 
 
+def not_written(path: Path, why: str, fix: str, code: str = "RF105") -> DataError:
+    """Return the refusal to write something."""
+    return DataError(why, code=code, path=path.as_posix(), fix=fix)
+
+
+def refuse_link(path: Path) -> None:
+    """Refuse a folder that is a link: what it leads to belongs to others."""
+    if path.is_symlink():
+        why = f"this is a link, to {path.readlink()}, and nothing is written through links"
+        raise not_written(path, why, "remove the link, or choose another folder")
+
+
 def refuse_special(path: Path) -> None:
     """Refuse to replace what is not a plain file: what a link leads to belongs to others, a device is none."""
     try:
@@ -50,7 +62,7 @@ def refuse_special(path: Path) -> None:
     elif not os.access(path, os.W_OK):
         what = "the file is write-protected"
     if what:
-        raise DataError(what, code="RF105", path=path.as_posix(), fix="choose another name, or remove it")
+        raise not_written(path, what, "choose another name, or remove it")
 
 
 def refuse_input(path: Path, *inputs: Path | None) -> None:
@@ -61,12 +73,8 @@ def refuse_input(path: Path, *inputs: Path | None) -> None:
         except (OSError, ValueError):  # one of them is not there
             continue
         if same:
-            raise DataError(
-                "this is an input of the same command and is never replaced",
-                code="RF151",
-                path=path.as_posix(),
-                fix="choose another name for what is written",
-            )
+            why = "this is an input of the same command and is never replaced"
+            raise not_written(path, why, "choose another name for what is written", "RF151")
 
 
 def new_part(folder: Path) -> Path:

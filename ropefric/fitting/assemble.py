@@ -16,8 +16,9 @@ from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
-from ropefric.fitting.result import CovarianceKind, FitResult, FitStatistics, FittedParameter
+from ropefric.fitting.result import CovarianceKind, FitResult, FittedParameter
 from ropefric.fitting.statistics import (
+    FitStatistics,
     Identifiability,
     Scatter,
     aicc,

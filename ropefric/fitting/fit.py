@@ -3,10 +3,9 @@
 The search goes from several starts, with weights that follow the parameters; `assemble` makes the result of it.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from math import sqrt
-from typing import Literal
+from typing import Any
 
 import numpy as np
 
@@ -52,37 +51,15 @@ _FLAT = 1e-3
 _FLAT_RANK = 1e-6
 
 
-def fit_law(
-    table: TrialTable,
-    law: str | FrictionLaw,
-    *,
-    fixed: Mapping[str, float] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    start: Mapping[str, float] | None = None,
-    scale_covar: Literal["auto"] | bool = "auto",
-    loss: Loss = "linear",
-    clustered: bool = True,
-    n_starts: int = 4,
-    seed: int = 0,
-) -> FitResult:
-    """Return a law fitted to the used trials of a table.
+def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitResult:
+    """Return a law fitted to the used trials of a table; `FitSettings` says how it can be made, None for its defaults.
 
     A doubtful result comes back with a status that says so; see `FitResult.status`.
     """
     chosen = ALL_LAWS[law] if isinstance(law, str) else law
-    settings = FitSettings(
-        fixed=dict(fixed or {}),
-        bounds=dict(bounds or {}),
-        start=dict(start or {}),
-        scale_covar=scale_covar,
-        loss=loss,
-        clustered=clustered,
-        n_starts=n_starts,
-        seed=seed,
-    )
-    check_settings(settings, chosen)
-    found = _search(_problem_of(table, chosen, settings), table, settings)
-    return assemble(found, table, settings)
+    how = FitSettings(**{name: value for name, value in settings.items() if value is not None})
+    check_settings(how, chosen)
+    return assemble(_search(_problem_of(table, chosen, how), table, how), table, how)
 
 
 def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> FitProblem:
@@ -103,7 +80,10 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
             )
     spans = [settings.bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
     lower, upper = np.array(spans, dtype=np.float64).T
-    given = {item.name: item.start for item in law.parameters if item.fixed} | settings.start | settings.fixed
+    given = {item.name: item.start for item in law.parameters if item.fixed} | {
+        **settings.start,
+        **settings.fixed,
+    }
     found = np.clip(guess(law, conditions, log_lift), lower, upper)
     start = np.array([given.get(n, g) for n, g in zip(law.parameter_names, found, strict=True)], np.float64)
     vary = [

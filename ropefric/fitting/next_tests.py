@@ -8,7 +8,7 @@ import csv
 import io
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -70,8 +70,8 @@ class PlannedLaw:
     theta: FloatArray
     free: BoolArray
     scatter: MeanScatter
-    known: FloatArray
     tested: Conditions | None = None
+    tested_repeats: npt.ArrayLike = 1.0
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -89,6 +89,13 @@ class PlannedLaw:
     def free_names(self) -> tuple[str, ...]:
         """Return their names."""
         return tuple(np.array(self.law.parameter_names)[self.free].tolist())
+
+    @property
+    def known(self) -> FloatArray:
+        """Return the `rows` of what was tested before, shape (k, q)."""
+        return (
+            np.zeros((0, self.n_free)) if self.tested is None else self.rows(self.tested, self.tested_repeats)
+        )
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
@@ -111,9 +118,7 @@ def planned_guess(
                 f"{law.name} has no parameter {name!r}", fix=did_you_mean(name, law.parameter_names)
             )
     free = np.array([not item.fixed and item.name not in fixed for item in law.parameters])
-    return PlannedLaw(
-        law=law, theta=theta, free=free, scatter=scatter, known=np.zeros((0, int(np.count_nonzero(free))))
-    )
+    return PlannedLaw(law=law, theta=theta, free=free, scatter=scatter)
 
 
 def planned_fit(
@@ -145,21 +150,19 @@ def planned_fit(
         instrument_N = float(np.median(chain_N[np.isfinite(chain_N)])) if np.isfinite(chain_N).any() else 0.0
     scatter = MeanScatter(within=within, between=between, instrument_N=instrument_N)
     tested = Conditions(**{name: np.array(fit.trials[name], dtype=np.float64) for name in _SETTINGS})
-    theta = np.asarray(fit.theta)
     free = np.array([item.vary and not item.at_bound for item in fit.parameters], dtype=bool)
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
-    bare = PlannedLaw(
+    return PlannedLaw(
         law=fit.friction_law,
-        theta=theta,
+        theta=np.asarray(fit.theta),
         free=free,
         scatter=scatter,
-        known=np.zeros((0, int(np.count_nonzero(free)))),
         tested=tested,
+        tested_repeats=np.array(fit.trials["n"]),
         notes=tuple(notes),
     )
-    return replace(bare, known=bare.rows(tested, np.array(fit.trials["n"])))
 
 
 def expected_std(planned: PlannedLaw, rows: FloatArray, wanted: Conditions) -> FloatArray:
@@ -435,15 +438,20 @@ def plan_tests(
     _check_enough(planned, int(np.count_nonzero(free)), n_conditions)
     places = np.flatnonzero(free)
     rows = planned.rows(grid.select(places), repeats)
-    targets = planned.gradients(wanted)
-    _check_seen(planned, rows)
+    known = planned.known
+    _check_seen(planned, np.vstack([rows, known]))
     chosen, agreeing = best_plan(
-        Exchange.of(rows, planned.known, targets, criterion=criterion), n_conditions, starts=starts, seed=seed
+        Exchange.of(rows, known, planned.gradients(wanted), criterion=criterion),
+        n_conditions,
+        starts=starts,
+        seed=seed,
     )
     plan = grid.select(places[chosen])
 
     def outlook(added: FloatArray) -> Outlook:
-        return _outlook(planned, np.vstack([planned.known, added]), wanted, level)
+        both = np.vstack([known, added])
+        dof = max(len(both) - planned.n_free, 0)
+        return Outlook(std_log=expected_std(planned, both, wanted), dof=dof, level=level)
 
     usual = {
         name: outlook(planned.rows(grid.select(one), repeats))
@@ -458,7 +466,7 @@ def plan_tests(
         wanted_log_lift=planned.law.log_lift(planned.theta, wanted),
         criterion=criterion,
         level=level,
-        parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([planned.known, rows[chosen]])))),
+        parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([known, rows[chosen]])))),
         before=outlook(np.zeros((0, planned.n_free))),
         after=outlook(rows[chosen]),
         one_factor=usual["middle"],
@@ -470,11 +478,6 @@ def plan_tests(
         seed=seed,
         notes=(*planned.notes, *notes, *_outside(planned, limits, wanted), *_untested(limits, planned, plan)),
     )
-
-
-def _outlook(planned: PlannedLaw, rows: FloatArray, wanted: Conditions, level: float) -> Outlook:
-    dof = len(rows) - planned.n_free
-    return Outlook(std_log=expected_std(planned, rows, wanted), dof=max(dof, 0), level=level)
 
 
 def _check_enough(planned: PlannedLaw, n_free: int, n: int) -> None:
@@ -495,7 +498,7 @@ def _check_enough(planned: PlannedLaw, n_free: int, n: int) -> None:
 
 
 def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
-    unseen = decomposed(np.vstack([rows, planned.known])).unseen
+    unseen = decomposed(rows).unseen
     if unseen.any():
         names = [name for name, gone in zip(planned.free_names, unseen, strict=True) if gone]
         varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}

@@ -10,13 +10,12 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.propagation import drawn_range, linear_std
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.verdict import Doubt, Verdict, doubts_of_interval, verdict_of
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.quantity import joint_draws, quantile, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]
@@ -37,6 +36,9 @@ _DISAGREEMENT = 0.1
 _CHECKED_CONDITIONS = 100
 _MOST_DRAWS = 10_000_000
 _CHECKING_DRAWS = 2000
+# Draws times conditions held in memory at once.
+_BLOCK = 1_000_000
+_ONE_SIGMA = 0.8413447460685429
 
 
 def outside_range(validity: Validity, conditions: Conditions) -> BoolArray:
@@ -324,3 +326,57 @@ def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftMo
             fix="give both, or neither for a rope at rest",
         )
     return LiftModel(law=ALL_LAWS[fit.law], linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
+
+
+def linear_std(
+    model: LiftModel, theta: FloatArray, covariance: FloatArray, conditions: Conditions
+) -> FloatArray:
+    """Return the standard deviation of ln F_A of the mean law, √(J C Jᵀ), shape (n,)."""
+    J = model.jacobian(theta, conditions)
+    variance = ((J @ covariance) * J).sum(axis=-1)
+    # Rounding may turn a variance of zero a hair negative; NaN stays NaN.
+    return np.sqrt(np.where(variance < 0.0, 0.0, variance))
+
+
+def drawn_range(
+    model: LiftModel,
+    theta: FloatArray,
+    covariance: FloatArray,
+    conditions: Conditions,
+    *,
+    dof: float,
+    level: float,
+    n: int,
+    rng: np.random.Generator,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the standard deviation (c,) and the interval (c, 2) of ln F_A for c conditions, from n draws.
+
+    The parameters are drawn from the multivariate t of their covariance, moved onto the law's bounds where they
+    cross them; the standard deviation is half the central 68.27 % of the draws, less the t's heavier tails.
+    """
+    if not np.isfinite(covariance).all():
+        raise InputError(
+            "the covariance of the parameters is not finite, so nothing can be drawn from it",
+            key="covariance",
+            fix="use method='linear', or a fit whose parameters are all seen by the data",
+        )
+    draws = joint_draws(theta, symmetric_root(covariance), dof=dof, n=n, rng=rng)
+    draws = np.clip(draws, np.minimum(model.law.lower, theta), np.maximum(model.law.upper, theta))
+    tail = 50.0 * (1.0 - level)
+    at = [tail, 100.0 - tail, 100.0 * (1.0 - _ONE_SIGMA), 100.0 * _ONE_SIGMA]
+    found = np.empty((4, len(conditions)))
+    step = max(1, _BLOCK // n)
+    for first in range(0, len(conditions), step):
+        rows = np.arange(first, min(first + step, len(conditions)))
+        part = conditions.select(rows)
+        usable = draws[model.law.admissible(draws, model.pressing(part))]
+        if 2 * len(usable) < n:
+            raise InputError(
+                f"{model.law.name} has no answer for {n - len(usable)} of {n} parameter sets drawn from its "
+                f"covariance at {part.describe(0)}",
+                code="RF420",
+                fix="the fit is too uncertain for this method; measure more conditions",
+            )
+        found[:, rows] = np.percentile(model.log_lift(usable, part), at, axis=0)
+    std = 0.5 * (found[3] - found[2]) / quantile(_ONE_SIGMA, dof)
+    return std, found[:2].T.copy()

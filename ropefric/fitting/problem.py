@@ -5,8 +5,8 @@ is therefore evaluated once per condition and not once per trial, however many r
 weighs each trial by its own residual, so there the trials stay as they are.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from numbers import Integral
 from typing import Any, Literal
 
@@ -42,11 +42,25 @@ _BLOCK = 16384
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitSettings:
-    """How a fit is made; the meaning of each is that of `fit_law`."""
+    """How a fit is made.
 
-    fixed: dict[str, float] = field(default_factory=dict)
-    bounds: dict[str, tuple[float, float]] = field(default_factory=dict)
-    start: dict[str, float] = field(default_factory=dict)
+    Attributes
+    ----------
+    fixed, bounds, start : mapping of parameter name to a value, or to (lower, upper)
+        What is held, where the search may go, and where it begins.
+    scale_covar : "auto" or bool
+        Whether the covariance is multiplied by χ²/dof, because the scatter is not known beforehand.
+    loss : str
+        How much an outlier may pull, see `LOSSES`.
+    clustered : bool
+        Whether the errors hold what the repeats of a condition share.
+    n_starts, seed : int
+        Starts of the search, and of the random numbers that spread them.
+    """
+
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    start: Mapping[str, float] = field(default_factory=dict)
     scale_covar: Literal["auto"] | bool = "auto"
     loss: Loss = "linear"
     clustered: bool = True
@@ -55,7 +69,9 @@ class FitSettings:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the settings as plain data, which `fit_law` takes as keyword arguments again."""
-        return asdict(self) | {"bounds": {name: list(span) for name, span in self.bounds.items()}}
+        tree = {item.name: getattr(self, item.name) for item in fields(self)}
+        bounds = {name: list(span) for name, span in self.bounds.items()}
+        return tree | {"fixed": dict(self.fixed), "bounds": bounds, "start": dict(self.start)}
 
 
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
@@ -107,22 +123,6 @@ class FitProblem:
     lower: FloatArray
     upper: FloatArray
     vary: BoolArray
-
-    def __post_init__(self) -> None:
-        n, p = self.log_lift.size, len(self.law.parameters)
-        if not (len(self.conditions) == n == self.std.size == self.group.size):
-            raise InputError(
-                f"{n} forces for {len(self.conditions)} conditions, {self.std.size} standard deviations and "
-                f"{self.group.size} group numbers",
-                code="RF400",
-            )
-        if not (self.start.size == self.lower.size == self.upper.size == self.vary.size == p):
-            raise InputError(f"law {self.law.name} has {p} parameters", code="RF400")
-        if n and not (self.std > 0).all():
-            raise InputError(
-                f"the standard deviation of point {int(np.argmin(self.std))} (the first is 0) is not positive",
-                code="RF400",
-            )
 
     @property
     def n_points(self) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.statistics import Identifiability
+from ropefric.fitting.statistics import FitStatistics, Identifiability
 from ropefric.fitting.verdict import Doubt, FitStatus, Verdict, doubts_of_fit, verdict_of
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
@@ -32,22 +32,6 @@ class FittedParameter:
     upper: float
     at_bound: bool
     vary: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FitStatistics:
-    """How well the law fits."""
-
-    n: int
-    n_conditions: int
-    dof: int
-    chi2: float
-    chi2_reduced: float
-    aicc: float
-    bic: float
-    scatter_within: float
-    scatter_between: float
-    interval_dof: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -124,17 +108,7 @@ class FitResult:
     @property
     def doubts(self) -> tuple[Doubt, ...]:
         """Return what speaks against the law in its own fit, with the word each calls for."""
-        found = self.statistics
-        return doubts_of_fit(
-            self.law,
-            status=self.status,
-            advice=self.advice,
-            n=found.n,
-            n_conditions=found.n_conditions,
-            n_fitted=found.n - found.dof,
-            within=found.scatter_within,
-            between=found.scatter_between,
-        )
+        return doubts_of_fit(self.law, self.status, self.advice, self.statistics)
 
     @property
     def verdict(self) -> Verdict:
@@ -166,7 +140,10 @@ class FitResult:
         tree = {
             "schema": SCHEMA,
             "law": self.law,
-            "parameters": {item.name: _without(asdict(item), "name") for item in self.parameters},
+            "parameters": {
+                item.name: {key: value for key, value in asdict(item).items() if key != "name"}
+                for item in self.parameters
+            },
             "parameter_order": [item.name for item in self.parameters],
             "covariance": self.covariance.tolist(),
             "covariance_kind": self.covariance_kind,
@@ -180,8 +157,7 @@ class FitResult:
             "provenance": dict(self.provenance),
             "trials": dict(self.trials),
         }
-        plain: dict[str, Any] = _plain(tree)
-        return plain
+        return dict(_plain(tree))
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any]) -> "FitResult":
@@ -195,13 +171,9 @@ class FitResult:
         return cls(
             law=ALL_LAWS[tree["law"]].name,
             parameters=tuple(_parameter(name, tree["parameters"][name]) for name in tree["parameter_order"]),
-            covariance=np.array(
-                [[_number(cell) for cell in row] for row in tree["covariance"]], dtype=np.float64
-            ),
+            covariance=np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64),
             covariance_kind=tree["covariance_kind"],
-            statistics=FitStatistics(
-                **{key: _statistic(key, value) for key, value in tree["statistics"].items()}
-            ),
+            statistics=FitStatistics(**{key: _number(value) for key, value in tree["statistics"].items()}),
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
@@ -229,10 +201,6 @@ def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
     )
 
 
-def _statistic(key: str, value: Any) -> Any:
-    return _number(value) if key in {"n", "n_conditions", "dof"} else float(_number(value))
-
-
 def _number(value: Any, gone: float = nan) -> Any:
     if value is None:
         return gone
@@ -241,10 +209,6 @@ def _number(value: Any, gone: float = nan) -> Any:
     if not isfinite(float(value)):
         raise TypeError(f"{value!r:.40} is no number that a fit can hold")
     return value
-
-
-def _without(tree: dict[str, Any], key: str) -> dict[str, Any]:
-    return {name: value for name, value in tree.items() if name != key}
 
 
 def _plain(value: Any) -> Any:

@@ -254,6 +254,22 @@ def _direction(weak: tuple[str, ...], weakest: Mapping[str, float]) -> str:
     return f"{text} while {' and '.join(falling)} down" if falling else f"{text} together"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitStatistics:
+    """How well the law fits."""
+
+    n: int
+    n_conditions: int
+    dof: int
+    chi2: float
+    chi2_reduced: float
+    aicc: float
+    bic: float
+    scatter_within: float
+    scatter_between: float
+    interval_dof: float
+
+
 # ---- what a law leaves over ----
 
 

@@ -17,7 +17,8 @@ from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
-from ropefric.fitting.result import SCHEMA, FitResult, FitStatistics, FittedParameter
+from ropefric.fitting.result import SCHEMA, FitResult, FittedParameter
+from ropefric.fitting.statistics import FitStatistics
 from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
@@ -152,39 +153,29 @@ def _no_number(word: str) -> None:
 
 def _check_tree(tree: Any, shown: str) -> None:
     """Refuse what is not of a schema that can be read, of an unknown law, or lacks a field."""
+
+    def refuse(message: str, key: str, fix: str, code: str = "RF430") -> DataError:
+        return DataError(message, code=code, path=shown, key=key, fix=fix)
+
     schema = tree.get("schema") if isinstance(tree, dict) else None
     family, _, number = str(schema).partition("/")
     if family == _FAMILY and number.isdecimal() and len(number) < 10 and int(number) > int(_VERSION):
-        raise DataError(
-            f"the schema {schema} is newer than {SCHEMA}, the newest this version of ropefric reads",
-            code="RF430",
-            path=shown,
-            key="schema",
-            fix="upgrade ropefric",
-        )
+        message = f"the schema {schema} is newer than {SCHEMA}, the newest this version of ropefric reads"
+        raise refuse(message, "schema", "upgrade ropefric")
     if schema != SCHEMA:
         found = "there is no schema" if schema is None else f"the schema is {str(schema)[:60]!r}"
-        raise DataError(
-            f"this is no stored fit: {found}, not {SCHEMA!r}",
-            code="RF430",
-            path=shown,
-            key="schema",
-            fix="give a file that save_fit or `ropefric fit` wrote",
-        )
+        message = f"this is no stored fit: {found}, not {SCHEMA!r}"
+        raise refuse(message, "schema", "give a file that save_fit or `ropefric fit` wrote")
     law = tree.get("law")
     if not isinstance(law, str) or law not in ALL_LAWS:
-        raise DataError(
-            f"the friction law {str(law)[:60]!r} is not known",
-            code="RF430",
-            path=shown,
-            key="law",
-            fix=did_you_mean(str(law), ALL_LAWS),
-        )
+        message = f"the friction law {str(law)[:60]!r} is not known"
+        raise refuse(message, "law", did_you_mean(str(law), ALL_LAWS))
     for kind, (word, names) in _FIELDS.items():
         for name in names:
             if not isinstance(tree.get(name), kind):
-                what = f"no {word}" if name in tree else "missing"
-                raise DataError(f"the field is {what}", code="RF431", path=shown, key=name, fix=_AGAIN)
+                raise refuse(
+                    f"the field is {f'no {word}' if name in tree else 'missing'}", name, _AGAIN, "RF431"
+                )
 
 
 def _faults(fit: FitResult) -> Iterator[str]:

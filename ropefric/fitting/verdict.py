@@ -32,6 +32,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ropefric.arrays import FloatArray
+from ropefric.fitting.statistics import FitStatistics
 from ropefric.glossary import counted
 
 
@@ -132,33 +133,31 @@ def verdict_of(doubts: Iterable[Doubt], otherwise: str) -> Verdict:
 
 
 def doubts_of_fit(
-    law: str,
-    *,
-    status: FitStatus,
-    advice: tuple[str, ...],
-    n: int,
-    n_conditions: int,
-    n_fitted: int,
-    within: float,
-    between: float,
+    law: str, status: FitStatus, advice: tuple[str, ...], found: FitStatistics
 ) -> tuple[Doubt, ...]:
     """Return what speaks against a law in its own fit."""
     doubts: list[Doubt] = []
     if status is not FitStatus.OK:
         doubts.append((_OF_STATUS[status], advice[0] if advice else status.advice))
-    spare = n_conditions - n_fitted
+    n, n_fitted, within, between = (
+        found.n_conditions,
+        found.n - found.dof,
+        found.scatter_within,
+        found.scatter_between,
+    )
+    spare = n - n_fitted
     if spare < _SPARE and status is not FitStatus.TOO_FEW_POINTS:
         text = (
-            f"{counted(n_conditions, 'condition')} cannot test {counted(n_fitted, 'fitted parameter')} of {law}: "
+            f"{counted(n, 'condition')} cannot test {counted(n_fitted, 'fitted parameter')} of {law}: "
             f"{n_fitted + _SPARE} are needed"
         )
         doubts.append(("not judged", text))
     elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within:
-        F = 1.0 + n / n_conditions * (between / within) ** 2
-        if float(fdtrc(spare, n - n_conditions, F)) < _LACK_OF_FIT_P:
+        F = 1.0 + found.n / n * (between / within) ** 2
+        if float(fdtrc(spare, found.n - n, F)) < _LACK_OF_FIT_P:
             text = (
                 f"the conditions lie {between:.2%} off {law}, their repeats scatter by {within:.2%}: "
-                f"{n_conditions} conditions do not show whether that is a new rope each time or an effect it misses"
+                f"{n} conditions do not show whether that is a new rope each time or an effect it misses"
             )
             doubts.append(("undecided", text))
     return tuple(doubts)

@@ -1,6 +1,8 @@
 """What a friction law is: one question (ln F_A for a condition), its gradient, and how far it may be trusted."""
 
 import math
+import re
+from collections import UserDict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, Literal, NamedTuple, Protocol
@@ -10,17 +12,22 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
 
 Columns = tuple[FloatArray, ...]
 """The parameters one by one: each of shape () for one parameter set, or (m, 1) for m sets."""
 
+Slopes = tuple[FloatArray, ...]
+"""Derivatives, each of which broadcasts to what it is a derivative of."""
+
 FROM_ZERO = "use the law that counts the wrap from zero (NAME-from-zero; in Python law.without_end_tension())"
 """What to do where no wrap angle stands for an end tension."""
 
 _LEAST_WRAP_RAD = 1e-290
+_DIGITS = 9
+_FUNCTIONS = {"ln": math.log, "exp": math.exp, "sqrt": math.sqrt, "sin": math.sin, "acos": math.acos}
+_NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +69,50 @@ def below_reference(conditions: Conditions) -> Refusal:
     return Refusal(F_B < 1.0, F_B, what, f"leave it out, or {FROM_ZERO}")
 
 
+class Sheet(UserDict[str, float]):
+    """A calculation by hand: its lines so far, the numbers in them by symbol, as printed, and the effects of the law.
+
+    Each line is worked out from the rounded numbers printed above it, as a person would, so every line is right to its
+    last digits.
+    """
+
+    def __init__(self, effects: frozenset[str] = frozenset()) -> None:
+        super().__init__()
+        self.lines: list[str] = []
+        self.effects = effects
+
+    def __setitem__(self, symbol: str, value: float) -> None:
+        super().__setitem__(symbol, float(f"{value:.{_DIGITS}g}"))
+
+    def say(self, text: str) -> None:
+        """Write a line without arithmetic."""
+        self.lines.append(text)
+
+    def given(self, symbol: str, value: float, name: str = "") -> None:
+        """Write a number that is not worked out here, and keep it under its symbol."""
+        self[symbol] = value
+        self.lines.append(f"{name or symbol}: {self._printed(symbol)}")
+
+    def line(self, name: str, formula: str, symbol: str = "") -> float:
+        """Write `name = arithmetic = value`, keep the value under the symbol, else the name, and return it.
+
+        The formula is written in the symbols of the sheet, + - * / ^ ( ) and `ln`, `exp`, `sqrt`, `sin`, `acos`.
+        """
+        key = symbol or name
+        arithmetic = _NAME.sub(
+            lambda found: self._printed(found[0]) if found[0] in self else found[0], formula
+        )
+        # Ours, not a user's text: a law declares it.
+        self[key] = eval(formula.replace("^", "**"), _FUNCTIONS | self.data)  # noqa: S307
+        self.lines.append(f"{name} = {arithmetic} = {self._printed(key)}")
+        return self[key]
+
+    def _printed(self, symbol: str) -> str:
+        """Return a number for the sheet; a negative one in brackets."""
+        text = f"{self[symbol]:.{_DIGITS}g}"
+        return f"({text})" if self[symbol] < 0.0 else text
+
+
 class Physics(Protocol):
     """The formulae behind a law, on parameter columns that broadcast against the n conditions."""
 
@@ -69,18 +120,14 @@ class Physics(Protocol):
         """Return ln F_A − ln F_B, shape (n,) or (m, n)."""
         ...
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and its derivative by each parameter, what both need made once.
 
         The rise is that of `rise` to the last bit, and each slope broadcasts to it.
         """
         ...
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return the derivative of ln F_A by R_w, φ and ln F_B; each broadcasts to the rise."""
         ...
 

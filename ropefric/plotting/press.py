@@ -6,17 +6,15 @@ import numpy as np
 from matplotlib import colormaps
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.labels import typeset
 from ropefric.plotting.style import BLUE, GREY, INK, LINE_STYLES, ORANGE, TRACE_COLORS, house_style
-from ropefric.registry import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from ropefric.systems.press.critical import PressSweep
     from ropefric.systems.press.transient.start_up import StartUp
@@ -27,28 +25,38 @@ def draw_press_tension(sweep: "PressSweep") -> FigureWithData:
     column, label, across = line_axis(sweep)
     tensions_N = sweep.effective_tension_N.reshape(across.size, -1)
     lines = same_lines(sweep.spans, tensions_N, "T")
-    scale = colormaps[TRACE_COLORS]
     with house_style():
         figure = new_figure(9.0, 6.0, margins={"left": 0.09, "right": 0.83, "top": 0.92, "bottom": 0.1})
         axes = figure.subplots()
-        for i, (_, line) in enumerate(lines):
-            color = scale(0.85 * i / max(len(lines) - 1, 1))
-            axes.plot(across, line, color=color, linestyle=LINE_STYLES[i % 4], linewidth=1.6)
+        _draw_lines(axes, across, [line for _, line in lines])
         axes.set(xlabel=label, ylabel="Effective tension T' = T − ρAv² [N]", xlim=(across[0], across[-1]))
         axes.set_ylim(bottom=min(0.0, float(tensions_N.min())))
         axes.set_title("Tension of every span, all its belts together")
         name_lines(axes, [(name, float(line[-1])) for name, line in lines])
-    rows = tuple(
-        (float(x), span, float(tensions_N[i, j]))
-        for i, x in enumerate(across)
-        for j, span in enumerate(sweep.spans)
-    )
     fallen = ", ".join(f"{name.replace('_', '')} {span_of(line)} N" for name, line in lines)
     return FigureWithData(
         figure=figure,
-        tables=(DataTable(header=(column, "span", "effective_tension_N"), rows=rows),),
+        tables=(_line_table((column, "span", "effective_tension_N"), across, sweep.spans, tensions_N),),
         alt=f"Effective tensions over {label} from {span_of(across)}: {fallen}.",
     )
+
+
+def _draw_lines(axes: "Axes", across: "FloatArray", lines: "list[FloatArray]", width: float = 1.6) -> None:
+    scale = colormaps[TRACE_COLORS]
+    for i, line in enumerate(lines):
+        color = scale(0.85 * i / max(len(lines) - 1, 1))
+        axes.plot(across, line, color=color, linestyle=LINE_STYLES[i % 4], linewidth=width)
+
+
+def _line_table(
+    header: tuple[str, ...], across: "FloatArray", names: "Sequence[str]", values: "FloatArray"
+) -> DataTable:
+    rows = tuple(
+        (x, name, value)
+        for x, row in zip(across.tolist(), values.tolist(), strict=True)
+        for name, value in zip(names, row, strict=True)
+    )
+    return DataTable(header=header, rows=rows)
 
 
 MEASURE_LABELS = {
@@ -78,47 +86,29 @@ def draw_press_slip(
         for name, line in same_lines(chosen, values, "roller")
         if line.max() >= _NOTHING
     ]
-    scale = colormaps[TRACE_COLORS]
+    title = "Slip of the rollers" + (f"; without torque: {', '.join(idle)}" if idle else "")
     with house_style():
         figure = new_figure(9.0, 6.0, margins={"left": 0.09, "right": 0.86, "top": 0.92, "bottom": 0.1})
         axes = figure.subplots()
-        for i, (_, line) in enumerate(lines):
-            color = scale(0.85 * i / max(len(lines) - 1, 1))
-            axes.plot(across, _drawable(line), color=color, linestyle=LINE_STYLES[i % 4], linewidth=1.6)
+        drawn = [np.where(np.isfinite(line) & (line > 0.0), line, np.nan) for _, line in lines]
+        _draw_lines(axes, across, drawn)
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter("{x:g}")
-        axes.set(xlabel=label, ylabel=_typeset_label(measure), xlim=(across[0], across[-1]))
+        words = MEASURE_LABELS[measure].replace("T'_hi/T'_lo", r"$T'_{\mathrm{hi}}/T'_{\mathrm{lo}}$")
+        axes.set(xlabel=label, ylabel=words, xlim=(across[0], across[-1]))
         if measure != "mu_required":
             axes.axhline(1.0, color=ORANGE, linewidth=1.5)
-            axes.text(
-                across[0], 1.0, " slip begins" if measure in {"utilisation", "log"} else " 1", va="bottom"
-            )
-        axes.set_title(_title(idle))
+            limit = " slip begins" if measure in {"utilisation", "log"} else " 1"
+            axes.text(across[0], 1.0, limit, va="bottom")
+        axes.set_title(title)
         ends = [(f"roller {name}", float(line[-1])) for name, line in lines if np.isfinite(line[-1])]
         name_lines(axes, ends)
-    rows = tuple(
-        (float(x), roller, float(values[i, j]))
-        for i, x in enumerate(across)
-        for j, roller in enumerate(chosen)
-    )
     told = ", ".join(f"roller {name} {span_of(line)}" for name, line in lines)
     return FigureWithData(
         figure=figure,
-        tables=(DataTable(header=(column, "roller", measure), rows=rows),),
-        alt=f"{MEASURE_LABELS[measure]} over {label} from {span_of(across)}: {told}. {_title(idle)}.",
+        tables=(_line_table((column, "roller", measure), across, chosen, values),),
+        alt=f"{MEASURE_LABELS[measure]} over {label} from {span_of(across)}: {told}. {title}.",
     )
-
-
-def _drawable(line: "FloatArray") -> "FloatArray":
-    return np.where(np.isfinite(line) & (line > 0.0), line, np.nan)
-
-
-def _typeset_label(measure: str) -> str:
-    return MEASURE_LABELS[measure].replace("T'_hi/T'_lo", r"$T'_{\mathrm{hi}}/T'_{\mathrm{lo}}$")
-
-
-def _title(idle: list[str]) -> str:
-    return f"Slip of the rollers; without torque: {', '.join(idle)}" if idle else "Slip of the rollers"
 
 
 _LEVELS = 12
@@ -132,22 +122,17 @@ def draw_press_map(sweep: "PressSweep") -> FigureWithData:
     with house_style():
         figure = new_figure(9.0, 6.0)
         axes = figure.subplots()
-        levels = np.linspace(0.0, 2.0, 11)
-        _fill(
-            axes, sweep, np.minimum(margin, 2.0), "Largest utilisation of all rollers [-], cut at 2", levels
-        )
+        label = "Largest utilisation of all rollers [-], cut at 2"
+        _fill(axes, sweep, np.minimum(margin, 2.0), label, np.linspace(0.0, 2.0, 11))
         _limit(axes, sweep, margin)
         if lowest_N.min() < 0.0:
             levels_N = [lowest_N.min() - 1.0, 0.0]
             axes.contourf(speed, preload, lowest_N, levels=levels_N, colors="white", hatches=["///"])
         axes.set_title("Where the first roller slips (thick line); hatched: a belt goes slack")
     rows = tuple(
-        (
-            *(float(preload[i]), float(speed[j]), float(margin[i, j])),
-            *(sweep.rollers[int(nearest[i, j])], bool(sweep.slack[i, j])),
-        )
-        for i in range(preload.size)
-        for j in range(speed.size)
+        (force, rim, float(margin[i, j]), sweep.rollers[int(nearest[i, j])], bool(sweep.slack[i, j]))
+        for i, force in enumerate(preload.tolist())
+        for j, rim in enumerate(speed.tolist())
     )
     slipping = 100.0 * float((margin >= 1.0).mean())
     return FigureWithData(
@@ -162,44 +147,33 @@ def draw_roller_maps(
     sweep: "PressSweep", rollers: "Sequence[str]", *, measure: str = "as_plotted"
 ) -> FigureWithData:
     """Return maps of one measure of slip for some rollers side by side: figure 7."""
-    grid_of(sweep)
+    speed, preload = grid_of(sweep)
     values = {roller: sweep.slip.of(roller, measure) for roller in rollers}
-    panels = {f"Roller {name}": each for name, each in values.items()}
-    figure = _panels(sweep, panels, MEASURE_LABELS[measure], limit=measure != "mu_required")
-    return _with_table(figure, sweep, values, ("roller", measure), MEASURE_LABELS[measure])
-
-
-def draw_tension_maps(sweep: "PressSweep", spans: "Sequence[str]") -> FigureWithData:
-    """Return maps of the effective tension of some spans side by side."""
-    grid_of(sweep)
-    for span in spans:
-        if span not in sweep.spans:
-            raise UnknownNameError(f"unknown span '{span}'", fix=did_you_mean(span, sweep.spans))
-    values = {span: sweep.effective_tension_N[..., sweep.spans.index(span)] for span in spans}
-    label = "Effective tension T' [N]"
-    figure = _panels(sweep, {f"Span {name}": each for name, each in values.items()}, label, limit=False)
-    return _with_table(figure, sweep, values, ("span", "effective_tension_N"), label)
-
-
-def _panels(sweep: "PressSweep", values: "dict[str, FloatArray]", label: str, *, limit: bool) -> "Figure":
+    label = MEASURE_LABELS[measure]
     with house_style():
         figure = new_figure(1.0 + 5.0 * len(values), 5.0)
-        for axes, (title, each) in zip(
-            figure.subplots(1, len(values), squeeze=False)[0], values.items(), strict=True
-        ):
+        panels = figure.subplots(1, len(values), squeeze=False)[0]
+        for axes, (name, each) in zip(panels, values.items(), strict=True):
             _fill(axes, sweep, each, label)
-            if limit:
+            if measure != "mu_required":
                 _limit(axes, sweep, each)
-            axes.set_title(title)
-    return figure
+            axes.set_title(f"Roller {name}")
+    rows = tuple(
+        (force, rim, name, float(each[i, j]))
+        for name, each in values.items()
+        for i, force in enumerate(preload.tolist())
+        for j, rim in enumerate(speed.tolist())
+    )
+    told = ", ".join(f"roller {name} {span_of(each)}" for name, each in values.items())
+    return FigureWithData(
+        figure=figure,
+        tables=(DataTable(header=("preload_N", "speed_m_s", "roller", measure), rows=rows),),
+        alt=f"{label} over preloads of {span_of(preload)} N and speeds of {span_of(speed)} m/s: {told}.",
+    )
 
 
 def _fill(
-    axes: "Axes",
-    sweep: "PressSweep",
-    values: "FloatArray",
-    label: str,
-    levels: "FloatArray | int" = _LEVELS,
+    axes: "Axes", sweep: "PressSweep", values: "FloatArray", label: str, levels: "FloatArray | int" = _LEVELS
 ) -> None:
     shown = np.ma.masked_invalid(values)
     filled = axes.contourf(sweep.speed_m_s, sweep.preload_N, shown, levels=levels, cmap="cividis")
@@ -211,32 +185,9 @@ def _limit(axes: "Axes", sweep: "PressSweep", values: "FloatArray") -> None:
     """Draw the line 1, where there is one; beyond 2 the values are cut, so that infinity does not bend it."""
     cut = np.minimum(values, 2.0)
     if cut.min() < 1.0 < cut.max():
-        line = axes.contour(
-            sweep.speed_m_s, sweep.preload_N, cut, levels=[1.0], colors=[ORANGE], linewidths=2.5
-        )
+        where = (sweep.speed_m_s, sweep.preload_N, cut)
+        line = axes.contour(*where, levels=[1.0], colors=[ORANGE], linewidths=2.5)
         axes.clabel(line, fmt={1.0: "1"}, colors=[INK])
-
-
-def _with_table(
-    figure: "Figure",
-    sweep: "PressSweep",
-    values: "dict[str, FloatArray]",
-    columns: tuple[str, str],
-    label: str,
-) -> FigureWithData:
-    rows = tuple(
-        (float(preload), float(speed), name, float(each[i, j]))
-        for name, each in values.items()
-        for i, preload in enumerate(sweep.preload_N)
-        for j, speed in enumerate(sweep.speed_m_s)
-    )
-    told = ", ".join(f"{columns[0]} {name} {span_of(each)}" for name, each in values.items())
-    return FigureWithData(
-        figure=figure,
-        tables=(DataTable(header=("preload_N", "speed_m_s", *columns), rows=rows),),
-        alt=f"{label} over preloads of {span_of(sweep.preload_N)} N and speeds of {span_of(sweep.speed_m_s)} m/s: "
-        f"{told}.",
-    )
 
 
 _LEFT_BEHIND = 0.02
@@ -272,10 +223,7 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
 
 def _draw_tensions(axes: "Axes", found: "StartUp") -> None:
     lines = same_lines([span.name for span in found.press.spans], found.tension_N, "T")
-    scale = colormaps[TRACE_COLORS]
-    for i, (_, line) in enumerate(lines):
-        color = scale(0.85 * i / max(len(lines) - 1, 1))
-        axes.plot(found.time_s, line, color=color, linestyle=LINE_STYLES[i % 4], linewidth=1.3)
+    _draw_lines(axes, found.time_s, [line for _, line in lines], 1.3)
     axes.set_ylabel("Tension T [N]")
     axes.set_ylim(bottom=0.0)
     name_lines(axes, [(name, float(line[-1])) for name, line in lines])

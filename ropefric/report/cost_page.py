@@ -144,7 +144,13 @@ def write_cost(
         picture = Picture(name, svg_text(drawn, stem=name), _CAPTION, (written[-1].name,))
         chapters.append(Chapter(name, section.title, (picture, replace(section, title=""))))
         paths += written
-    page = as_html(Report(TITLE, f"Measured on {machine.line}.", tuple(chapters)))
+    page = as_html(
+        Report(
+            TITLE,
+            "How long a call takes for how small an error, and which method is the cheapest for it.",
+            tuple(chapters),
+        )
+    )
     # No line ends within a power of ten: a word joiner behind each minus.
     page = _POWER.sub("-\u2060", page)
     paths += target.write({"cost.md": cost_markdown(results, machine), "cost.html": page})

@@ -8,6 +8,7 @@ from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, Field, PlainValidator, model_validator
+from pydantic_core import core_schema
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, text
@@ -40,11 +41,6 @@ def positive(value: object) -> float:
     return found
 
 
-def unit(si_unit: str, like: str, *, above: float | None = None) -> PlainValidator:
-    """Return the pydantic annotation of a quantity that is written with its unit."""
-    return PlainValidator(quantity(si_unit, like, above=above))
-
-
 def by_name(read: Callable[[object], float], like: str) -> PlainValidator:
     """Return the pydantic annotation of a table with one value for each part of the machine that it names."""
 
@@ -75,6 +71,34 @@ class Becomes:
     many: bool = True
 
 
+@dataclass(frozen=True, slots=True)
+class Key(Becomes):
+    """The same for a quantity that is written with its unit, of which it is the pydantic annotation, too.
+
+    Attributes
+    ----------
+    si_unit, like : str
+        The unit it is read in, and an example.
+    above : float or None
+        What it must be more than; None for any number.
+    """
+
+    si_unit: str = ""
+    like: str = ""
+    above: float | None = 0.0
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        """Return the reader of the value."""
+        return core_schema.no_info_plain_validator_function(
+            quantity(self.si_unit, self.like, above=self.above)
+        )
+
+
+def key(si_unit: str, like: str, field: str = "", **more: Any) -> Key:
+    """Return the annotation of a quantity; above 0, if nothing else is said."""
+    return Key(field, si_unit=si_unit, like=like, **more)
+
+
 def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) -> dict[str, Becomes]:
     """Return what the keys of a schema become, those of its tables included; friction has a reader of its own.
 
@@ -82,14 +106,14 @@ def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) ->
     """
     found: dict[str, Becomes] = {}
     for name, info in schema.model_fields.items():
-        key = prefix + name if whole else name
+        path = prefix + name if whole else name
         for one in info.metadata:
-            if isinstance(one, Becomes):
-                found[key] = replace(one, many=one.many and whole)
+            if isinstance(one, Becomes) and one.field:
+                found[path] = replace(one, many=one.many and whole)
         single = whole and get_origin(info.annotation) not in {dict, list}
         for table in (info.annotation, *get_args(info.annotation)):
             if isinstance(table, type) and issubclass(table, StrictTable) and name != "friction":
-                found |= becomes(table, f"{key}.", whole=single)
+                found |= becomes(table, f"{path}.", whole=single)
     return found
 
 
@@ -99,7 +123,7 @@ def given(table: StrictTable) -> dict[str, Any]:
     for name, info in type(table).model_fields.items():
         value = getattr(table, name)
         for one in info.metadata:
-            if isinstance(one, Becomes) and value is not None:
+            if isinstance(one, Becomes) and one.field and value is not None:
                 found[one.field] = value if one.factor == 1.0 else one.factor * value
     return found
 
@@ -141,17 +165,17 @@ def _effects(value: object) -> str | tuple[str, ...]:
 class ReferenceTable(StrictTable):
     """`[friction.reference]`: the condition that stands in for what the law is not told."""
 
-    wheel_radius: Annotated[float | None, unit("m", "40 mm", above=0), Becomes("wheel_radius_m")] = None
-    rope_diameter: Annotated[float | None, unit("m", "9.8 mm", above=0), Becomes("rope_radius_m", 0.5)] = None
-    wrap: Annotated[float | None, unit("rad", "360 deg", above=0), Becomes("wrap_angle_rad")] = None
-    end_tension: Annotated[float | None, unit("N", "60 N", above=0), Becomes("end_tension_N")] = None
+    wheel_radius: Annotated[float | None, key("m", "40 mm", "wheel_radius_m")] = None
+    rope_diameter: Annotated[float | None, key("m", "9.8 mm", "rope_radius_m", factor=0.5)] = None
+    wrap: Annotated[float | None, key("rad", "360 deg", "wrap_angle_rad")] = None
+    end_tension: Annotated[float | None, key("N", "60 N", "end_tension_N")] = None
 
 
 class ScaleTable(StrictTable):
     """`friction.scale_to`."""
 
     mu: Annotated[float, PlainValidator(positive), Becomes("mu")]
-    wrap: Annotated[float, unit("rad", "180 deg", above=0), Becomes("wrap_angle_rad")]
+    wrap: Annotated[float, key("rad", "180 deg", "wrap_angle_rad")]
 
 
 class FrictionTable(StrictTable):

@@ -134,19 +134,19 @@ def _decide(
     *,
     named: str | tuple[str, ...],
 ) -> Decision:
-    if missing:
-        why = f"the scene does not give {' and '.join(missing)}"
-        return Decision(name=effect.name, fate="not applicable", bound=math.nan, why=why, missing=missing)
+    fate: Fate = "simulated" if effect.name in simulated else "left out"
     log_bound = bounds.get(effect.name, math.nan)
     bound = math.expm1(log_bound) if not log_bound > 700.0 else math.inf
-    if effect.name in simulated and named != "auto":
-        asked = "all effects are asked for" if named == "all" else "asked for by name"
-        return Decision(name=effect.name, fate="simulated", bound=bound, why=asked)
-    if effect.name in simulated:
+    if missing:
+        fate, why = "not applicable", f"the scene does not give {' and '.join(missing)}"
+    elif fate == "left out":
+        reason = "cannot change the answer" if bound == 0.0 else f"worth at most {bound:.2g} of the answer"
+        why = f"{reason}; {effect.instead}"
+    elif named != "auto":
+        why = "all effects are asked for" if named == "all" else "asked for by name"
+    else:
         why = "no bound is known" if math.isinf(bound) else f"worth up to {bound:.2g} of the answer"
-        return Decision(name=effect.name, fate="simulated", bound=bound, why=why)
-    reason = "cannot change the answer" if bound == 0.0 else f"worth at most {bound:.2g} of the answer"
-    return Decision(name=effect.name, fate="left out", bound=bound, why=f"{reason}; {effect.instead}")
+    return Decision(name=effect.name, fate=fate, bound=bound, why=why, missing=missing)
 
 
 def method_tree(method: Method) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
-from ropefric.scenes.kind import FrictionTable, Kind, ReferenceTable, SceneTable, given
+from ropefric.scenes.kind import FrictionTable, Kind, SceneTable, given
 from ropefric.scenes.kinds import KINDS
 from ropefric.systems.friction import ScaleTo, WrapFriction
 
@@ -48,50 +48,31 @@ def friction_source(
     table: FrictionTable, folder: Path, *, wheel_radius_m: float, rope_radius_m: float
 ) -> FrictionSource:
     """Return the friction that a scene's `[friction]` names."""
-    scale_to = None if table.scale_to is None else ScaleTo(**given(table.scale_to))
+    known: dict[str, Any] = {}
     if table.fit is not None:
-        return _from_fit(table, _find(table.fit, folder), scale_to)
-    own = one_condition(wheel_radius_m, rope_radius_m, _HALF_A_TURN, _USUAL_TENSION_N)
-    if table.mu is not None:
-        law, theta, origin = ALL_LAWS["constant"], np.array([table.mu]), f"mu = {table.mu:g}"
+        fit = load_fit(_find(table.fit, folder))
+        law, theta, reference = ALL_LAWS[fit.law], np.asarray(fit.theta), _amid(fit)
+        origin = f"{fit.law} fitted to {fit.statistics.n} trials ({Path(table.fit).name})"
+        sound = fit.status.value == "ok"
+        known = {
+            "covariance": np.asarray(fit.covariance),
+            "dof": degrees_of_freedom(fit),
+            "tested": {name: (float(low), float(high)) for name, (low, high) in fit.validity.items()},
+            "warnings": () if sound else (f"the fit's status is {fit.status.value}", *fit.advice),
+        }
     else:
-        law = ALL_LAWS[table.law or ""]
-        theta = law.theta_from(table.parameters or {})
+        reference = one_condition(wheel_radius_m, rope_radius_m, _HALF_A_TURN, _USUAL_TENSION_N)
+        law = ALL_LAWS["constant" if table.law is None else table.law]
+        theta = law.theta_from(table.parameters or {}) if table.mu is None else np.array([table.mu])
         values = ", ".join(f"{name} = {value:g}" for name, value in law.as_mapping(theta).items())
-        origin = f"{law.name} with {values}"
-    friction = WrapFriction(
-        law=law, theta=theta, reference=_reference(table.reference, own), scale_to=scale_to
-    )
+        origin = f"{law.name} with {values}" if table.mu is None else f"mu = {table.mu:g}"
+    scale_to = None if table.scale_to is None else ScaleTo(**given(table.scale_to))
+    if scale_to is not None:
+        origin += f", scaled to mu = {scale_to.mu:g} over {math.degrees(scale_to.wrap_angle_rad):g} deg"
+    own = {name: np.array([value]) for name, value in given(table.reference).items()}
+    friction = WrapFriction(law=law, theta=theta, reference=replace(reference, **own), scale_to=scale_to)
     _ = friction.scale  # a law without an answer at the reference is refused here, not while solving
-    return FrictionSource(friction=friction, origin=origin + _scaled(scale_to))
-
-
-def _from_fit(table: FrictionTable, path: Path, scale_to: ScaleTo | None) -> FrictionSource:
-    fit = load_fit(path)
-    law = ALL_LAWS[fit.law]
-    friction = WrapFriction(
-        law=law,
-        theta=np.asarray(fit.theta),
-        reference=_reference(table.reference, _amid(fit)),
-        scale_to=scale_to,
-    )
-    _ = friction.scale
-    warnings = () if fit.status.value == "ok" else (f"the fit's status is {fit.status.value}", *fit.advice)
-    return FrictionSource(
-        friction=friction,
-        origin=f"{fit.law} fitted to {fit.statistics.n} trials ({Path(table.fit or '').name})"
-        + _scaled(scale_to),
-        covariance=np.asarray(fit.covariance),
-        dof=degrees_of_freedom(fit),
-        tested={name: (float(low), float(high)) for name, (low, high) in fit.validity.items()},
-        warnings=warnings,
-    )
-
-
-def _scaled(scale_to: ScaleTo | None) -> str:
-    if scale_to is None:
-        return ""
-    return f", scaled to mu = {scale_to.mu:g} over {math.degrees(scale_to.wrap_angle_rad):g} deg"
+    return FrictionSource(friction=friction, origin=origin, **known)
 
 
 def _find(name: str, folder: Path) -> Path:
@@ -107,24 +88,16 @@ def _find(name: str, folder: Path) -> Path:
 
 def _amid(fit: FitResult) -> Conditions:
     """Return the geometric middle of what was tested; a law changes by factors, not by differences."""
-    ranges = fit.validity
-    middle = {
-        name: math.sqrt(low * high)
-        for name, (low, high) in ranges.items()
-        if name in {"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N"}
-    }
+    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+    middle = {name: np.sqrt([math.prod(fit.validity[name])]) for name in names if name in fit.validity}
     try:
-        return Conditions(**{name: np.array([value]) for name, value in middle.items()})
+        return Conditions(**middle)
     except (TypeError, RopefricError):
         raise DataError(
             "the fit does not say at which conditions it was tested",
             key="friction.fit",
             fix="fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python",
         ) from None
-
-
-def _reference(table: ReferenceTable, default: Conditions) -> Conditions:
-    return replace(default, **{name: np.array([value]) for name, value in given(table).items()})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import prod
@@ -23,7 +23,6 @@ from ropefric.files.folder import Folder
 from ropefric.files.plain_text import to_spreadsheet
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
-from ropefric.scenes.kind import Quantity
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene import Scene, read_scene, source_of
 
@@ -221,136 +220,109 @@ def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | No
     keys = [axis.key for axis in axes]
     if not keys or len(set(keys)) < len(keys):
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
-    total = prod(axis.values.size for axis in axes)
+    shape = tuple(axis.values.size for axis in axes)
+    total = prod(shape)
     if total > MOST_POINTS:
-        sizes = " × ".join(str(axis.values.size) for axis in axes)
         raise InputError(
-            f"a grid of {sizes} is {total} points; the limit is {MOST_POINTS}",
+            f"a grid of {' × '.join(map(str, shape))} is {total} points; the limit is {MOST_POINTS}",
             key="--sweep",
             fix="ask for fewer values of each key",
         )
-    collected = _Collected(total=total)
     by_array = all(key in scene.kind.sweep_fields for key in keys) and scene.kind.in_one_call(scene.problem)
-    solve = _solve_answerable if by_array else _solve_point
-    for places, values in _blocks(axes, total, _BLOCK if by_array else 1):
-        solve(scene, keys, values, places, collected)
+    found = _Found(scene, keys, total)
+    size = _BLOCK if by_array else 1
+    for start in range(0, total, size):
+        places = np.arange(start, min(start + size, total))
+        grid = np.unravel_index(places, shape)
+        values = [axis.values[place] for axis, place in zip(axes, grid, strict=True)]
+        (found.solve_answerable if by_array else found.solve_point)(places, values)
         if progress is not None:
             progress(int(places[-1]) + 1, total, "points")
-    if collected.failed == total:
+    if found.failed == total:
         raise InputError(
-            f"no point of the sweep has an answer; the first says: {collected.first_failure}",
+            f"no point of the sweep has an answer; the first says: {found.first_failure}",
             code="RF503",
             key="--sweep",
             fix="sweep over values that this scene can take",
         )
     return Sweep(
         axes=axes,
-        columns=collected.columns,
-        failed=collected.failed,
-        first_failure=collected.first_failure,
-        simulated=tuple(name for name in scene.kind.system.effects if name in collected.simulated),
-        error_bound=collected.error_bound,
+        columns=found.columns,
+        failed=found.failed,
+        first_failure=found.first_failure,
+        simulated=tuple(name for name in scene.kind.system.effects if name in found.simulated),
+        error_bound=found.error_bound,
         accuracy=scene.accuracy,
-        failures=collected.failures,
+        failures=found.failures,
     )
 
 
-@dataclass(slots=True, kw_only=True)
-class _Collected:
-    """What has come in so far."""
+class _Found:
+    """The points of a sweep, block by block: what has come in so far."""
 
-    total: int
-    columns: dict[str, FloatArray] = field(default_factory=dict)
-    failed: int = 0
-    first_failure: str = ""
-    error_bound: float = 0.0
-    simulated: set[str] = field(default_factory=set)
-    failures: dict[str, int] = field(default_factory=dict)
+    def __init__(self, scene: Scene, keys: list[str], total: int) -> None:
+        self.scene, self.keys, self.total = scene, keys, total
+        self.columns: dict[str, FloatArray] = {}
+        self.failed, self.first_failure, self.error_bound = 0, "", 0.0
+        self.simulated: set[str] = set()
+        self.failures: dict[str, int] = {}
 
-    def put(self, places: IntArray, quantities: tuple[Quantity, ...]) -> None:
-        for quantity in quantities:
-            column = self.columns.setdefault(quantity.name, np.full(self.total, np.nan))
-            column[places] = quantity.value
+    def solve_answerable(self, places: IntArray, values: list[FloatArray]) -> None:
+        """Solve the points that can have an answer in one call, and one of the others, to hear why not."""
+        possible = self.scene.kind.answerable(self._problem(values))
+        hopeless = np.flatnonzero(~possible)
+        if hopeless.size:
+            first = hopeless[:1]
+            self._solve_block(places[first], [value[first] for value in values])
+            self.failed += hopeless.size - 1
+        if possible.any():
+            self._solve_block(places[possible], [value[possible] for value in values])
 
-    def fail(self, error: RopefricError) -> None:
+    def solve_point(self, places: IntArray, values: list[FloatArray]) -> None:
+        """Solve a point from its own checked table."""
+        scene, table = self.scene, self.scene.table
+        for key, value in zip(self.keys, values, strict=True):
+            table = _replaced(table, key, float(value[0]))
+        try:
+            source = source_of(scene.kind, table, scene.folder)
+            problem = scene.kind.problem(table, None if source is None else source.friction)
+            self._solve(problem, places, scene.effects)
+        except RopefricError as error:
+            self._fail(error)
+
+    def _problem(self, values: list[FloatArray]) -> Any:
+        becomes = [self.scene.kind.sweep_fields[key] for key in self.keys]
+        swept = {one.field: one.factor * value for one, value in zip(becomes, values, strict=True)}
+        return replace(self.scene.problem, **swept)
+
+    def _solve_block(self, places: IntArray, values: list[FloatArray]) -> None:
+        """Solve points in one call; where one of them has no answer, halve the block until it stands alone."""
+        planned = self.scene.effects != "auto" or self.total <= _PLANNED_POINTS
+        try:
+            self._solve(self._problem(values), places, self.scene.effects if planned else "all")
+        except RopefricError as error:
+            if places.size == 1:
+                self._fail(error)
+                return
+            for half in np.array_split(np.arange(places.size), 2):
+                self._solve_block(places[half], [value[half] for value in values])
+
+    def _fail(self, error: RopefricError) -> None:
         self.first_failure = self.first_failure or error.problem.message
         self.failed += 1
 
-
-def _asked(scene: Scene, points: int) -> str | tuple[str, ...]:
-    return "all" if scene.effects == "auto" and points > _PLANNED_POINTS else scene.effects
-
-
-def _blocks(axes: tuple[Axis, ...], total: int, size: int) -> Iterator[tuple[IntArray, list[FloatArray]]]:
-    shape = tuple(axis.values.size for axis in axes)
-    for start in range(0, total, size):
-        places = np.arange(start, min(start + size, total))
-        grid = np.unravel_index(places, shape)
-        yield places, [axis.values[place] for axis, place in zip(axes, grid, strict=True)]
-
-
-def _solve_answerable(
-    scene: Scene, keys: list[str], values: list[FloatArray], places: IntArray, collected: _Collected
-) -> None:
-    """Solve the points of a block that can have an answer in one call, and one of the others, to hear why not."""
-    possible = scene.kind.answerable(_problem_at(scene, keys, values))
-    hopeless = np.flatnonzero(~possible)
-    if hopeless.size:
-        first = hopeless[:1]
-        _solve_block(scene, keys, [value[first] for value in values], places[first], collected)
-        collected.failed += hopeless.size - 1
-    if possible.any():
-        _solve_block(scene, keys, [value[possible] for value in values], places[possible], collected)
-
-
-def _problem_at(scene: Scene, keys: list[str], values: list[FloatArray]) -> Any:
-    fields = {
-        scene.kind.sweep_fields[key].field: scene.kind.sweep_fields[key].factor * value
-        for key, value in zip(keys, values, strict=True)
-    }
-    return replace(scene.problem, **fields)
-
-
-def _solve_block(
-    scene: Scene, keys: list[str], values: list[FloatArray], places: IntArray, collected: _Collected
-) -> None:
-    """Solve many points in one call; where one of them has no answer, halve the block until it stands alone."""
-    try:
-        _solve(scene, _problem_at(scene, keys, values), places, _asked(scene, collected.total), collected)
-    except RopefricError as error:
-        if places.size == 1:
-            collected.fail(error)
-            return
-        for half in np.array_split(np.arange(places.size), 2):
-            _solve_block(scene, keys, [value[half] for value in values], places[half], collected)
-
-
-def _solve_point(
-    scene: Scene, keys: list[str], values: list[FloatArray], places: IntArray, collected: _Collected
-) -> None:
-    table = scene.table
-    for key, value in zip(keys, values, strict=True):
-        table = _replaced(table, key, float(value[0]))
-    try:
-        source = source_of(scene.kind, table, scene.folder)
-        problem = scene.kind.problem(table, None if source is None else source.friction)
-        _solve(scene, problem, places, scene.effects, collected)
-    except RopefricError as error:
-        collected.fail(error)
-
-
-def _solve(
-    scene: Scene, problem: Any, places: IntArray, effects: str | tuple[str, ...], collected: _Collected
-) -> None:
-    plan, model = make_plan(scene.kind.system, problem, accuracy=scene.accuracy, effects=effects)
-    answer = scene.kind.system.solve(model, plan.method)
-    collected.put(places, scene.kind.quantities(answer, problem))
-    collected.simulated.update(plan.simulated)
-    for failure in scene.kind.failures(answer, problem):
-        if failure.fails.any():
-            before = collected.failures.get(failure.words, 0)
-            collected.failures[failure.words] = before + int(failure.fails.sum())
-    collected.error_bound = max(collected.error_bound, plan.error_bound)
+    def _solve(self, problem: Any, places: IntArray, effects: str | tuple[str, ...]) -> None:
+        kind = self.scene.kind
+        plan, model = make_plan(kind.system, problem, accuracy=self.scene.accuracy, effects=effects)
+        answer = kind.system.solve(model, plan.method)
+        for quantity in kind.quantities(answer, problem):
+            column = self.columns.setdefault(quantity.name, np.full(self.total, np.nan))
+            column[places] = quantity.value
+        self.simulated.update(plan.simulated)
+        for failure in kind.failures(answer, problem):
+            if failure.fails.any():
+                self.failures[failure.words] = self.failures.get(failure.words, 0) + int(failure.fails.sum())
+        self.error_bound = max(self.error_bound, plan.error_bound)
 
 
 def header_of(sweep: Sweep) -> tuple[str, ...]:

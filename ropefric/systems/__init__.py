@@ -1,1 +1,6 @@
-"""Machines that live on friction between a rope, belt or blade and a wheel: their pure mechanics."""
+"""Machines that live on friction between a rope, belt or blade and a wheel: their pure mechanics.
+
+Numbers in SI come in, many cases side by side; answers of numbers go out. `effect` says what a machine may be simulated
+with or without and `subsets` bounds what that matters where a solution costs nothing; `friction` is a law as a machine
+uses it; `checks` refuses numbers that are none. A folder a machine: hoist, press, bandsaw, traction, beltdrive.
+"""

@@ -134,3 +134,17 @@ _OWNER = {
     "wrap_angle_rad": "wrap",
     "end_tension_N": "end-tension",
 }
+
+_LEAST_EXPONENT, _LARGEST_EXPONENT = 1e-12, 300.0
+
+
+def refuse_no_ratio(exponent: FloatArray) -> None:
+    """Refuse an M for which e^M, the ratio of the tensions, is 1 to rounding or too large to be squared."""
+    wrong = (exponent < _LEAST_EXPONENT) | (exponent > _LARGEST_EXPONENT)
+    if wrong.any():
+        raise InputError(
+            f"the friction lets the tensions differ by e^{exponent[wrong].max():.4g}, which is no ratio of tensions",
+            code="RF420",
+            key="wrap_angle_rad",
+            fix="check the wrap and the coefficient",
+        )

@@ -1,7 +1,8 @@
 """The measuring chain, counts -> volts -> newtons: force cell, converter, tare, and where it sat at its limits."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from itertools import pairwise
 from numbers import Integral, Real
@@ -28,7 +29,11 @@ _OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyo
 T = TypeVar("T")
 
 
-def require_floats(owner: Any, what: str) -> None:
+def _refused(message: str, key: str, fix: str = "") -> InputError:
+    return InputError(message, code="RF210", key=key, fix=fix)
+
+
+def _require_floats(owner: Any, what: str) -> None:
     """Turn every float field of a dataclass into a float, so that equal objects are equal in JSON too."""
     for item in fields(owner):
         if item.type is not float:
@@ -39,9 +44,7 @@ def require_floats(owner: Any, what: str) -> None:
         except OverflowError:  # a whole number beyond every float
             usable = False
         if not usable:
-            raise InputError(
-                f"{what}: {item.name} = {value!r} is not a finite number", code="RF210", key=item.name
-            )
+            raise _refused(f"{what}: {item.name} = {value!r} is not a finite number", item.name)
         object.__setattr__(owner, item.name, float(value))
 
 
@@ -72,21 +75,13 @@ class Adc:
     def __post_init__(self) -> None:
         bits: Any = self.bits
         if isinstance(bits, bool) or not isinstance(bits, Integral) or not 1 <= int(bits) <= 32:
-            raise InputError(
-                f"ADC: bits = {bits!r} is not a whole number from 1 to 32",
-                code="RF210",
-                key="bits",
-                fix="write the resolution on its data sheet, for example bits = 10",
-            )
+            fix = "write the resolution on its data sheet, for example bits = 10"
+            raise _refused(f"ADC: bits = {bits!r} is not a whole number from 1 to 32", "bits", fix)
         object.__setattr__(self, "bits", int(bits))
-        require_floats(self, "ADC")
+        _require_floats(self, "ADC")
         if not self.low_V < self.high_V:
-            raise InputError(
-                f"ADC: the range from {self.low_V:g} V to {self.high_V:g} V is empty",
-                code="RF210",
-                key="high_V",
-                fix="make high_V larger than low_V",
-            )
+            message = f"ADC: the range from {self.low_V:g} V to {self.high_V:g} V is empty"
+            raise _refused(message, "high_V", "make high_V larger than low_V")
 
     @property
     def max_count(self) -> int:
@@ -129,37 +124,25 @@ class ForceCell:
         for key in ("name", "serial", "calibrated"):
             text: Any = getattr(self, key)
             if not isinstance(text, str):
-                raise InputError(f"{what}: {key} = {text!r} is not text", code="RF210", key=key)
-        require_floats(self, what)
+                raise _refused(f"{what}: {key} = {text!r} is not text", key)
+        _require_floats(self, what)
         if self.full_scale_N <= 0:
-            raise InputError(
-                f"{what}: full scale {self.full_scale_N:g} N is not positive",
-                code="RF210",
-                key="full_scale_N",
-            )
+            raise _refused(f"{what}: full scale {self.full_scale_N:g} N is not positive", "full_scale_N")
         if self.full_scale_V <= self.zero_V:
-            raise InputError(
-                f"{what}: {self.full_scale_V:g} V at full scale is not above {self.zero_V:g} V at no load",
-                code="RF210",
-                key="full_scale_V",
-                fix="swap the signal wires if the voltage falls with the force",
-            )
-        for key in ("linearity", "hysteresis", "repeatability", "transmitter"):
+            fix = "swap the signal wires if the voltage falls with the force"
+            message = f"{self.full_scale_V:g} V at full scale is not above {self.zero_V:g} V at no load"
+            raise _refused(f"{what}: {message}", "full_scale_V", fix)
+        for key in ASSUMED_LIMITS:
             value = getattr(self, key)
             if not 0 <= value < _LARGEST_FRACTION:
-                raise InputError(
-                    f"{what}: {key} = {value:g} is no fraction of full scale (below {_LARGEST_FRACTION:g})",
-                    code="RF210",
-                    key=key,
-                    fix="write 0.0002 for 0.02 %FS",
-                )
+                message = f"{key} = {value:g} is no fraction of full scale (below {_LARGEST_FRACTION:g})"
+                raise _refused(f"{what}: {message}", key, "write 0.0002 for 0.02 %FS")
         object.__setattr__(self, "points", _checked_points(self.points, self.full_scale_N, what))
-        try:
-            usable = math.isfinite(self.line.gain_N_V)
-        except (OverflowError, ZeroDivisionError):
-            usable = False
-        if not usable:
-            raise InputError(f"{what}: its line from volts to newtons is too steep to compute", code="RF210")
+        gain_N_V = math.inf
+        with suppress(OverflowError, ZeroDivisionError):
+            gain_N_V = self.line.gain_N_V
+        if not math.isfinite(gain_N_V):
+            raise _refused(f"{what}: its line from volts to newtons is too steep to compute", "")
 
     @property
     def line(self) -> Line:
@@ -184,48 +167,31 @@ class ForceCell:
 
 
 def _checked_points(points: Any, full_scale_N: float, what: str) -> tuple[tuple[float, float], ...]:
-    try:
-        pairs = tuple((float(force_N), float(voltage_V)) for force_N, voltage_V in _as_iterable(points))
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(
-            f"{what}: calibration points are pairs of force and voltage, not {points!r}",
-            code="RF210",
-            key="points",
-            fix="write [[0, 0.01], [500, 2.51], [1000, 5.0]], in N and V",
-        ) from None
+    def refused(why: str, fix: str = "") -> InputError:
+        return _refused(f"{what}: {why}", "points", fix)
+
+    pairs: tuple[tuple[float, float], ...] | None = None
+    with suppress(TypeError, ValueError, OverflowError):
+        if not isinstance(points, str):
+            pairs = tuple((float(force_N), float(voltage_V)) for force_N, voltage_V in points)
+    if pairs is None:
+        why = f"calibration points are pairs of force and voltage, not {points!r}"
+        raise refused(why, "write [[0, 0.01], [500, 2.51], [1000, 5.0]], in N and V")
     if len(pairs) == 1:
-        raise InputError(
-            f"{what}: one calibration point makes no line",
-            code="RF210",
-            key="points",
-            fix="give two or more points, or none to use the nominal line",
-        )
+        fix = "give two or more points, or none to use the nominal line"
+        raise refused("one calibration point makes no line", fix)
     for number, (force_N, voltage_V) in enumerate(pairs, start=1):
         if not (math.isfinite(force_N) and math.isfinite(voltage_V)):
-            raise InputError(f"{what}: calibration point {number} is not finite", code="RF210", key="points")
+            raise refused(f"calibration point {number} is not finite")
         if abs(force_N) > _OVERLOAD * full_scale_N:
-            raise InputError(
-                f"{what}: calibration point {number}, {force_N:g} N, is far beyond full scale",
-                code="RF210",
-                key="points",
-                fix="points are written force first, in newtons, then volts",
-            )
+            why = f"calibration point {number}, {force_N:g} N, is far beyond full scale"
+            raise refused(why, "points are written force first, in newtons, then volts")
     for number, ((f_0, v_0), (f_1, v_1)) in enumerate(pairwise(pairs), start=1):
         if not (f_0 < f_1 and v_0 < v_1):
-            raise InputError(
-                f"{what}: calibration points {number} and {number + 1}, {f_0:g} N {v_0:g} V and {f_1:g} N "
-                f"{v_1:g} V, do not increase",
-                code="RF210",
-                key="points",
-                fix="sort by force; average repeated loadings; swap the signal wires if the voltage falls",
-            )
+            which = f"{number} and {number + 1}, {f_0:g} N {v_0:g} V and {f_1:g} N {v_1:g} V"
+            fix = "sort by force; average repeated loadings; swap the signal wires if the voltage falls"
+            raise refused(f"calibration points {which}, do not increase", fix)
     return pairs
-
-
-def _as_iterable(points: Any) -> Iterable[Any]:
-    if isinstance(points, str):
-        raise TypeError
-    return tuple(points)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -265,11 +231,6 @@ class Saturation:
         return int((self.high_runs[:, 1] - self.high_runs[:, 0]).max(initial=0))
 
 
-def find_saturation(counts: IntArray, max_count: int) -> Saturation:
-    """Return the runs of samples at count 0 and at `max_count`."""
-    return Saturation(high_runs=runs_of(counts == max_count), low_runs=runs_of(counts == 0))
-
-
 def as_counts(values: Any) -> IntArray:
     """Return raw counts as integers, with −1 where a float is NaN."""
     array = np.asarray(values)
@@ -286,12 +247,9 @@ def as_counts(values: Any) -> IntArray:
     wrong = (filled < 0) | (filled > 2.0**32) | (filled != np.floor(filled))
     if wrong.any():
         index = int(np.argmax(wrong))
-        raise DataError(
-            f"sample {index} (the first is 0) is {array[index]:g}; a raw count is a whole number from 0",
-            code="RF211",
-            key="counts",
-            fix="name the column of raw counts, or import this one as force or voltage with its unit",
-        )
+        why = f"sample {index} (the first is 0) is {array[index]:g}; a raw count is a whole number from 0"
+        fix = "name the column of raw counts, or import this one as force or voltage with its unit"
+        raise DataError(why, code="RF211", key="counts", fix=fix)
     filled[missing] = -1.0
     return filled.astype(np.int64)
 
@@ -306,11 +264,9 @@ class Calibration:
     tare_std_N: float = 0.0
 
     def __post_init__(self) -> None:
-        require_floats(self, "calibration")
+        _require_floats(self, "calibration")
         if self.tare_std_N < 0:
-            raise InputError(
-                f"calibration: tare_std_N = {self.tare_std_N:g} is negative", code="RF210", key="tare_std_N"
-            )
+            raise _refused(f"calibration: tare_std_N = {self.tare_std_N:g} is negative", "tare_std_N")
 
     @property
     def lsb_N(self) -> float:
@@ -340,19 +296,16 @@ class Calibration:
         top = int(counts.max(initial=0))
         if top > max_count:
             index = int(np.argmax(counts > max_count))
-            raise DataError(
-                f"sample {index} (the first is 0) has count {counts[index]}, above the {max_count} of a "
-                f"{self.adc.bits}-bit converter; the largest count is {top}",
-                code="RF211",
-                key="bits",
-                fix=f"set bits = {top.bit_length()} or more, or check which column holds the counts",
-            )
+            most = f"the {max_count} of a {self.adc.bits}-bit converter; the largest count is {top}"
+            why = f"sample {index} (the first is 0) has count {counts[index]}, above {most}"
+            fix = f"set bits = {top.bit_length()} or more, or check which column holds the counts"
+            raise DataError(why, code="RF211", key="bits", fix=fix)
         force_N = counts * gain_N
         force_N += offset_N
         missing = counts < 0
         if missing.any():
             force_N[missing] = np.nan
-        return force_N, find_saturation(counts, max_count)
+        return force_N, Saturation(high_runs=runs_of(counts == max_count), low_runs=runs_of(counts == 0))
 
     def with_tare(self, counts: Any) -> tuple["Calibration", tuple[Problem, ...]]:
         """Return this calibration with the tare that makes the mean force of an idle stretch zero, and its doubts.
@@ -367,20 +320,15 @@ class Calibration:
             # A spike of two samples at full scale moves the mean of a quarter second by more than a count.
             present_N = np.delete(present_N, remove_spikes(present_N, noise_std(present_N)).bad)
         if present_N.size < MIN_TARE_SAMPLES or 2 * present_N.size < force_N.size:
-            raise DataError(
-                f"the tare interval holds {present_N.size} usable of {force_N.size} samples; at least "
-                f"{MIN_TARE_SAMPLES} and half of them are needed",
-                code="RF212",
-                key="tare",
-                fix="name a longer idle interval",
+            usable = f"{present_N.size} usable of {force_N.size} samples"
+            message = (
+                f"the tare interval holds {usable}; at least {MIN_TARE_SAMPLES} and half of them are needed"
             )
+            raise DataError(message, code="RF212", key="tare", fix="name a longer idle interval")
         if saturation.longest_high > MAX_SPIKE_SAMPLES:
-            raise DataError(
-                f"{saturation.n_high} samples of the tare interval are at the ADC ceiling: the rig is not idle",
-                code="RF212",
-                key="tare",
-                fix="name an interval in which the rope hangs free",
-            )
+            n, fix = saturation.n_high, "name an interval in which the rope hangs free"
+            message = f"{n} samples of the tare interval are at the ADC ceiling: the rig is not idle"
+            raise DataError(message, code="RF212", key="tare", fix=fix)
         sample_std_N = float(present_N.std(ddof=1))
         n_blocks = min(_BLOCKS, present_N.size // 4)
         block_std_N = float(np.std([block.mean() for block in np.array_split(present_N, n_blocks)], ddof=1))
@@ -423,22 +371,14 @@ def tare_from_interval(
 ) -> tuple[Calibration, tuple[Problem, ...]]:
     """Return the calibration with the tare of an idle interval, and what is doubtful about it."""
     if not start_s < end_s:
-        raise InputError(
-            f"the tare interval from {start_s:g} s to {end_s:g} s is empty",
-            code="RF212",
-            key="tare",
-            fix="write its start before its end",
-        )
+        message = f"the tare interval from {start_s:g} s to {end_s:g} s is empty"
+        raise InputError(message, code="RF212", key="tare", fix="write its start before its end")
     time_s = np.asarray(time_s, dtype=np.float64)
     slack_s = 0.1 * (end_s - start_s)
     if time_s.size == 0 or start_s < time_s[0] - slack_s or end_s > time_s[-1] + slack_s:
         covered = f"{time_s[0]:g} s to {time_s[-1]:g} s" if time_s.size else "which is empty"
-        raise DataError(
-            f"the tare interval from {start_s:g} s to {end_s:g} s is not in the recording, {covered}",
-            code="RF212",
-            key="tare",
-            fix="name an interval inside the recording",
-        )
+        message = f"the tare interval from {start_s:g} s to {end_s:g} s is not in the recording, {covered}"
+        raise DataError(message, code="RF212", key="tare", fix="name an interval inside the recording")
     counts = np.asarray(counts)
     if counts.shape != time_s.shape:
         raise InputError(f"{counts.size} counts for {time_s.size} time stamps", code="RF212")
@@ -470,16 +410,15 @@ def _doubts_of_tare(
 def _build(kind: type[T], values: Any, key: str) -> T:
     """Make a dataclass from a mapping, with messages instead of a TypeError."""
     if not isinstance(values, Mapping):
-        raise InputError(f"{key}: {values!r} is not a table of values", code="RF210", key=key)
+        raise _refused(f"{key}: {values!r} is not a table of values", key)
     items = fields(kind)  # type: ignore[arg-type]  # only dataclasses come here
     known = [item.name for item in items]
     for name in values:
         if name not in known:
-            raise UnknownNameError(
-                f"{key}: unknown key '{name}'", code="RF120", fix=did_you_mean(name, known)
-            )
+            fix = did_you_mean(name, known)
+            raise UnknownNameError(f"{key}: unknown key '{name}'", code="RF120", fix=fix)
     needed = [item.name for item in items if item.default is item.default_factory is MISSING]
     missing = [name for name in needed if name not in values]
     if missing:
-        raise InputError(f"{key}: {', '.join(missing)} is missing", code="RF210", key=key)
+        raise _refused(f"{key}: {', '.join(missing)} is missing", key)
     return kind(**values)

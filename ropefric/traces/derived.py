@@ -29,6 +29,7 @@ _GRAMMAR = (
 )  # fmt: skip
 _NO_BITS = (ast.LShift, ast.RShift, ast.BitOr, ast.BitXor, ast.MatMult, ast.In, ast.NotIn, ast.Is, ast.IsNot)
 _MAX_LENGTH = 1000
+_HINT = 'write arithmetic with channels in SI, such as force = "pull - pressure * area"'
 
 
 def evaluate_derived(
@@ -46,26 +47,15 @@ def evaluate_derived(
     known: dict[str, FloatArray] = dict(channels)
     clash = sorted(set(constants) & (set(channels) | set(derived)))
     if clash:
-        raise DataError(
-            f"{clash[0]!r} is a constant and a channel at once",
-            code="RF109",
-            path=path,
-            key="[import.constants]",
-            fix="rename one of them",
-        )
+        why, key = f"{clash[0]!r} is a constant and a channel at once", "[import.constants]"
+        raise DataError(why, code="RF109", path=path, key=key, fix="rename one of them")
     for name, formula in derived.items():
         try:
             known[name] = _evaluate(formula.strip(), known, constants)
         except _FormulaError as error:
             shown = formula if len(formula) <= 80 else formula[:77] + "..."
-            why, fix = error.args
-            raise DataError(
-                f"{shown!r} {why}",
-                code="RF109",
-                path=path,
-                key=f"[import.derived] {name}",
-                fix=fix or 'write arithmetic with channels in SI, such as force = "pull - pressure * area"',
-            ) from None
+            why, key = f"{shown!r} {error.args[0]}", f"[import.derived] {name}"
+            raise DataError(why, code="RF109", path=path, key=key, fix=error.args[1] or _HINT) from None
     return known
 
 

@@ -268,18 +268,13 @@ def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *,
 
 def _check(noise_std_N: float, step_s: float) -> None:
     if not (0 < step_s < math.inf and 0 <= noise_std_N < math.inf):
-        raise InputError(
-            f"a step of {step_s} s with noise of {noise_std_N} N makes no sense",
-            code="RF220",
-            fix="give a positive step and a noise of zero or more",
-        )
+        why = f"a step of {step_s} s with noise of {noise_std_N} N makes no sense"
+        raise InputError(why, code="RF220", fix="give a positive step and a noise of zero or more")
 
 
 def _finite(value: float, what: str, *of: float) -> float:
     if not math.isfinite(value):
-        raise InputError(
-            f"the {what} is {value:g}: {' and '.join(f'{number:g}' for number in of)} are beyond what a float holds",
-            code="RF220",
-            fix="check the units",
-        )
+        numbers = " and ".join(f"{number:g}" for number in of)
+        why = f"the {what} is {value:g}: {numbers} are beyond what a float holds"
+        raise InputError(why, code="RF220", fix="check the units")
     return value

@@ -18,6 +18,7 @@ _LARGEST = 1e290
 """The sum of 10^18 such numbers is still a float."""
 _MOST_SAMPLES = 2**52
 _PIECE = 2**22
+_SUCH_AS = 'give a window such as "10 ms"'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,11 +46,8 @@ def window_samples(window_s: float, step_s: float) -> int:
     _refuse_window(window_s, step_s)
     n_half = float(window_s) / float(step_s) / 2 if step_s >= 1e-300 else np.inf
     if not n_half < _MOST_SAMPLES:
-        raise InputError(
-            f"a smoothing window of {window_s:g} s holds too many steps of {step_s:g} s to be counted",
-            code="RF220",
-            fix='give a window such as "10 ms"',
-        )
+        why = f"a smoothing window of {window_s:g} s holds too many steps of {step_s:g} s to be counted"
+        raise InputError(why, code="RF220", fix=_SUCH_AS)
     return 2 * int(n_half + 1e-9) + 1
 
 
@@ -61,9 +59,8 @@ def average_over_samples(values: npt.ArrayLike, n_window: int) -> FloatArray:
     """
     values = np.asarray(values, dtype=np.float64)
     if n_window < 1 or n_window % 2 == 0:
-        raise InputError(
-            f"a window of {n_window} samples is not odd and positive", code="RF220", fix="use 1, 3, 5, …"
-        )
+        why = f"a window of {n_window} samples is not odd and positive"
+        raise InputError(why, code="RF220", fix="use 1, 3, 5, …")
     _refuse_infinite(values)
     if n_window == 1 or values.size == 0:
         return values.copy()
@@ -115,7 +112,13 @@ def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: fl
     values = np.asarray(values, dtype=np.float64)
     _refuse_infinite(values)
     _refuse_window(window_s)
-    _refuse_clock(time_s, values)
+    _refuse_infinite(time_s)
+    if time_s.shape != values.shape or not (np.diff(time_s) >= 0).all() or np.isnan(time_s).any():
+        why = f"{time_s.shape} times for {values.shape} samples"
+        fix = "sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)"
+        raise InputError(
+            f"{why}: as many times as samples, increasing, are needed", code="RF202", key="time_s", fix=fix
+        )
     if values.size == 0:
         return values.copy()
     half = np.minimum(window_s / 2, np.minimum(time_s - time_s[0], time_s[-1] - time_s))
@@ -161,11 +164,8 @@ def is_uniform(time_s: FloatArray) -> bool:
 
 def _refuse_window(window_s: float, step_s: float = 1.0) -> None:
     if not (0 <= window_s < np.inf and 0 < step_s < np.inf):
-        raise InputError(
-            f"a smoothing window of {window_s} s at a step of {step_s} s makes no sense",
-            code="RF220",
-            fix='give a window such as "10 ms"',
-        )
+        why = f"a smoothing window of {window_s} s at a step of {step_s} s makes no sense"
+        raise InputError(why, code="RF220", fix=_SUCH_AS)
 
 
 def _refuse_infinite(values: FloatArray) -> None:
@@ -173,17 +173,5 @@ def _refuse_infinite(values: FloatArray) -> None:
     if too_large.any():
         index = int(np.argmax(too_large))
         what = "infinite" if np.isinf(values[index]) else f"{values[index]:g}: sums of such numbers overflow"
-        raise InputError(
-            f"sample {index} (the first is 0) is {what}", code="RF221", fix="mark it as missing (NaN)"
-        )
-
-
-def _refuse_clock(time_s: FloatArray, values: FloatArray) -> None:
-    _refuse_infinite(time_s)
-    if time_s.shape != values.shape or not (np.diff(time_s) >= 0).all() or np.isnan(time_s).any():
-        raise InputError(
-            f"{time_s.shape} times for {values.shape} samples: as many times as samples, increasing, are needed",
-            code="RF202",
-            key="time_s",
-            fix="sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)",
-        )
+        why = f"sample {index} (the first is 0) is {what}"
+        raise InputError(why, code="RF221", fix="mark it as missing (NaN)")

@@ -63,42 +63,26 @@ class ForceTrace:
         object.__setattr__(self, "time_s", time_s)
         object.__setattr__(self, "force_N", force_N)
         if time_s.ndim != 1 or time_s.shape != force_N.shape:
-            raise DataError(
-                f"{self.name}: {time_s.shape} time stamps for {force_N.shape} force samples",
-                code="RF201",
-                path=self.source,
-                fix="check which columns the import profile names",
-            )
+            why = f"{time_s.shape} time stamps for {force_N.shape} force samples"
+            raise self._refused(why, "RF201", "check which columns the import profile names")
         if time_s.size == 0:
-            raise DataError(f"{self.name}: no samples", code="RF201", path=self.source)
-        if not np.isfinite(time_s).all() or (np.diff(time_s) <= 0).any():
-            raise DataError(
-                f"{self.name}: time does not strictly increase",
-                code="RF202",
-                path=self.source,
-                fix="sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)",
-            )
-        self._check_range()
-
-    def _check_range(self) -> None:
-        too_large = np.abs(self.force_N) > _LARGEST
+            raise self._refused("no samples", "RF201")
+        steps_s = np.diff(time_s)
+        if not np.isfinite(time_s).all() or (steps_s <= 0).any():
+            fix = "sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)"
+            raise self._refused("time does not strictly increase", "RF202", fix)
+        too_large = np.abs(force_N) > _LARGEST
         if too_large.any():
             at = int(np.argmax(too_large))
-            raise DataError(
-                f"{self.name}: sample {at + 1} is {self.force_N[at]:g} N, which is no force",
-                code="RF204",
-                path=self.source,
-                fix="correct the unit, or mark the sample as missing (NaN)",
-            )
-        steps_s = np.diff(self.time_s)
-        if max(-self.time_s[0], self.time_s[-1]) > _LARGEST or steps_s.min(initial=1.0) < 1.0 / _LARGEST:
-            raise DataError(
-                f"{self.name}: time runs from {self.time_s[0]:g} s to {self.time_s[-1]:g} s in {self.time_s.size} "
-                "samples, which no clock can",
-                code="RF202",
-                path=self.source,
-                fix="correct the unit of the time, or give the sampling rate",
-            )
+            why = f"sample {at + 1} is {force_N[at]:g} N, which is no force"
+            raise self._refused(why, "RF204", "correct the unit, or mark the sample as missing (NaN)")
+        if max(-time_s[0], time_s[-1]) > _LARGEST or steps_s.min(initial=1.0) < 1.0 / _LARGEST:
+            span = f"{time_s[0]:g} s to {time_s[-1]:g} s in {time_s.size} samples"
+            fix = "correct the unit of the time, or give the sampling rate"
+            raise self._refused(f"time runs from {span}, which no clock can", "RF202", fix)
+
+    def _refused(self, why: str, code: str, fix: str = "") -> DataError:
+        return DataError(f"{self.name}: {why}", code=code, path=self.source, fix=fix)
 
     @property
     def sampling_rate_Hz(self) -> float:
@@ -116,11 +100,8 @@ class ForceTrace:
 def recalibrate(trace: ForceTrace, calibration: Calibration) -> ForceTrace:
     """Return the recording with its forces computed anew from the raw counts it kept."""
     if trace.counts is None:
-        raise InputError(
-            f"{trace.name} holds forces only, no raw counts, so no other calibration can be applied",
-            code="RF213",
-            path=trace.source,
-            fix="import the column of raw counts as channel `counts`",
-        )
+        why = f"{trace.name} holds forces only, no raw counts, so no other calibration can be applied"
+        fix = "import the column of raw counts as channel `counts`"
+        raise InputError(why, code="RF213", path=trace.source, fix=fix)
     force_N, saturation = calibration.apply(trace.counts)
     return replace(trace, force_N=force_N, calibration=calibration, saturation=saturation)

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 
 from ropefric.errors import DataError, InputError, Problem
@@ -111,7 +112,8 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
         raise DataError("the table is empty", path=shown, fix=fix)
     header_line, head = lines[0]
     separator = next((mark for mark in (";", "\t") if mark in head), ",")
-    split = [(number, _split(line, separator, quoted='"' in text)) for number, line in lines]
+    quoted = '"' in text
+    split = [(number, _split(line, separator, quoted=quoted)) for number, line in lines]
     header = split[0][1]
     if header is None:
         message, fix = "a quoted cell of the header is not closed", "close the quotes"
@@ -241,6 +243,11 @@ def decimal_mark(table: CellTable, columns: Mapping[str, Column]) -> str:
     return "."
 
 
+@lru_cache(maxsize=64)
+def _factor(unit: str, si_unit: str) -> Decimal:
+    return Decimal(repr(unit_factor(unit, si_unit)))
+
+
 def read_number(cell: str, column: Column, decimal: str) -> float:
     """Return a cell's number in SI, or refuse it."""
     if not _NUMBER.fullmatch(cell):
@@ -253,9 +260,9 @@ def read_number(cell: str, column: Column, decimal: str) -> float:
         message = f"'{cell}' has a point, but other numbers of the table have decimal commas"
         fix = f"write {cell.replace('.', ',')} if the point is a decimal mark, or leave it out"
         raise InputError(message, code="RF102", fix=fix)
-    factor = unit_factor(column.unit, column.si_unit, name=column.header)
+    factor = _factor(column.unit, column.si_unit)
     # As `parse_quantity`, which takes longer: 9.8 * 0.001 is not 0.0098 in binary.
-    value = float(plain) if factor == 1.0 else float(Decimal(plain) * Decimal(repr(factor)))
+    value = float(plain) if factor == 1 else float(Decimal(plain) * factor)
     if not value or not in_range(value) or len(plain) > 40:  # it may refuse it
         value = parse_quantity(f"{plain} {column.unit}", column.si_unit)
     value *= column.scale

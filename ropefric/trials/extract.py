@@ -1,7 +1,6 @@
 """A campaign's recordings -> trial table: in parallel, interruptible, without doing the same work twice."""
 
-from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import Executor, as_completed
+from collections.abc import Callable, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,26 +8,21 @@ from pathlib import Path
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.read import InputFile, hash_file, use_file
 from ropefric.traces.readers import TEXT_FORMATS, find_reader
-from ropefric.trials.cache import ResultCache
+from ropefric.trials.cache import ResultCache, Results
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.conditions import summarised
 from ropefric.trials.recording import extract_recording, unreadable
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.workers import Lost, guarded
 
-CHUNK = 8
-"""Recordings handed to an executor at a time."""
-
 Progress = Callable[[int, int, str], None]
 _Rows = tuple[TrialSpec, ...]
-_Results = tuple[tuple[TrialResult, ...], ...]
-_Done = tuple[_Results, bool]
+_Done = tuple[Results, bool]
 
 
 def extract_campaign(
     campaign: Campaign,
     *,
-    executor: Executor | None = None,
     jobs: int = 1,
     cache_dir: Path | None = None,
     progress: Progress | None = None,
@@ -36,35 +30,38 @@ def extract_campaign(
     """Return the break-away forces of all recordings of a campaign, and what the rejection rule keeps.
 
     One bad recording never ends the run: it gives a trial with a status and a problem. Results do not depend on
-    `executor`, `jobs` or what is in the cache.
+    `jobs` or what is in the cache.
     """
     if jobs < 1:
         raise InputError(f"{jobs} processes cannot work", code="RF110", key="jobs", fix="use 1 or more")
-    files = _by_file(campaign.trials)
+    by_file: dict[Path, list[TrialSpec]] = {}  # so that a wide file is read once
+    for spec in campaign.trials:
+        by_file.setdefault(spec.path, []).append(spec)
+    files = [tuple(rows) for rows in by_file.values()]
     done: list[_Done] = [((), False)] * len(files)
-    work = _Work.of(campaign, files, cache_dir)
-    running = _shared_out(work, executor) if executor is not None else _guarded(work, jobs)
-    with closing(running):  # that its processes end with the loop, however it ends
-        for count, (place, results) in enumerate(running, start=1):
-            done[place] = results
+    work = _Work(
+        campaign=replace(campaign, trials=(), warnings=()),
+        files=tuple(files),
+        cache=None if cache_dir is None else ResultCache(cache_dir, campaign.settings_fingerprint()),
+    )
+    _preload(work)
+    with closing(
+        guarded(work, len(files), jobs=jobs, limits=campaign.limits)
+    ) as running:  # ends its processes
+        for count, (place, found_or_lost) in enumerate(running, start=1):
+            done[place] = (
+                work.lost(place, found_or_lost) if isinstance(found_or_lost, Lost) else found_or_lost
+            )
             if progress is not None:
-                found = [trial for row in results[0] for trial in row]
+                found = [trial for row in done[place][0] for trial in row]
                 worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
                 progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
     trials = _in_list_order(campaign, files, [results for results, _ in done])
     return summarised(campaign, trials, n_reused=sum(reused for _, reused in done))
 
 
-def _by_file(specs: Sequence[TrialSpec]) -> list[_Rows]:
-    """Rows that name the same file together, so that a wide file is read once."""
-    groups: dict[Path, list[TrialSpec]] = {}
-    for spec in specs:
-        groups.setdefault(spec.path, []).append(spec)
-    return [tuple(group) for group in groups.values()]
-
-
 def _in_list_order(
-    campaign: Campaign, files: Sequence[_Rows], results: Sequence[_Results]
+    campaign: Campaign, files: Sequence[_Rows], results: Sequence[Results]
 ) -> list[TrialResult]:
     """Put the results of files back into the order of the trial list; each trial has a name of its own."""
     by_row = {
@@ -93,11 +90,6 @@ class _Work:
     campaign: Campaign
     files: tuple[_Rows, ...]
     cache: ResultCache | None
-
-    @classmethod
-    def of(cls, campaign: Campaign, files: Sequence[_Rows], cache_dir: Path | None) -> "_Work":
-        cache = None if cache_dir is None else ResultCache(cache_dir, campaign.settings_fingerprint())
-        return cls(campaign=replace(campaign, trials=(), warnings=()), files=tuple(files), cache=cache)
 
     def __call__(self, place: int) -> _Done:
         """Return the results of a file, and whether they were there already."""
@@ -138,38 +130,9 @@ class _Work:
         return unreadable(self.campaign, rows, error, sha256=sha256), False
 
 
-def _guarded(work: _Work, jobs: int) -> Generator[tuple[int, _Done]]:
-    """Give place and results of each file, in the order they are finished."""
+def _preload(work: _Work) -> None:
+    """Load what every process will need once, before they are forked."""
     if work.files and (work.cache is None or work.cache.is_new):
         with suppress(RopefricError):
             if find_reader(work.files[0][0].path, work.campaign.profile).name in TEXT_FORMATS:
-                import pandas  # noqa: ICN001, F401, PLC0415  (loaded once here, it is there in every forked process)
-    with closing(guarded(work, len(work.files), jobs=jobs, limits=work.campaign.limits)) as running:
-        for place, done in running:
-            yield place, work.lost(place, done) if isinstance(done, Lost) else done
-
-
-def _shared_out(work: _Work, executor: Executor) -> Generator[tuple[int, _Done]]:
-    """Give the same from an executor that belongs to somebody else."""
-    starts = range(0, len(work.files), CHUNK)
-    futures = {
-        executor.submit(_extract_chunk, replace(work, files=work.files[start : start + CHUNK])): start
-        for start in starts
-    }
-    try:
-        for future in as_completed(futures):
-            for offset, results in enumerate(future.result()):
-                yield futures[future] + offset, results
-    finally:
-        for future in futures:
-            future.cancel()
-
-
-def _extract_chunk(work: _Work) -> list[_Done]:
-    done = []
-    for place in range(len(work.files)):
-        try:
-            done.append(work(place))
-        except MemoryError:
-            done.append(work.lost(place, Lost(reason="there was not enough memory to read it", fix="")))
-    return done
+                import pandas  # noqa: ICN001, F401, PLC0415

@@ -249,7 +249,7 @@ def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
     """
     columns, others, found = bind_columns(table, _QUANTITIES, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
-    texts = {name: [_known(row[1][column.index]) for row in table.rows] for name, column in columns.items()}
+    texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
     n = len(table.rows)
     wrong: dict[int, list[Problem]] = defaultdict(list)
     numbers = _numbers(table, columns, texts, wrong)
@@ -282,8 +282,9 @@ def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
     return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **numbers)
 
 
-def _known(cell: str) -> str:
-    return "" if cell.lower() in _EMPTY else cell
+def _known(cells: list[str]) -> list[str]:
+    meaning = {cell: "" if cell.lower() in _EMPTY else cell for cell in set(cells)}
+    return [meaning[cell] for cell in cells]
 
 
 def _strange_columns(table: CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
@@ -324,18 +325,16 @@ def _numbers(
     for name, column in columns.items():
         if not column.si_unit:
             continue
-        meaning: dict[str, float | InputError] = {"": math.nan}
+        meaning, refused = {"": math.nan}, dict[str, InputError]()
         for cell in set(texts[name]) - {""}:
             try:
                 meaning[cell] = read_number(cell, column, decimal)
             except InputError as error:
-                meaning[cell] = error
-        for i, cell in enumerate(texts[name]):
-            found = meaning[cell]
-            if isinstance(found, InputError):
-                wrong[i].append(table.refusal(table.rows[i][0], column.header, found))
-            else:
-                numbers[name][i] = found
+                meaning[cell], refused[cell] = math.nan, error
+        numbers[name] = np.array([meaning[cell] for cell in texts[name]])
+        for i, cell in enumerate(texts[name] if refused else ()):
+            if cell in refused:
+                wrong[i].append(table.refusal(table.rows[i][0], column.header, refused[cell]))
     return numbers
 
 

@@ -11,7 +11,7 @@ import threading
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Collection, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,11 +55,8 @@ class Limits:
     @property
     def memory(self) -> str:
         """Return the memory in words."""
-        return (
-            f"{self.memory_bytes / 1e9:.4g} GB"
-            if self.memory_bytes >= 1e9
-            else f"{self.memory_bytes / 1e6:.4g} MB"
-        )
+        scale, unit = (1e9, "GB") if self.memory_bytes >= 1e9 else (1e6, "MB")
+        return f"{self.memory_bytes / scale:.4g} {unit}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,63 +90,40 @@ def guarded(
     # Threads may hold locks that a forked child would find locked for ever.
     may_fork = sys.platform == "linux" and threading.active_count() == 1
     context = multiprocessing.get_context("fork" if may_fork else "spawn")
-    pool = _Pool(context, work, limits or Limits(), max(1, min(jobs, n, usable_cores())), deque(range(n)))
+    limits, n_workers, waiting = limits or Limits(), max(1, min(jobs, n, usable_cores())), deque(range(n))
+    workers: list[_Worker[T]] = []
     try:
-        while pool.waiting or any(worker.given for worker in pool.workers):
-            pool.hand_out()
-            until_s = min(worker.deadline_s for worker in pool.workers)
-            heard = wait([worker.ours for worker in pool.workers], max(0.0, until_s - time.monotonic()))
-            yield from pool.collect(heard)
+        while waiting or any(worker.given for worker in workers):
+            while len(workers) < min(n_workers, len(waiting) + len(workers)):
+                workers.append(_Worker(context, work, limits, [worker.ours for worker in workers]))
+            # To all in turn, so that the last pieces are shared out.
+            for worker, ahead in ((worker, ahead) for ahead in range(1, AHEAD + 1) for worker in workers):
+                if waiting and len(worker.given) < ahead:
+                    worker.give(waiting.popleft())
+            until_s = min(worker.deadline_s for worker in workers)
+            heard = wait([worker.ours for worker in workers], max(0.0, until_s - time.monotonic()))
+            for worker in list(workers):
+                if worker.ours in heard:
+                    yield from worker.hear()
+                elif time.monotonic() > worker.deadline_s:
+                    yield worker.stop_late()
+                if worker.dead:
+                    workers.remove(worker)
+                    waiting.extendleft(reversed(worker.given))
     finally:
-        pool.end()
+        _end(workers)
 
 
-class _Pool(Generic[T]):
-    """Processes, and what is still to be done by them."""
-
-    def __init__(
-        self,
-        context: "BaseContext",
-        work: Callable[[int], T],
-        limits: Limits,
-        n_workers: int,
-        waiting: deque[int],
-    ) -> None:
-        self._parts = (context, work, limits)
-        self._n_workers = n_workers
-        self.waiting = waiting
-        self.workers: list[_Worker[T]] = []
-
-    def hand_out(self) -> None:
-        """Give every process enough to do, and start those that are missing."""
-        while len(self.workers) < min(self._n_workers, len(self.waiting) + len(self.workers)):
-            self.workers.append(_Worker(*self._parts, [worker.ours for worker in self.workers]))
-        for ahead in range(1, AHEAD + 1):  # to all in turn: the last pieces are spread
-            for worker in self.workers:
-                if self.waiting and len(worker.given) < ahead:
-                    worker.give(self.waiting.popleft())
-
-    def collect(self, heard: Collection[object]) -> Iterator[tuple[int, T | Lost]]:
-        """Give what has come, and end the processes that are late."""
-        for worker in list(self.workers):
-            if worker.ours in heard:
-                yield from worker.hear()
-            elif time.monotonic() > worker.deadline_s:
-                yield worker.stop_late()
-            if worker.dead:
-                self.workers.remove(worker)
-                self.waiting.extendleft(reversed(worker.given))
-
-    def end(self) -> None:
-        """End all processes: an idle one at once, a busy one after its piece, or soon."""
-        for worker in self.workers:
-            worker.ours.close()
-        until_s = time.monotonic() + GRACE_S
-        for worker in self.workers:
-            worker.process.join(max(0.0, until_s - time.monotonic()))
-            if worker.process.is_alive():
-                worker.process.kill()
-                worker.process.join()
+def _end(workers: "list[_Worker[T]]") -> None:
+    """End all processes: an idle one at once, a busy one after its piece, or soon."""
+    for worker in workers:
+        worker.ours.close()
+    until_s = time.monotonic() + GRACE_S
+    for worker in workers:
+        worker.process.join(max(0.0, until_s - time.monotonic()))
+        if worker.process.is_alive():
+            worker.process.kill()
+            worker.process.join()
 
 
 class _Worker(Generic[T]):
@@ -170,9 +144,8 @@ class _Worker(Generic[T]):
                 warnings.simplefilter("ignore", DeprecationWarning)  # of threads that numpy has already ended
                 self.process.start()
         except OSError as error:
-            raise RopefricError(
-                f"no process can be started: {error.strerror}", code="RF110", key="jobs", fix="use fewer jobs"
-            ) from None
+            message = f"no process can be started: {error.strerror}"
+            raise RopefricError(message, code="RF110", key="jobs", fix="use fewer jobs") from None
         theirs.close()
         self.deadline_s = time.monotonic() + START_S
 
@@ -193,10 +166,9 @@ class _Worker(Generic[T]):
             if not self.given and self._ready:
                 return
             if not self._ready:
-                raise RopefricError(
-                    f"a process for reading ended as it started (exit code {self.process.exitcode})",
-                    code="RF000",
-                ) from None
+                code = self.process.exitcode
+                message = f"a process for reading ended as it started (exit code {code})"
+                raise RopefricError(message, code="RF000") from None
             yield self.given.popleft(), self._crashed()
             return
         if kind == _READY:
@@ -207,7 +179,8 @@ class _Worker(Generic[T]):
             number = self.given.popleft()
             if kind == _NO_MEMORY:
                 self._end()
-                yield number, self._too_large()
+                reason = f"reading it took more than {self._limits.memory} of memory"
+                yield number, Lost(reason=reason, fix=_RAISE.format("memory"))
             else:
                 yield number, content
         self.deadline_s = time.monotonic() + self._limits.time_s if self.given else float("inf")
@@ -216,10 +189,8 @@ class _Worker(Generic[T]):
         """End the process, which took too long."""
         self.process.kill()
         self._end()
-        return self.given.popleft(), Lost(
-            reason=f"reading it took longer than {self._limits.time_s:g} s",
-            fix=_RAISE.format("time"),
-        )
+        reason = f"reading it took longer than {self._limits.time_s:g} s"
+        return self.given.popleft(), Lost(reason=reason, fix=_RAISE.format("time"))
 
     def _end(self) -> None:
         self.dead = True
@@ -229,24 +200,14 @@ class _Worker(Generic[T]):
             self.process.kill()
         self.process.join()
 
-    def _too_large(self) -> Lost:
-        return Lost(
-            reason=f"reading it took more than {self._limits.memory} of memory",
-            fix=_RAISE.format("memory"),
-        )
-
     def _crashed(self) -> Lost:
         code = self.process.exitcode or 0
-        how = f"exit code {code}"
-        if code < 0:
-            how = f"signal {-code}, {_NAMES.get(-code, '?')}"
+        how = f"signal {-code}, {_NAMES.get(-code, '?')}" if code < 0 else f"exit code {code}"
         why = ""
         if code in (-getattr(signal, "SIGKILL", 9), -signal.SIGABRT):
             why = f"; perhaps it needed more than {self._limits.memory} of memory"
-        return Lost(
-            reason=f"the reader crashed ({how}){why}",
-            fix="the file is damaged, or of a kind its reader cannot take; save it again, for example as CSV",
-        )
+        fix = "the file is damaged, or of a kind its reader cannot take; save it again, for example as CSV"
+        return Lost(reason=f"the reader crashed ({how}){why}", fix=fix)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ import pytest
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings
-from ropefric.systems.press.transient.model import elastic_press
+from ropefric.systems.press.transient.motion import elastic_press
 from ropefric.systems.press.transient.start_up import start_up
 
 TIMES_S = np.linspace(0.0, 10.0, 201)
@@ -46,7 +46,7 @@ def machine(eta_s):
 def problem(request):
     model = elastic_press(machine(request.param))
     speed = DRIVE_LAWS["ramp"].speed(speed_m_s=0.9, duration_s=2.0)
-    return LinearStartUp(model=model, inputs=press_inputs(model, speed, "with-speed"))
+    return LinearStartUp(model=model, inputs=press_inputs(model.overspeed, speed, "with-speed"))
 
 
 def fresh(problem):

@@ -84,7 +84,27 @@ def check_saw(tree):
     assert tree["tight"]["tension_N"] >= tree["slack"]["tension_N"]
 
 
-CHECKS = {"hoist": check_hoist, "press": check_press, "bandsaw": check_saw}
+def check_traction(tree):
+    for one in tree["cases"].values():
+        assert one["passes"] == (one["utilisation"] <= 1.0)
+        assert one["capacity"] >= 1.0
+    assert tree["cases"]["loading"]["tight_N"] >= tree["cases"]["loading"]["slack_N"] > 0.0
+
+
+def check_drive(tree):
+    assert tree["full_tight_N"] >= tree["full_slack_N"] > 0.0
+    for one in tree["pulleys"].values():
+        slip = one["slip_arc_rad"]
+        assert slip is None or slip >= -1e-9
+
+
+CHECKS = {
+    "hoist": check_hoist,
+    "press": check_press,
+    "bandsaw": check_saw,
+    "traction": check_traction,
+    "beltdrive": check_drive,
+}
 
 
 def check_scene_file(name, edits):

@@ -14,7 +14,7 @@ from ropefric.friction.start import guess
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED, Span, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.problem import HoistProblem
+from ropefric.systems.hoist.contact import HoistProblem
 from ropefric.traces.breakaway import PickSettings
 from ropefric.traces.noise import noise_std, remove_spikes
 from ropefric.traces.peak import choose_window, peak_uncertainty_N, window_bias_N

@@ -13,7 +13,6 @@ from ropefric.plotting.press import (
     draw_press_slip,
     draw_press_tension,
     draw_roller_maps,
-    draw_tension_maps,
     name_lines,
 )
 from ropefric.systems.press.critical import sweep_press
@@ -102,10 +101,8 @@ def test_maps_of_rollers_and_spans_stand_side_by_side(grid):
     titles = [axes.get_title() for axes in made.figure.axes]
     assert titles[:2] == ["Roller load", "Roller drive"]
     assert made.tables[0].header == ("preload_N", "speed_m_s", "roller", "as_plotted")
-    tensions = draw_tension_maps(grid, ["1", "2"])
-    found = [row[3] for row in tensions.tables[0].rows]
-    wanted = np.moveaxis(grid.effective_tension_N[..., :2], -1, 0).ravel()
-    np.testing.assert_array_equal(found, wanted)
+    wanted = np.stack([grid.slip.of(roller, "as_plotted") for roller in ("load", "drive")]).ravel()
+    np.testing.assert_array_equal([row[3] for row in made.tables[0].rows], wanted)
 
 
 def test_a_sweep_of_the_wrong_kind_is_refused(statics, grid):
@@ -116,14 +113,11 @@ def test_a_sweep_of_the_wrong_kind_is_refused(statics, grid):
     for draw in (
         draw_press_map,
         lambda s: draw_roller_maps(s, ["load"]),
-        lambda s: draw_tension_maps(s, ["1"]),
     ):
         with pytest.raises(InputError, match="a map needs several preloads and speeds"):
             draw(line)
     with pytest.raises(UnknownNameError, match="no measure 'utilisation' of a roller 'laod'"):
         draw_press_slip(line, rollers=["laod"])
-    with pytest.raises(UnknownNameError, match="unknown span '9'"):
-        draw_tension_maps(grid, ["9"])
 
 
 def test_names_never_touch_and_keep_their_order():

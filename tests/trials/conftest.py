@@ -2,6 +2,7 @@
 
 import math
 import re
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from ropefric.errors import RopefricError
 from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.breakaway import Status
+from ropefric.trials import extract as extract_module
 from ropefric.trials.campaign import check_campaign, load_campaign
 from ropefric.trials.extract import extract_campaign
 
@@ -73,6 +75,22 @@ def lab(tmp_path):
 def new_lab():
     """Make a laboratory in a folder of one's own."""
     return Lab
+
+
+@pytest.fixture
+def in_process(monkeypatch):
+    """Have recordings extracted in this process, in their order or backwards."""
+
+    @contextmanager
+    def in_process(*, backwards=False):
+        def here(work, n, **_limits):
+            yield from ((place, work(place)) for place in sorted(range(n), reverse=backwards))
+
+        with monkeypatch.context() as patch:
+            patch.setattr(extract_module, "guarded", here)
+            yield
+
+    return in_process
 
 
 @pytest.fixture(scope="session")

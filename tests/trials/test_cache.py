@@ -5,7 +5,6 @@ import json
 import os
 import re
 import shutil
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -80,20 +79,16 @@ def test_figures_of_a_cached_run_show_the_same_data(campaign, store, tmp_path):
     assert cached == fresh
 
 
-@pytest.mark.parametrize("how", ["serial", "processes", "threads"])
-def test_whoever_works_finds_what_another_left(campaign, store, tmp_path, how):
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_whoever_works_finds_what_another_left(campaign, store, tmp_path, jobs):
     fresh = run(campaign, store, jobs=2)
-    with ThreadPoolExecutor(3) as threads:
-        options = {"serial": {}, "processes": {"jobs": 2}, "threads": {"executor": threads}}[how]
-        again = run(campaign, store, **options)
+    again = run(campaign, store, jobs=jobs)
     assert again.n_reused == 16
     assert_same(fresh, again, tmp_path)
 
 
-@pytest.mark.parametrize("how", ["processes", "threads"])
-def test_several_workers_fill_one_cache(campaign, store, tmp_path, how):
-    with ThreadPoolExecutor(4) as threads:
-        first = run(campaign, store, **({"jobs": 2} if how == "processes" else {"executor": threads}))
+def test_several_workers_fill_one_cache(campaign, store, tmp_path):
+    first = run(campaign, store, jobs=2)
     assert sorted(path.suffix for path in store.iterdir()) == [".json"] * 16
     assert_same(first, run(campaign, store), tmp_path)
 

@@ -5,7 +5,6 @@ import json
 import math
 import tomllib
 import tracemalloc
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +15,7 @@ from ropefric.errors import InputError
 from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign import load_campaign
-from ropefric.trials.extract import CHUNK, extract_campaign
+from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
 
 BIAS = 3e-3
@@ -99,44 +98,14 @@ def rows_of(extraction, folder):
     return extraction.to_dict(), [path.read_bytes() for path in write_tables(extraction, folder)], outlines
 
 
-class Here(Executor):
-    """Work is done at once, in this process."""
-
-    def submit(self, work, /, *args, **kwargs):
-        future = Future()
-        future.set_result(work(*args, **kwargs))
-        return future
-
-
-class Backwards(Executor):
-    """Work handed in first is done last."""
-
-    def __init__(self, expected):
-        self.expected = expected
-        self.waiting = []
-
-    def submit(self, work, /, *args, **kwargs):
-        future = Future()
-        self.waiting.append((future, work, args, kwargs))
-        if len(self.waiting) == self.expected:
-            for own, run, given, named in reversed(self.waiting):
-                own.set_result(run(*given, **named))
-        return future
-
-    def shutdown(self, *args, **kwargs):
-        raise AssertionError("an executor passed in belongs to the caller")
-
-
-def test_results_do_not_depend_on_who_does_the_work(small_campaign, tmp_path):
+def test_results_do_not_depend_on_who_does_the_work(small_campaign, tmp_path, in_process):
     campaign = load_campaign(small_campaign / "campaign.toml")
     serial = rows_of(extract_campaign(campaign), tmp_path)
     assert rows_of(extract_campaign(campaign, jobs=2), tmp_path) == serial
-    with ThreadPoolExecutor(3) as threads:
-        assert rows_of(extract_campaign(campaign, executor=threads), tmp_path) == serial
-        assert threads.submit(int, "7").result() == 7  # still open
-    backwards = Backwards(math.ceil(len(campaign.trials) / CHUNK))
-    assert backwards.expected > 1
-    assert rows_of(extract_campaign(campaign, executor=backwards), tmp_path) == serial
+    with in_process():
+        assert rows_of(extract_campaign(campaign), tmp_path) == serial
+    with in_process(backwards=True):
+        assert rows_of(extract_campaign(campaign), tmp_path) == serial
 
 
 def test_the_same_input_twice_gives_the_same_bytes(small_campaign, tmp_path):
@@ -265,7 +234,7 @@ def test_the_tare_is_taken_off_and_kept(lab, pull_csv):
     assert codes(extraction) >= {"RF212"}
 
 
-def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv):
+def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv, in_process):
     """What stays of a recording is its result; the samples of at most one are there at a time."""
     names = [f"r{i:02d}.csv" for i in range(40)]
     for seed, name in enumerate(names):
@@ -276,7 +245,8 @@ def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv):
         campaign = lab.write([lab.row(name) for name in names[:n]]).load()
         gc.collect()
         tracemalloc.start()
-        extraction = extract_campaign(campaign, executor=Here())
+        with in_process():
+            extraction = extract_campaign(campaign)
         gc.collect()
         held, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()

@@ -9,7 +9,6 @@ import sys
 import time
 import zipfile
 import zlib
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -227,7 +226,9 @@ def test_two_trials_of_one_name_keep_their_own_recordings(lab):
 
 @pytest.mark.parametrize("large", [False, True])
 @pytest.mark.parametrize("in_place", [False, True])
-def test_hash_cache_and_numbers_come_from_the_same_bytes(lab, pull_csv, monkeypatch, large, in_place):
+def test_hash_cache_and_numbers_come_from_the_same_bytes(
+    lab, pull_csv, monkeypatch, in_process, *, large, in_place
+):
     """A file that is replaced between being hashed and being parsed."""
     if large:
         monkeypatch.setattr(read, "KEPT_BYTES", 100)
@@ -246,8 +247,8 @@ def test_hash_cache_and_numbers_come_from_the_same_bytes(lab, pull_csv, monkeypa
         return real(*args, **options)
 
     monkeypatch.setattr(recording, "read_recordings", replace_it)
-    with ThreadPoolExecutor(1) as here:
-        (trial,) = lab.extract(executor=here, cache_dir=lab.folder / ".cache").trials
+    with in_process():
+        (trial,) = lab.extract(cache_dir=lab.folder / ".cache").trials
     assert not todo
     read_bytes = first if round(trial.peak_N) == 100 else other
     assert trial.peak_N == pytest.approx(100 if read_bytes is first else 150, rel=0.01)

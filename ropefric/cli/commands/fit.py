@@ -59,7 +59,7 @@ def fit(
         step(0, "reading")
         table = read_table(trials, out)
         step(1, "fitting")
-        fitted = fit_law(table, law, loss=loss, seed=seed, **options)  # type: ignore[arg-type]
+        fitted = fit_law(table, law, loss=loss, seed=seed, **options)
         step(2, "intervals")
         result = with_intervals(fitted, intervals, seed=seed)
         step(3, "done")

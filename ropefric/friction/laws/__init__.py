@@ -16,22 +16,11 @@ from ropefric.friction.laws import (
 )
 from ropefric.registry import Registry
 
-LAWS: Registry[FrictionLaw] = Registry(
-    "friction law",
-    [
-        constant.LAW,
-        constant_offset.LAW,
-        size_power.LAW,
-        size_exponential.LAW,
-        wrap_exponential.LAW,
-        wrap_power.LAW,
-        coupled.LAW,
-        thickness.LAW,
-        bending.LAW,
-        howell.LAW,
-        groove.LAW,
-    ],
-)
+_IN_ORDER = (
+    constant, constant_offset, size_power, size_exponential, wrap_exponential, wrap_power, coupled, thickness, bending,
+    howell, groove,
+)  # fmt: skip
+LAWS: Registry[FrictionLaw] = Registry("friction law", [module.LAW for module in _IN_ORDER])
 """The laws that a comparison fits."""
 
 ALL_LAWS: Registry[FrictionLaw] = Registry(

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, combinations
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes, combinations
 from ropefric.friction.laws.constant import LAW as CONSTANT
 
 _MAX_STEPS = 100
@@ -28,17 +27,13 @@ class Bending:
         mu, e = columns[0], _ratio(columns, conditions)
         return _solve(mu, e, conditions.wrap_angle_rad)
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return h and ∂ by μ and EI; the latter grows as 1/√EI towards EI = 0, where it is refused."""
         h = self.rise(columns, conditions)
         contact, by_log_E, _by_tension, slope = _partials(columns, conditions, h)
         return h, (contact / slope, by_log_E / slope / columns[1])
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B."""
         h = self.rise(columns, conditions)
         _contact, by_log_E, by_tension, slope = _partials(columns, conditions, h)

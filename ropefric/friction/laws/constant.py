@@ -1,42 +1,45 @@
 """Eq. (2): one coefficient for every wheel, wrap and load; and the physics of every coefficient that is uniform."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Uniform:
     """The physics of a coefficient that depends on the parameters and the size of the wheel alone.
 
-    Local and average coefficient are the same here.
+    Local and average coefficient are the same. This one is the first parameter itself, whatever the wheel; others say
+    what theirs is.
     """
 
-    mu: Callable[[Columns, Conditions], FloatArray]
-    mu_slopes: Callable[[Columns, Conditions], tuple[FloatArray, ...]]
-    mu_by_radius: Callable[[Columns, Conditions], FloatArray]
-    why_negative: str = "friction cannot push the rope forward"
+    why_negative = "friction cannot push the rope forward"
+
+    def mu(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return the coefficient."""
+        return columns[0] + 0.0 * conditions.wrap_angle_rad
+
+    def mu_slopes(self, _columns: Columns, _conditions: Conditions) -> Slopes:
+        """Return its derivative by each parameter that it depends on."""
+        return (np.array(1.0),)
+
+    def mu_by_radius(self, _columns: Columns, _conditions: Conditions) -> FloatArray:
+        """Return its derivative by R_w [1/m]."""
+        return np.array(0.0)
 
     def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
         """Return μ φ."""
         return self.mu(columns, conditions) * conditions.wrap_angle_rad
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return μ φ and ∂μ φ by each parameter."""
         slopes = tuple(slope * conditions.wrap_angle_rad for slope in self.mu_slopes(columns, conditions))
         return self.rise(columns, conditions), slopes
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B."""
         by_radius = self.mu_by_radius(columns, conditions) * conditions.wrap_angle_rad
         return by_radius, self.mu(columns, conditions), np.array(1.0)
@@ -50,21 +53,6 @@ class Uniform:
         mu = self.mu(columns, conditions)
         what = f"the coefficient is {{value}}, negative: {self.why_negative}"
         yield Refusal(mu < 0.0, mu, what, "change the parameters, or leave out these conditions")
-
-
-def same_for_all(columns: Columns, conditions: Conditions) -> FloatArray:
-    """Return the first parameter for every condition: no size effect."""
-    return columns[0] + 0.0 * conditions.wrap_angle_rad
-
-
-def same_for_all_slopes(_columns: Columns, _conditions: Conditions) -> tuple[FloatArray, ...]:
-    """Return the derivative of `same_for_all` by that parameter."""
-    return (np.array(1.0),)
-
-
-def unmoved_by_radius(_columns: Columns, _conditions: Conditions) -> FloatArray:
-    """Return the derivative by R_w [1/m] of a coefficient that has no size effect."""
-    return np.array(0.0)
 
 
 def mu_times_wrap(sheet: Sheet) -> float:
@@ -83,7 +71,7 @@ LAW = FrictionLaw(
     parameters=(Parameter("mu", "-", start=0.2, lower=0.0, upper=5.0, meaning="friction coefficient"),),
     coefficient="average",
     effects=frozenset(),
-    physics=Uniform(mu=same_for_all, mu_slopes=same_for_all_slopes, mu_by_radius=unmoved_by_radius),
+    physics=Uniform(),
     candidates=_candidates,
     arithmetic=mu_times_wrap,
 )

@@ -1,48 +1,28 @@
 """A constant coefficient with a constant offset of ln F: a bearing's friction, a cell's gain error."""
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes
 from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.constant import Uniform
 
 
-class Offset:
+class Offset(Uniform):
     """The physics of ln F_A = ln F_B + μ φ + k.
 
     The average coefficient over the wrap is μ + k/φ, which is a wrap effect with exponent −1 to the eye; the
-    local one is μ.
+    local one is μ. k may have either sign.
     """
 
     def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
         """Return μ φ + k."""
-        mu, k = columns
-        return mu * conditions.wrap_angle_rad + k
+        return columns[0] * conditions.wrap_angle_rad + columns[1]
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return μ φ + k and ∂ by μ and k."""
         return self.rise(columns, conditions), (conditions.wrap_angle_rad, np.array(1.0))
-
-    def condition_slopes(
-        self, columns: Columns, _conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return ∂ ln F_A by R_w, φ and ln F_B."""
-        return np.array(0.0), columns[0], np.array(1.0)
-
-    def local_mu(self, columns: Columns, wrap_rad: FloatArray, _conditions: Conditions) -> FloatArray:
-        """Return μ."""
-        return columns[0] + 0.0 * wrap_rad
-
-    def refusals(self, columns: Columns, _conditions: Conditions) -> Iterable[Refusal]:
-        """Yield where μ is negative; k may have either sign."""
-        mu = columns[0]
-        yield Refusal(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")
 
 
 def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:

@@ -3,17 +3,14 @@
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw, combinations, with_variant
+from ropefric.friction.law import FrictionLaw, Sheet, combinations, with_variant
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.size_exponential import LAW as SIZE_EXPONENTIAL
 from ropefric.friction.laws.size_exponential import (
     SIZE_PARAMETERS,
+    ExponentialSize,
     coefficient_by_hand,
-    exponential_size,
-    exponential_size_by_radius,
-    exponential_size_slopes,
     size_candidates,
 )
 from ropefric.friction.laws.wrap_power import LAW as WRAP_POWER
@@ -43,13 +40,7 @@ LAW = with_variant(
         parameters=(*SIZE_PARAMETERS, exponent_parameter("c"), plateau_parameter("d")),
         coefficient="local",
         effects=frozenset({"size", "wrap-dependence", "end-tension"}),
-        physics=PowerWrap(
-            strength=exponential_size,
-            strength_slopes=exponential_size_slopes,
-            strength_by_radius=exponential_size_by_radius,
-            equivalence=True,
-            why_negative="a R_w/R_r + b is above 0 there, so e^(a r + b) > 1",
-        ),
+        physics=PowerWrap(strength=ExponentialSize(), equivalence=True),
         candidates=_candidates,
         special_cases=(CONSTANT, SIZE_EXPONENTIAL, WRAP_POWER),
         arithmetic=_by_hand,

@@ -3,23 +3,26 @@
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter
-from ropefric.friction.laws.constant import Uniform, mu_times_wrap, unmoved_by_radius
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes
+from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
 _HALF_ANGLE_RAD = float(np.radians(20.0))
 
 
-def _effective(columns: Columns, conditions: Conditions) -> FloatArray:
-    mu, half_angle = columns
-    return mu / np.sin(half_angle) + 0.0 * conditions.wrap_angle_rad
+class Groove(Uniform):
+    """The physics of μ/sin(half angle)."""
 
+    def mu(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return the coefficient."""
+        mu, half_angle = columns
+        return mu / np.sin(half_angle) + 0.0 * conditions.wrap_angle_rad
 
-def _slopes(columns: Columns, _conditions: Conditions) -> tuple[FloatArray, ...]:
-    mu, half_angle = columns
-    sine = np.sin(half_angle)
-    return 1.0 / sine, -mu * np.cos(half_angle) / sine**2
+    def mu_slopes(self, columns: Columns, _conditions: Conditions) -> Slopes:
+        """Return its derivatives."""
+        mu, half_angle = columns
+        sine = np.sin(half_angle)
+        return 1.0 / sine, -mu * np.cos(half_angle) / sine**2
 
 
 def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
@@ -37,12 +40,7 @@ LAW = FrictionLaw(
     source="V-groove form of Euler's equation",
     parameters=(
         Parameter(
-            "mu",
-            "-",
-            start=0.07,
-            lower=0.0,
-            upper=5.0,
-            meaning="coefficient at the flanks of the groove",
+            "mu", "-", start=0.07, lower=0.0, upper=5.0, meaning="coefficient at the flanks of the groove"
         ),
         Parameter(
             "half_angle",
@@ -56,7 +54,7 @@ LAW = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"groove"}),
-    physics=Uniform(mu=_effective, mu_slopes=_slopes, mu_by_radius=unmoved_by_radius),
+    physics=Groove(),
     candidates=_candidates,
     arithmetic=_by_hand,
 )

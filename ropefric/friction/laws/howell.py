@@ -5,10 +5,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
 from ropefric.friction.integral import log1prel, log1prel_slope
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
 from ropefric.friction.laws.constant import LAW as CONSTANT
 
 
@@ -24,9 +23,7 @@ class Howell:
         K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
         return K * conditions.wrap_angle_rad * log1prel(z)
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and ∂ by A and n."""
         A, _n = columns
         K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
@@ -35,9 +32,7 @@ class Howell:
         by_q = by_log_K * _log_lever(conditions) + grown**2 * log1prel_slope(z)
         return grown * log1prel(z), (by_log_K / A, -by_q)
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B."""
         K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
         local = K / (1.0 + z)

@@ -6,21 +6,15 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, combinations
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes, combinations
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
 SIZE_PARAMETERS = (
     Parameter("mu_inf", "-", start=0.2, lower=0.0, upper=5.0, meaning="coefficient of a very large wheel"),
     Parameter(
-        "a",
-        "-",
-        start=-0.2,
-        lower=-20.0,
-        upper=0.0,
-        meaning="rate of the size effect per unit of R_w/R_r",
+        "a", "-", start=-0.2, lower=-20.0, upper=0.0, meaning="rate of the size effect per unit of R_w/R_r"
     ),
     Parameter(
         "b",
@@ -34,25 +28,28 @@ SIZE_PARAMETERS = (
 """μ∞, a and b of eq. (4); at b <= 0 no wheel is too small to have a coefficient."""
 
 
-def exponential_size(columns: Columns, conditions: Conditions) -> FloatArray:
-    """Return μ_R = μ∞ (1 − e^{a r + b}) of the first three columns, eq. (4)."""
-    mu_inf, a, b = columns[:3]
-    return -mu_inf * np.expm1(a * conditions.size_ratio + b)
+class ExponentialSize(Uniform):
+    """The physics of μ_R = μ∞ (1 − e^{a r + b}) of the first three parameters, eq. (4)."""
 
+    why_negative = "a R_w/R_r + b is above 0 there, so e^(a r + b) > 1"
 
-def exponential_size_slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-    """Return ∂μ_R by μ∞, a and b."""
-    mu_inf, a, b = columns[:3]
-    r = conditions.size_ratio
-    exponent = a * r + b
-    by_b = -mu_inf * np.exp(exponent)
-    return -np.expm1(exponent), r * by_b, by_b
+    def mu(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return μ_R = μ∞ (1 − e^{a r + b}) of the first three columns, eq. (4)."""
+        mu_inf, a, b = columns[:3]
+        return -mu_inf * np.expm1(a * conditions.size_ratio + b)
 
+    def mu_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
+        """Return ∂μ_R by μ∞, a and b."""
+        mu_inf, a, b = columns[:3]
+        r = conditions.size_ratio
+        exponent = a * r + b
+        by_b = -mu_inf * np.exp(exponent)
+        return -np.expm1(exponent), r * by_b, by_b
 
-def exponential_size_by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
-    """Return ∂μ_R/∂R_w [1/m]."""
-    mu_inf, a, b = columns[:3]
-    return -mu_inf * a * np.exp(a * conditions.size_ratio + b) / conditions.rope_radius_m
+    def mu_by_radius(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return ∂μ_R/∂R_w [1/m]."""
+        mu_inf, a, b = columns[:3]
+        return -mu_inf * a * np.exp(a * conditions.size_ratio + b) / conditions.rope_radius_m
 
 
 def size_candidates(conditions: Conditions) -> tuple[FloatArray, FloatArray]:
@@ -101,12 +98,7 @@ LAW = FrictionLaw(
     parameters=SIZE_PARAMETERS,
     coefficient="average",
     effects=frozenset({"size"}),
-    physics=Uniform(
-        mu=exponential_size,
-        mu_slopes=exponential_size_slopes,
-        mu_by_radius=exponential_size_by_radius,
-        why_negative="a R_w/R_r + b is above 0 there, so e^(a r + b) > 1",
-    ),
+    physics=ExponentialSize(),
     candidates=_candidates,
     special_cases=(CONSTANT,),
     arithmetic=_by_hand,

@@ -3,9 +3,8 @@
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, combinations
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes, combinations
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
@@ -15,24 +14,28 @@ def _log_share(conditions: Conditions) -> FloatArray:
     return -np.log1p(1.0 / conditions.size_ratio)
 
 
-def _mu(columns: Columns, conditions: Conditions) -> FloatArray:
-    mu_inf, a, b = columns
-    return mu_inf * np.exp(a * _log_share(conditions)) + b
+class PowerSize(Uniform):
+    """The physics of μ = μ∞ (R_w/(R_w + R_r))^a + b."""
 
+    def mu(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return the coefficient."""
+        mu_inf, a, b = columns
+        return mu_inf * np.exp(a * _log_share(conditions)) + b
 
-def _slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-    mu_inf, a, _b = columns
-    share = _log_share(conditions)
-    power = np.exp(a * share)
-    return power, mu_inf * power * share, np.array(1.0)
+    def mu_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
+        """Return its derivatives."""
+        mu_inf, a, _b = columns
+        share = _log_share(conditions)
+        power = np.exp(a * share)
+        return power, mu_inf * power * share, np.array(1.0)
 
-
-def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
-    mu_inf, a, _b = columns
-    # d ln(R_w/(R_w + R_r))/dR_w = R_r/(R_w (R_w + R_r)), written so that neither a product of radii nor the
-    # power by itself underflows
-    by_wheel = np.exp(a * _log_share(conditions) - np.log(conditions.wheel_radius_m))
-    return mu_inf * a * by_wheel / (1.0 + conditions.size_ratio)
+    def mu_by_radius(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return its derivative by R_w [1/m]."""
+        mu_inf, a, _b = columns
+        # d ln(R_w/(R_w + R_r))/dR_w = R_r/(R_w (R_w + R_r)), written so that neither a product of radii nor the
+        # power by itself underflows
+        by_wheel = np.exp(a * _log_share(conditions) - np.log(conditions.wheel_radius_m))
+        return mu_inf * a * by_wheel / (1.0 + conditions.size_ratio)
 
 
 def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
@@ -62,17 +65,12 @@ LAW = FrictionLaw(
         ),
         Parameter("a", "-", start=1.0, lower=0.0, upper=50.0, meaning="exponent of the size effect"),
         Parameter(
-            "b",
-            "-",
-            start=0.02,
-            lower=0.0,
-            upper=5.0,
-            meaning="part of μ that the wheel leaves alone",
+            "b", "-", start=0.02, lower=0.0, upper=5.0, meaning="part of μ that the wheel leaves alone"
         ),
     ),
     coefficient="average",
     effects=frozenset({"size"}),
-    physics=Uniform(mu=_mu, mu_slopes=_slopes, mu_by_radius=_by_radius),
+    physics=PowerSize(),
     candidates=_candidates,
     special_cases=(CONSTANT,),
     arithmetic=_by_hand,

@@ -3,46 +3,37 @@
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes
 from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
 
-def _rope_share(conditions: Conditions) -> FloatArray:
-    """Return A = R_r/(R_w + R_r)."""
-    return 1.0 / (1.0 + conditions.size_ratio)
+def _parts(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
+    """Return μ, A = R_r/(R_w + R_r), 1 − A, whose digits a difference would cancel for small wheels, and the root S."""
+    (mu,), r = columns, conditions.size_ratio
+    A, B = 1.0 / (1.0 + r), 1.0 / (1.0 + 1.0 / r)
+    return mu, A, B, np.sqrt(1.0 + 4.0 * A * B * mu**2)
 
 
-def _wheel_share(conditions: Conditions) -> FloatArray:
-    """Return 1 − A = R_w/(R_w + R_r), whose digits a difference would cancel for small wheels."""
-    return 1.0 / (1.0 + 1.0 / conditions.size_ratio)
+class Thickness(Uniform):
+    """The physics of λ, the root of A μ λ² + λ = μ (1 − A), in place of μ."""
 
+    def mu(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return the coefficient."""
+        # λ = [−1 + S]/(2Aμ) rationalised, so that it keeps its digits for thin ropes and small μ
+        mu, _A, B, S = _parts(columns, conditions)
+        return 2.0 * mu * B / (1.0 + S)
 
-def _root(mu: FloatArray, A: FloatArray, B: FloatArray) -> FloatArray:
-    return np.sqrt(1.0 + 4.0 * A * B * mu**2)
+    def mu_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
+        """Return its derivatives."""
+        _mu, _A, B, S = _parts(columns, conditions)
+        return (2.0 * B / (S * (1.0 + S)),)
 
-
-def _effective(columns: Columns, conditions: Conditions) -> FloatArray:
-    # λ = [−1 + S]/(2Aμ) rationalised, so that it keeps its digits for thin ropes and small μ
-    (mu,) = columns
-    A, B = _rope_share(conditions), _wheel_share(conditions)
-    return 2.0 * mu * B / (1.0 + _root(mu, A, B))
-
-
-def _slopes(columns: Columns, conditions: Conditions) -> tuple[FloatArray, ...]:
-    (mu,) = columns
-    A, B = _rope_share(conditions), _wheel_share(conditions)
-    S = _root(mu, A, B)
-    return (2.0 * B / (S * (1.0 + S)),)
-
-
-def _by_radius(columns: Columns, conditions: Conditions) -> FloatArray:
-    (mu,) = columns
-    A, B = _rope_share(conditions), _wheel_share(conditions)
-    S = _root(mu, A, B)
-    by_share = -2.0 * mu / (1.0 + S) * (1.0 + 2.0 * mu**2 * B * (B - A) / (S * (1.0 + S)))
-    return -by_share * A / conditions.centreline_radius_m
+    def mu_by_radius(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return its derivative by R_w [1/m]."""
+        mu, A, B, S = _parts(columns, conditions)
+        by_share = -2.0 * mu / (1.0 + S) * (1.0 + 2.0 * mu**2 * B * (B - A) / (S * (1.0 + S)))
+        return -by_share * A / conditions.centreline_radius_m
 
 
 def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
@@ -74,7 +65,7 @@ LAW = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
-    physics=Uniform(mu=_effective, mu_slopes=_slopes, mu_by_radius=_by_radius),
+    physics=Thickness(),
     candidates=_candidates,
     arithmetic=_by_hand,
 )

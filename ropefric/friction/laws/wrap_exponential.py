@@ -7,7 +7,6 @@ import numpy as np
 from scipy.special import exprel
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
 from ropefric.friction.integral import exponential_start_rad, exprel_slope
 from ropefric.friction.law import (
@@ -16,12 +15,14 @@ from ropefric.friction.law import (
     FrictionLaw,
     Parameter,
     Refusal,
+    Sheet,
+    Slopes,
     below_reference,
     combinations,
     with_variant,
 )
 from ropefric.friction.laws.constant import LAW as CONSTANT
-from ropefric.friction.laws.wrap_power import plateau_parameter
+from ropefric.friction.laws.wrap_power import integral_by_hand, plateau_parameter
 
 
 def exponential_rise(
@@ -50,9 +51,7 @@ class ExponentialWrap:
         """Return a e^{bφ0} φ exprel(bφ) + c φ."""
         return exponential_rise(self._start(columns, conditions), conditions.wrap_angle_rad, *columns)
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and ∂ by a, b, c: that of the wrap itself and that of the shift of φ0."""
         a, b, c = columns
         p = self._start(columns, conditions)
@@ -62,9 +61,7 @@ class ExponentialWrap:
         before = exponential_rise_slopes(np.zeros_like(p), p, a, b)
         return rise, tuple(slope + shift * start for slope, start in zip(own, before, strict=True))
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
         a, b, c = columns
         phi = conditions.wrap_angle_rad
@@ -122,23 +119,16 @@ def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> Flo
 
 
 def _by_hand(sheet: Sheet) -> float:
-    start = 0.0
+    start_rad = None
     if "end-tension" in sheet.effects and sheet["y"] > 0.0:
-        start = float(exponential_start_rad(sheet["y"], sheet["a"], sheet["b"], sheet["c"]))
+        start_rad = float(exponential_start_rad(sheet["y"], sheet["a"], sheet["b"], sheet["c"]))
         sheet.say("phi_0, the wrap that F_B stands for, solves a/b (exp(b phi_0) - 1) + c phi_0 = ln F_B:")
-        sheet.given("phi_0", start, "phi_0 [rad]")
     if sheet["b"] == 0.0:
+        if start_rad is not None:
+            sheet.given("phi_0", start_rad, "phi_0 [rad]")
+        # A constant coefficient is the same wherever the wrap starts.
         return sheet.line("integral of mu", "(a + c) * phi")
-
-    def integral(name: str, to: str, symbol: str = "") -> float:
-        return sheet.line(name, f"a/b * (exp(b * {to}) - 1) + c * {to}", symbol)
-
-    if start == 0.0:
-        return integral("integral of mu from 0", "phi")
-    integral("integral up to phi_0", "phi_0", "near")
-    sheet.line("phi_0 + phi", "phi_0 + phi", "end")
-    integral("integral up to phi_0 + phi", "end", "far")
-    return sheet.line("integral of mu", "far - near")
+    return integral_by_hand(sheet, "a/b * (exp(b * {0}) - 1) + c * {0}", start_rad)
 
 
 LAW = with_variant(

@@ -1,12 +1,11 @@
 """Eq. (15): the local coefficient falls as a power of the wrap angle; and the physics of every such law."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.arithmetic import Sheet
 from ropefric.friction.condition import Conditions
 from ropefric.friction.integral import PowerSpan, power_log_start, power_span
 from ropefric.friction.law import (
@@ -14,18 +13,17 @@ from ropefric.friction.law import (
     FrictionLaw,
     Parameter,
     Refusal,
+    Sheet,
+    Slopes,
     below_reference,
     combinations,
     with_variant,
 )
 from ropefric.friction.laws.constant import LAW as CONSTANT
-from ropefric.friction.laws.constant import same_for_all, same_for_all_slopes, unmoved_by_radius
+from ropefric.friction.laws.constant import Uniform
 
 # Below this φ0 is left out by hand: its power is ln F_B/(…) only, and a calculator shows zero.
 _TINY_RAD = 1e-90
-
-Strength = Callable[[Columns, Conditions], FloatArray]
-"""A function of the parameters and the wheel's size: the coefficient m of φ^k, or a slope of it."""
 
 
 def exponent_parameter(name: str) -> Parameter:
@@ -38,12 +36,7 @@ def exponent_parameter(name: str) -> Parameter:
 def plateau_parameter(name: str, *, lower: float = 0.0) -> Parameter:
     """Return the constant part of the local coefficient as a parameter."""
     return Parameter(
-        name,
-        "-",
-        start=0.05,
-        lower=lower,
-        upper=5.0,
-        meaning="local coefficient after very many turns",
+        name, "-", start=0.05, lower=lower, upper=5.0, meaning="local coefficient after very many turns"
     )
 
 
@@ -51,25 +44,20 @@ def plateau_parameter(name: str, *, lower: float = 0.0) -> Parameter:
 class PowerWrap:
     """The physics of μ(φ) = m φ^k + d integrated over [φ0, φ0 + φ], eq. (17).
 
-    The last two parameters of the law are k and d; those before them make up m.
+    The last two parameters of the law are k and d; those before them make up m, the `mu` of its strength.
     """
 
-    strength: Strength
-    strength_slopes: Callable[[Columns, Conditions], tuple[FloatArray, ...]]
-    strength_by_radius: Strength
+    strength: Uniform
     equivalence: bool
-    why_negative: str
 
     def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
         """Return ∫ μ over the wrap."""
-        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
         return m * self._span(m, k, d, conditions).integral() * (phi > 0.0) + d * phi
 
-    def rise_and_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and ∂ by each parameter: that of the wrap itself and that of the shift of φ0."""
-        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
         span = self._span(m, k, d, conditions)
         some = phi > 0.0
         integral = span.integral()
@@ -82,13 +70,11 @@ class PowerWrap:
             by_m = by_m + shift * below
             by_k = by_k + shift * m * below * (u - 1.0 / s)
             by_d = by_d + shift * np.exp(u)
-        return rise, (*(slope * by_m for slope in self.strength_slopes(columns, conditions)), by_k, by_d)
+        return rise, (*(slope * by_m for slope in self.strength.mu_slopes(columns, conditions)), by_k, by_d)
 
-    def condition_slopes(
-        self, columns: Columns, conditions: Conditions
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
-        m, (k, d), phi = self.strength(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
         span = self._span(m, k, d, conditions)
         some = phi > 0.0
         by_m, by_tension = span.integral() * some, np.ones_like(phi + m)
@@ -100,19 +86,19 @@ class PowerWrap:
             # Not 1 − shift, which loses its digits for F_B → F_0, where μ(φ0) is very large.
             by_tension = np.where(some, _plateau_share(m, k, d, u) + np.exp(k * span.length) * share, 1.0)
         at = self._log_angle(m, k, d, conditions, phi)
-        return self.strength_by_radius(columns, conditions) * by_m, _local(m, k, d, at), by_tension
+        return self.strength.mu_by_radius(columns, conditions) * by_m, _local(m, k, d, at), by_tension
 
     def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
         """Return μ at φ0 + wrap."""
-        m, (k, d) = self.strength(columns, conditions), columns[-2:]
+        m, (k, d) = self.strength.mu(columns, conditions), columns[-2:]
         return _local(m, k, d, self._log_angle(m, k, d, conditions, wrap_rad))
 
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where ∫ μ has no value or μ is negative."""
-        m, (k, d) = self.strength(columns, conditions), columns[-2:]
+        m, (k, d) = self.strength.mu(columns, conditions), columns[-2:]
         yield Refusal(k <= -1.0, k, "the exponent of φ is {value}, and ∫ φ^k from 0 diverges for k <= -1;"
                      " there is no such wrap", "keep the exponent above -1")  # fmt: skip
-        yield Refusal(m < 0.0, m, f"the coefficient of φ^k is {{value}}, negative: {self.why_negative}",
+        yield Refusal(m < 0.0, m, f"the coefficient of φ^k is {{value}}, negative: {self.strength.why_negative}",
                      "change the parameters, or leave out wheels this small")  # fmt: skip
         yield Refusal(d < 0.0, d, "the constant part of μ is {value}, negative: μ turns negative at a large wrap",
                      "keep it at zero or more")  # fmt: skip
@@ -160,32 +146,43 @@ def _plateau_share(m: FloatArray, k: FloatArray, d: FloatArray, u: FloatArray) -
     return np.where(m > 0.0, share, 1.0)
 
 
+class _First(Uniform):
+    why_negative = "a must be zero or more"
+
+
 def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
     return combinations(
         mu * np.array([0.3, 1.0, 3.0]), [-0.9, -0.6, -0.3, -0.1], mu * np.array([0.05, 0.4, 0.8])
     )
 
 
-def power_by_hand(sheet: Sheet, m: str, k: str, d: str) -> float:
-    """Write ∫μ of m φ^k + d, whose symbols on the sheet are given."""
-    sheet.line("s", f"1 + {k}")
+def integral_by_hand(sheet: Sheet, formula: str, start_rad: float | None) -> float:
+    """Write ∫μ over the wrap, counted from the start where there is one; the formula is that from zero to `{0}`."""
 
     def integral(name: str, to: str, symbol: str = "") -> float:
-        return sheet.line(name, f"{m}/s * {to}^s + {d} * {to}", symbol)
+        return sheet.line(name, formula.format(to), symbol)
 
-    if "end-tension" not in sheet.effects or sheet["y"] == 0.0:
+    if start_rad is None:
         return integral("integral of mu from 0", "phi")
-    start = float(np.exp(power_log_start(sheet["y"], sheet[m], sheet[k], sheet[d])))
-    sheet.say("phi_0, the wrap that F_B stands for, solves m/s phi_0^s + d phi_0 = ln F_B:")
-    if start < _TINY_RAD:
+    if start_rad < _TINY_RAD:
         sheet.say("phi_0 is too small for a calculator, so the integral up to it is ln F_B itself")
         integral("integral up to phi_0 + phi", "phi", "far")
         return sheet.line("integral of mu", "far - y")
-    sheet.given("phi_0", start, "phi_0 [rad]")
+    sheet.given("phi_0", start_rad, "phi_0 [rad]")
     integral("integral up to phi_0", "phi_0", "near")
     sheet.line("phi_0 + phi", "phi_0 + phi", "end")
     integral("integral up to phi_0 + phi", "end", "far")
     return sheet.line("integral of mu", "far - near")
+
+
+def power_by_hand(sheet: Sheet, m: str, k: str, d: str) -> float:
+    """Write ∫μ of m φ^k + d, whose symbols on the sheet are given."""
+    sheet.line("s", f"1 + {k}")
+    start_rad = None
+    if "end-tension" in sheet.effects and sheet["y"] != 0.0:
+        start_rad = float(np.exp(power_log_start(sheet["y"], sheet[m], sheet[k], sheet[d])))
+        sheet.say("phi_0, the wrap that F_B stands for, solves m/s phi_0^s + d phi_0 = ln F_B:")
+    return integral_by_hand(sheet, f"{m}/s * {{0}}^s + {d} * {{0}}", start_rad)
 
 
 def _by_hand(sheet: Sheet) -> float:
@@ -211,13 +208,7 @@ LAW = with_variant(
         ),
         coefficient="local",
         effects=frozenset({"wrap-dependence", "end-tension"}),
-        physics=PowerWrap(
-            strength=same_for_all,
-            strength_slopes=same_for_all_slopes,
-            strength_by_radius=unmoved_by_radius,
-            equivalence=True,
-            why_negative="a must be zero or more",
-        ),
+        physics=PowerWrap(strength=_First(), equivalence=True),
         candidates=_candidates,
         special_cases=(CONSTANT,),
         arithmetic=_by_hand,

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, fields, replace
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -21,8 +21,8 @@ from ropefric.scenes.kind import (
     arrays,
     finite,
     in_words,
+    key,
     number,
-    unit,
 )
 from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, SideAnswer
 from ropefric.systems.bandsaw.effects import SYSTEM, answerable
@@ -48,18 +48,14 @@ _SIDES = tuple(side.value for side in Side)
 class BladeTable(StrictTable):
     """`[blade]`."""
 
-    free_span: Annotated[float, unit("m", "1.6 m", above=0), Becomes("free_span_m")]
-    linear_density: Annotated[
-        float | None, unit("kg/m", "0.6 kg/m", above=0), Becomes("linear_density_kg_m", many=False)
-    ] = None
-    width: Annotated[float | None, unit("m", "85 mm", above=0)] = None
-    thickness: Annotated[float | None, unit("m", "0.9 mm", above=0)] = None
-    density: Annotated[float | None, unit("kg/m^3", "7800 kg/m^3", above=0)] = None
-    youngs_modulus: Annotated[float | None, unit("Pa", "206 GPa", above=0)] = None
-    shear_modulus: Annotated[float | None, unit("Pa", "79 GPa", above=0)] = None
-    bending_stiffness: Annotated[
-        float | None, unit("N*m^2", "1.06 N*m^2", above=0), Becomes("bending_stiffness_N_m2")
-    ] = None
+    free_span: Annotated[float, key("m", "1.6 m", "free_span_m")]
+    linear_density: Annotated[float | None, key("kg/m", "0.6 kg/m", "linear_density_kg_m", many=False)] = None
+    width: Annotated[float | None, key("m", "85 mm")] = None
+    thickness: Annotated[float | None, key("m", "0.9 mm")] = None
+    density: Annotated[float | None, key("kg/m^3", "7800 kg/m^3")] = None
+    youngs_modulus: Annotated[float | None, key("Pa", "206 GPa")] = None
+    shear_modulus: Annotated[float | None, key("Pa", "79 GPa")] = None
+    bending_stiffness: Annotated[float | None, key("N*m^2", "1.06 N*m^2", "bending_stiffness_N_m2")] = None
     ends: Annotated[str, PlainValidator(choice(lambda: ENDS))] = "clamped"
     modes: Annotated[int, PlainValidator(whole_number(1, 40))] = 6
 
@@ -110,10 +106,10 @@ class BladeTable(StrictTable):
 class WheelTable(StrictTable):
     """`[wheel]`."""
 
-    radius: Annotated[float | None, unit("m", "0.35 m", above=0)] = None
-    diameter: Annotated[float | None, unit("m", "0.7 m", above=0)] = None
-    speed: Annotated[float, unit("rad/s", "970 rpm"), Becomes("wheel_speed_rad_s", many=False)] = 0.0
-    wrap: Annotated[float, unit("rad", "180 deg", above=0)] = np.pi
+    radius: Annotated[float | None, key("m", "0.35 m")] = None
+    diameter: Annotated[float | None, key("m", "0.7 m")] = None
+    speed: Annotated[float, key("rad/s", "970 rpm", "wheel_speed_rad_s", many=False, above=None)] = 0.0
+    wrap: Annotated[float, key("rad", "180 deg")] = np.pi
 
     @model_validator(mode="after")
     def _has_one_size(self) -> Self:
@@ -129,29 +125,26 @@ class WheelTable(StrictTable):
 
 
 def _share(value: object) -> float:
+    fix = "give 0 for fixed wheel axles, 1 for a constant-force mounting"
     found = number(value)
     if not 0.0 <= found <= 1.0:
-        reject(
-            "RF110",
-            f"a mounting factor of {got(value)} is not from 0 to 1",
-            fix="give 0 for fixed wheel axles, 1 for a constant-force mounting",
-        )
+        reject("RF110", f"a mounting factor of {got(value)} is not from 0 to 1", fix=fix)
     return found
 
 
 class TensionTable(StrictTable):
     """`[tension]`."""
 
-    preload: Annotated[float, unit("N", "3412 N", above=0), Becomes("preload_N")]
+    preload: Annotated[float, key("N", "3412 N", "preload_N")]
     mounting_factor: Annotated[float | None, PlainValidator(_share), Becomes("mounting_factor")] = None
 
 
 class DriveTable(StrictTable):
     """`[drive]`."""
 
-    power: Annotated[float | None, unit("W", "7.5 kW")] = None
-    torque: Annotated[float | None, unit("N*m", "73.8 N*m")] = None
-    tension_difference: Annotated[float | None, unit("N", "211 N"), Becomes("tension_difference_N")] = None
+    power: Annotated[float | None, key("W", "7.5 kW", above=None)] = None
+    torque: Annotated[float | None, key("N*m", "73.8 N*m", above=None)] = None
+    tension_difference: Annotated[float | None, key("N", "211 N", "tension_difference_N", above=None)] = None
     printed_factor: bool = False
 
     @model_validator(mode="after")
@@ -181,10 +174,10 @@ class ExcitationTable(StrictTable):
     """`[excitation]`."""
 
     wheel_harmonics: Annotated[int, PlainValidator(whole_number(0, 50))] = 3
-    tooth_pitch: Annotated[float | None, unit("m", "22 mm", above=0)] = None
-    frequencies: list[Annotated[float, unit("Hz", "50 Hz", above=0)]] = Field(default_factory=list)
+    tooth_pitch: Annotated[float | None, key("m", "22 mm")] = None
+    frequencies: list[Annotated[float, key("Hz", "50 Hz")]] = Field(default_factory=list)
     margin: Annotated[float | None, PlainValidator(_margin)] = None
-    preload_range: list[Annotated[float, unit("N", "3000 N", above=0)]] | None = None
+    preload_range: list[Annotated[float, key("N", "3000 N")]] | None = None
 
     @model_validator(mode="after")
     def _wants_a_margin_over_a_range(self) -> Self:
@@ -205,9 +198,9 @@ class MeasuredTable(StrictTable):
     """`[[measured]]`."""
 
     side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
-    frequency: Annotated[float, unit("Hz", "24.9 Hz", above=0)]
+    frequency: Annotated[float, key("Hz", "24.9 Hz")]
     mode: Annotated[int, PlainValidator(whole_number(1, 40))] = 1
-    uncertainty: Annotated[float | None, unit("Hz", "0.1 Hz", above=0)] = None
+    uncertainty: Annotated[float | None, key("Hz", "0.1 Hz")] = None
 
 
 class SawScene(SceneTable):
@@ -348,20 +341,9 @@ def _saw_of(problem: SawProblem) -> Saw | None:
     """Return the whole saw of a single case, with all its parts; None where its wheels are not known."""
     if problem.wheel_radius_m is None or problem.wheel_speed_rad_s is None:
         return None
-    optional = {
-        "tension_difference_N": problem.tension_difference_N,
-        "mounting_factor": problem.mounting_factor,
-        "bending_stiffness_N_m2": problem.bending_stiffness_N_m2,
-    }
-    return Saw(
-        free_span_m=float(problem.free_span_m[0]),
-        linear_density_kg_m=float(problem.linear_density_kg_m[0]),
-        preload_N=float(problem.preload_N[0]),
-        wheel_radius_m=float(problem.wheel_radius_m[0]),
-        wheel_speed_rad_s=float(problem.wheel_speed_rad_s[0]),
-        ends=problem.ends,
-        **{name: float(value[0]) for name, value in optional.items() if value is not None},
-    )
+    parts: dict[str, Any] = {field.name: getattr(problem, field.name) for field in fields(Saw)}
+    first = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
+    return Saw(**first, ends=problem.ends)
 
 
 def _planned_saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
@@ -389,33 +371,23 @@ def _side(one: SideAnswer) -> dict[str, Any]:
 
 
 def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    near = margins(saw, (Side.TIGHT, Side.SLACK), problem.excitations, problem.n_modes)
+    sides = (Side.TIGHT, Side.SLACK)
+    near = margins(saw, sides, problem.excitations, problem.n_modes)[:_NEAREST]
+    met = [
+        crossing
+        for side in sides
+        for crossing in find_crossings(
+            saw, side, problem.excitations, _speeds_m_s(saw, side), problem.n_modes
+        )
+    ]
+    nearest = [asdict(one) | {"side": one.side.value, "margin": one.relative} for one in near]
+    for row in nearest:
+        del row["relative"]
     return {
         "recommended_preload": _recommended(saw, problem),
-        "nearest": [
-            {
-                "side": one.side.value,
-                "mode": one.mode,
-                "excitation": one.excitation,
-                "harmonic": one.harmonic,
-                "mode_Hz": one.mode_Hz,
-                "excitation_Hz": one.excitation_Hz,
-                "margin": one.relative,
-            }
-            for one in near[:_NEAREST]
-        ],
+        "nearest": nearest,
         "crossings": [
-            {
-                "side": one.side.value,
-                "mode": one.mode,
-                "excitation": one.excitation,
-                "harmonic": one.harmonic,
-                "speed_m_s": one.speed_m_s,
-                "frequency_Hz": one.frequency_Hz,
-                "speed_margin": finite(one.speed_margin),
-            }
-            for side in (Side.TIGHT, Side.SLACK)
-            for one in find_crossings(saw, side, problem.excitations, _speeds_m_s(saw, side), problem.n_modes)
+            asdict(one) | {"side": one.side.value, "speed_margin": finite(one.speed_margin)} for one in met
         ],
     }
 

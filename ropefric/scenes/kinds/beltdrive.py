@@ -23,7 +23,7 @@ from ropefric.scenes.kind import (
     arrays,
     finite,
     in_words,
-    unit,
+    key,
 )
 from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
 from ropefric.systems.beltdrive.effects import SYSTEM
@@ -36,43 +36,39 @@ _PER_MINUTE = 60.0 / _TURN
 class DrivingTable(StrictTable):
     """`[driving]`."""
 
-    diameter: Annotated[float, unit("m", "300 mm", above=0), Becomes("wheel_radius_m", 0.5)]
-    wrap: Annotated[float, unit("rad", "180 deg", above=0), Becomes("wrap_angle_rad")]
-    speed: Annotated[float | None, unit("rad/s", "1500 rpm", above=0), Becomes("speed_rad_s")] = None
+    diameter: Annotated[float, key("m", "300 mm", "wheel_radius_m", factor=0.5)]
+    wrap: Annotated[float, key("rad", "180 deg", "wrap_angle_rad")]
+    speed: Annotated[float | None, key("rad/s", "1500 rpm", "speed_rad_s")] = None
 
 
 class DrivenTable(StrictTable):
     """`[driven]`."""
 
-    diameter: Annotated[float, unit("m", "600 mm", above=0), Becomes("driven_radius_m", 0.5)]
-    wrap: Annotated[float | None, unit("rad", "200 deg", above=0), Becomes("driven_wrap_rad")] = None
+    diameter: Annotated[float, key("m", "600 mm", "driven_radius_m", factor=0.5)]
+    wrap: Annotated[float | None, key("rad", "200 deg", "driven_wrap_rad")] = None
 
 
 class BeltTable(StrictTable):
     """`[belt]`."""
 
     count: Annotated[int, PlainValidator(whole_number(1, 1000)), Becomes("belt_count", many=False)] = 1
-    thickness: Annotated[float, unit("m", "5 mm", above=0), Becomes("rope_radius_m", 0.5)]
-    linear_density: Annotated[
-        float | None, unit("kg/m", "0.9 kg/m", above=0), Becomes("linear_density_kg_m")
-    ] = None
-    groove_angle: Annotated[float | None, unit("rad", "34 deg", above=0), Becomes("groove_angle_rad")] = None
-    axial_stiffness: Annotated[float | None, unit("N", "200 kN", above=0), Becomes("axial_stiffness_N")] = (
-        None
-    )
+    thickness: Annotated[float, key("m", "5 mm", "rope_radius_m", factor=0.5)]
+    linear_density: Annotated[float | None, key("kg/m", "0.9 kg/m", "linear_density_kg_m")] = None
+    groove_angle: Annotated[float | None, key("rad", "34 deg", "groove_angle_rad")] = None
+    axial_stiffness: Annotated[float | None, key("N", "200 kN", "axial_stiffness_N")] = None
 
 
 class TensionTable(StrictTable):
     """`[tension]`: of one belt, and what it is."""
 
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
-    force: Annotated[float, unit("N", "1200 N", above=0), Becomes("tension_N")]
+    force: Annotated[float, key("N", "1200 N", "tension_N")]
 
 
 class LoadTable(StrictTable):
     """`[load]`."""
 
-    power: Annotated[float | None, unit("W", "7.5 kW", above=0), Becomes("power_W")] = None
+    power: Annotated[float | None, key("W", "7.5 kW", "power_W")] = None
 
 
 class DriveScene(SceneTable):

@@ -5,39 +5,34 @@ from typing import Annotated, Any, Self
 from pydantic import model_validator
 
 from ropefric.files.toml_model import StrictTable, reject
-from ropefric.scenes.kind import Becomes, Failure, FrictionTable, Kind, Quantity, SceneTable, arrays, unit
+from ropefric.scenes.kind import Failure, FrictionTable, Kind, Quantity, SceneTable, arrays, key
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import Lift
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift
 from ropefric.systems.hoist.effects import SYSTEM, answerable
-from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
 
 
 class WheelTable(StrictTable):
     """`[wheel]`."""
 
-    radius: Annotated[float, unit("m", "40 mm", above=0), Becomes("wheel_radius_m")]
-    wrap: Annotated[float, unit("rad", "540 deg", above=0), Becomes("wrap_angle_rad")]
-    speed: Annotated[float | None, unit("m/s", "0.3 m/s"), Becomes("speed_m_s")] = None
+    radius: Annotated[float, key("m", "40 mm", "wheel_radius_m")]
+    wrap: Annotated[float, key("rad", "540 deg", "wrap_angle_rad")]
+    speed: Annotated[float | None, key("m/s", "0.3 m/s", "speed_m_s", above=None)] = None
 
 
 class RopeTable(StrictTable):
     """`[rope]`."""
 
-    diameter: Annotated[float, unit("m", "9.8 mm", above=0), Becomes("rope_radius_m", 0.5)]
-    linear_density: Annotated[
-        float | None, unit("kg/m", "62 g/m", above=0), Becomes("linear_density_kg_m")
-    ] = None
-    hanging_length: Annotated[float | None, unit("m", "5 m", above=0), Becomes("hanging_length_m")] = None
-    bending_stiffness: Annotated[
-        float | None, unit("N*m^2", "2e-3 N*m^2", above=0), Becomes("bending_stiffness_N_m2")
-    ] = None
+    diameter: Annotated[float, key("m", "9.8 mm", "rope_radius_m", factor=0.5)]
+    linear_density: Annotated[float | None, key("kg/m", "62 g/m", "linear_density_kg_m")] = None
+    hanging_length: Annotated[float | None, key("m", "5 m", "hanging_length_m")] = None
+    bending_stiffness: Annotated[float | None, key("N*m^2", "2e-3 N*m^2", "bending_stiffness_N_m2")] = None
 
 
 class LoadTable(StrictTable):
     """`[load]`."""
 
-    end_tension: Annotated[float | None, unit("N", "80 N", above=0), Becomes("end_tension_N")] = None
-    payload: Annotated[float | None, unit("kg", "120 kg", above=0), Becomes("payload_kg")] = None
+    end_tension: Annotated[float | None, key("N", "80 N", "end_tension_N")] = None
+    payload: Annotated[float | None, key("kg", "120 kg", "payload_kg")] = None
 
     @model_validator(mode="after")
     def _has_an_end_tension(self) -> Self:

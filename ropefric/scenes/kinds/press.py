@@ -23,13 +23,12 @@ from ropefric.scenes.kind import (
     finite,
     given,
     in_words,
+    key,
     number,
     positive,
-    unit,
 )
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.answer import PressAnswer, PressProblem, StartUpTask, as_operated
-from ropefric.systems.press.closures import CLOSURES
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.loads import (
@@ -40,8 +39,8 @@ from ropefric.systems.press.loads import (
 )
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES
-from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import Parts, drive_power_W, steady_state
+from ropefric.systems.press.statics import CLOSURES, solve_statics
+from ropefric.systems.press.steady import drive_power_W, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
 
@@ -57,24 +56,24 @@ def _names(value: object) -> tuple[str, ...]:
 class TensionerTable(StrictTable):
     """`[rollers.NAME.tensioner]`."""
 
-    spring: Annotated[float, unit("N/m", "20 N/mm"), Becomes("spring_N_m")] = 0.0
-    travel: Annotated[float, unit("m", "30 mm"), Becomes("travel_m")] = 0.0
-    force: Annotated[float | None, unit("N", "2000 N", above=0), Becomes("force_N")] = None
-    mass: Annotated[float | None, unit("kg", "121 kg", above=0), Becomes("mass_kg")] = None
-    damping: Annotated[float, unit("N*s/m", "500 N*s/m"), Becomes("damping_N_s_m")] = 0.0
-    upstream_angle: Annotated[float, unit("rad", "56.7 deg"), Becomes("upstream_angle_rad")] = 0.0
-    downstream_angle: Annotated[float, unit("rad", "19.9 deg"), Becomes("downstream_angle_rad")] = 0.0
+    spring: Annotated[float, key("N/m", "20 N/mm", "spring_N_m", above=None)] = 0.0
+    travel: Annotated[float, key("m", "30 mm", "travel_m", above=None)] = 0.0
+    force: Annotated[float | None, key("N", "2000 N", "force_N")] = None
+    mass: Annotated[float | None, key("kg", "121 kg", "mass_kg")] = None
+    damping: Annotated[float, key("N*s/m", "500 N*s/m", "damping_N_s_m", above=None)] = 0.0
+    upstream_angle: Annotated[float, key("rad", "56.7 deg", "upstream_angle_rad", above=None)] = 0.0
+    downstream_angle: Annotated[float, key("rad", "19.9 deg", "downstream_angle_rad", above=None)] = 0.0
 
 
 class RollerTable(StrictTable):
     """`[rollers.NAME]`."""
 
-    radius: Annotated[float, unit("m", "75 mm", above=0), Becomes("radius_m")]
-    wrap: Annotated[float, unit("rad", "163.3 deg", above=0), Becomes("wrap_angle_rad")]
+    radius: Annotated[float, key("m", "75 mm", "radius_m")]
+    wrap: Annotated[float, key("rad", "163.3 deg", "wrap_angle_rad")]
     role: Annotated[str, PlainValidator(choice(lambda: _ROLES)), Becomes("role")] = "driven"
-    inertia: Annotated[float | None, unit("kg*m^2", "2.5 kg*m^2", above=0), Becomes("inertia_kg_m2")] = None
-    gravity_torque: Annotated[float, unit("N*m", "26.2 N*m"), Becomes("gravity_torque_N_m")] = 0.0
-    squeeze_torque: Annotated[float, unit("N*m", "33.6 N*m"), Becomes("squeeze_torque_N_m")] = 0.0
+    inertia: Annotated[float | None, key("kg*m^2", "2.5 kg*m^2", "inertia_kg_m2")] = None
+    gravity_torque: Annotated[float, key("N*m", "26.2 N*m", "gravity_torque_N_m", above=None)] = 0.0
+    squeeze_torque: Annotated[float, key("N*m", "33.6 N*m", "squeeze_torque_N_m", above=None)] = 0.0
     overspeed: Annotated[float | None, PlainValidator(number), Becomes("overspeed")] = None
     tensioner: TensionerTable | None = None
 
@@ -94,19 +93,15 @@ class BeltTable(StrictTable):
     """`[belts.NAME]`."""
 
     loop: Annotated[tuple[str, ...], PlainValidator(_names), Becomes("loop")]
-    width: Annotated[float, unit("m", "2 m", above=0), Becomes("width_m")]
-    thickness: Annotated[float, unit("m", "5 mm", above=0), Becomes("thickness_m")]
-    density: Annotated[float | None, unit("kg/m^3", "1500 kg/m^3", above=0)] = None
-    linear_density: Annotated[
-        float | None, unit("kg/m", "15 kg/m", above=0), Becomes("linear_density_kg_m")
-    ] = None
-    axial_stiffness: Annotated[float | None, unit("N", "2000 kN", above=0), Becomes("axial_stiffness_N")] = (
+    width: Annotated[float, key("m", "2 m", "width_m")]
+    thickness: Annotated[float, key("m", "5 mm", "thickness_m")]
+    density: Annotated[float | None, key("kg/m^3", "1500 kg/m^3")] = None
+    linear_density: Annotated[float | None, key("kg/m", "15 kg/m", "linear_density_kg_m")] = None
+    axial_stiffness: Annotated[float | None, key("N", "2000 kN", "axial_stiffness_N")] = None
+    damping: Annotated[float, key("s", "1 ms", "damping_s", above=None)] = 0.0
+    span_lengths: Annotated[list[Annotated[float, key("m", "1.2 m")]] | None, Becomes("span_lengths_m")] = (
         None
     )
-    damping: Annotated[float, unit("s", "1 ms"), Becomes("damping_s")] = 0.0
-    span_lengths: Annotated[
-        list[Annotated[float, unit("m", "1.2 m", above=0)]] | None, Becomes("span_lengths_m")
-    ] = None
 
     @model_validator(mode="after")
     def _has_one_mass(self) -> Self:
@@ -118,9 +113,9 @@ class BeltTable(StrictTable):
 class MachineTable(StrictTable):
     """`[press]`."""
 
-    speed: Annotated[float | None, unit("m/s", "0.92 m/s"), Becomes("speed_m_s")] = None
-    rotation: Annotated[float | None, unit("rad/s", "50 rpm")] = None
-    preload: Annotated[float | None, unit("N", "2000 N", above=0), Becomes("preload_N")] = None
+    speed: Annotated[float | None, key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None
+    rotation: Annotated[float | None, key("rad/s", "50 rpm", above=None)] = None
+    preload: Annotated[float | None, key("N", "2000 N", "preload_N")] = None
     load_factor: Annotated[float, PlainValidator(number), Becomes("load_factor")] = 1.0
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))] = "share"
 
@@ -132,10 +127,10 @@ class MachineTable(StrictTable):
                 "give either speed, of the belts, or rotation, of the first driver",
                 fix='add rotation = "50 rpm"',
             )
-        for key in ("speed", "rotation", "load_factor"):
-            value = getattr(self, key)
+        for name in ("speed", "rotation", "load_factor"):
+            value = getattr(self, name)
             if value is not None and value < 0.0:
-                reject("RF110", f"{key} is negative", fix="give it zero or more", key=key)
+                reject("RF110", f"{name} is negative", fix="give it zero or more", key=name)
         return self
 
 
@@ -143,20 +138,20 @@ class GravityTable(StrictTable):
     """`[sludge.gravity]`, eqs. (5), (6)."""
 
     friction: Annotated[float, PlainValidator(positive), Becomes("sludge_friction")]
-    height: Annotated[float, unit("m", "60 mm", above=0), Becomes("sludge_height_m")]
-    density: Annotated[float, unit("kg/m^3", "1000 kg/m^3", above=0), Becomes("sludge_density_kg_m3")]
-    width: Annotated[float, unit("m", "2 m", above=0), Becomes("belt_width_m")]
+    height: Annotated[float, key("m", "60 mm", "sludge_height_m")]
+    density: Annotated[float, key("kg/m^3", "1000 kg/m^3", "sludge_density_kg_m3")]
+    width: Annotated[float, key("m", "2 m", "belt_width_m")]
     zones: Annotated[dict[str, float], by_name(quantity("m", "1.2 m", above=0), '"2" = "1.2 m"')]
 
 
 class SqueezeTable(StrictTable):
     """`[sludge.squeeze]`, eqs. (7)-(9)."""
 
-    width: Annotated[float, unit("m", "2 m", above=0)]
-    compression: Annotated[float, unit("m", "10 mm", above=0)]
-    strength: Annotated[float, unit("Pa", "30 kPa", above=0), Becomes("strength_Pa")]
+    width: Annotated[float, key("m", "2 m")]
+    compression: Annotated[float, key("m", "10 mm")]
+    strength: Annotated[float, key("Pa", "30 kPa", "strength_Pa")]
     poisson_ratio: Annotated[float, PlainValidator(number), Becomes("poisson_ratio")]
-    youngs_modulus: Annotated[float, unit("Pa", "300 kPa", above=0), Becomes("youngs_modulus_Pa")]
+    youngs_modulus: Annotated[float, key("Pa", "300 kPa", "youngs_modulus_Pa")]
     units: Annotated[dict[str, float], by_name(positive, '"5" = 2, "6" = 1')]
 
 
@@ -171,15 +166,15 @@ class StartUpTable(StrictTable):
     """`[start_up]`."""
 
     law: Annotated[str, PlainValidator(choice(lambda: DRIVE_LAWS))] = "s-curve"
-    duration: Annotated[float | None, unit("s", "5 s", above=0)] = None
-    times: list[Annotated[float, unit("s", "1 s")]] | None = None
-    speeds: list[Annotated[float, unit("m/s", "0.5 m/s")]] | None = None
-    simulate: Annotated[float, unit("s", "20 s", above=0)]
+    duration: Annotated[float | None, key("s", "5 s")] = None
+    times: list[Annotated[float, key("s", "1 s", above=None)]] | None = None
+    speeds: list[Annotated[float, key("m/s", "0.5 m/s", above=None)]] | None = None
+    simulate: Annotated[float, key("s", "20 s")]
     points: Annotated[int, PlainValidator(whole_number(2, 200_000))] = 2001
     slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
     integrator: Annotated[str, PlainValidator(choice(lambda: INTEGRATORS))] = "exact"
-    step: Annotated[float | None, unit("s", "1 ms", above=0)] = None
+    step: Annotated[float | None, key("s", "1 ms")] = None
     tolerance: Annotated[float, PlainValidator(positive)] = 1e-6
 
     @model_validator(mode="after")
@@ -341,15 +336,6 @@ def _answerable(problem: PressProblem) -> BoolArray:
     return np.asarray(~still.slack)
 
 
-_DIRECTIONS = {
-    "preload": ("falls", "rises"),
-    "speed": ("rises", "falls"),
-    "load": ("rises", "falls"),
-    "friction": ("falls", "rises"),
-}
-"""Which way each leads to the first slip, and out of it where a roller slips already."""
-
-
 def _quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quantity, ...]:
     del problem
     slip, spans = answer.slip, answer.model.press.spans
@@ -381,41 +367,51 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[Failure, ...]
 
 def _tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
     del problem
-    spans = [span.name for span in answer.model.press.spans]
-    slip = answer.slip
+    press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
+    spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
         "tension_N": dict(zip(spans, answer.at_rest_N[0].tolist(), strict=True)),
         "effective_tension_N": dict(zip(spans, answer.state.effective_tension_N[0].tolist(), strict=True)),
         "slip": {
-            roller: {measure: finite(float(slip.of(roller, measure)[0])) for measure in MEASURES}
+            roller: {measure: finite(slip.of(roller, measure)[0]) for measure in MEASURES}
             for roller in slip.rollers
         },
         "closure": answer.statics.closure,
         "rank": answer.statics.rank,
         "undetermined": list(answer.statics.undetermined),
         "speed_m_s": float(answer.state.speed_m_s[0]),
+        # What the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9).
+        "loads": {
+            "by_roller": {
+                one.name: {
+                    "gravity_pull_N": factor * one.gravity_torque_N_m / one.radius_m,
+                    "squeeze_N_m": factor
+                    * one.squeeze_torque_N_m
+                    / (max(belt.width_m for belt in press.belts if one.name in belt.loop) * one.radius_m),
+                }
+                for one in press.rollers
+                if one.torque_N_m
+            },
+            "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
+        },
+        **_first(answer),
     }
-    tree["loads"] = _loads(answer)
-    tree |= _first(answer)
-    if answer.start_up is not None:
-        tree["start_up"] = answer.start_up.summary()
-    return tree
+    return tree if answer.start_up is None else tree | {"start_up": answer.start_up.summary()}
 
 
-def _loads(answer: PressAnswer) -> dict[str, Any]:
-    """Return what the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9)."""
-    press = answer.model.press
-    factor = float(answer.model.problem.load_factor[0])
-    by_roller = {}
-    for roller in press.rollers:
-        if roller.torque_N_m:
-            width_m = max(belt.width_m for belt in press.belts if roller.name in belt.loop)
-            by_roller[roller.name] = {
-                "gravity_pull_N": factor * roller.gravity_torque_N_m / roller.radius_m,
-                "squeeze_N_m": factor * roller.squeeze_torque_N_m / (width_m * roller.radius_m),
-            }
-    total_N = sum(roller.torque_N_m / roller.radius_m for roller in press.rollers)
-    return {"by_roller": by_roller, "total_N": factor * total_N}
+_FIRST = {
+    "preload": ("falls", "if the preload of all tensioners falls to"),
+    "speed": ("rises", "if the belts run as fast as"),
+    "load": ("rises", "if all loads grow by the factor"),
+    "friction": ("falls", "if the coefficient falls to"),
+}
+_LAST = {
+    "preload": ("rises", "the preload of all tensioners rises to", "no preload of all tensioners holds"),
+    "speed": ("falls", "the belts run no faster than", "no slower run of the belts holds"),
+    "load": ("falls", "all loads fall to what they are times", "no smaller loads hold"),
+    "friction": ("rises", "the coefficient rises to", "no coefficient holds"),
+}
+"""What leads to the first slip; what ends the last one, and what to say where nothing of the kind does."""
 
 
 def _first(answer: PressAnswer) -> dict[str, Any]:
@@ -423,15 +419,21 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
 
     Where rollers slip already, each value is the one at which the last of them stops, and lies the other way.
     """
-    model = answer.model
-    use = answer.slip.utilisation[0]
+    model, use = answer.model, answer.slip.utilisation[0]
     slips = [name for name, share in zip(answer.slip.rollers, use, strict=True) if share > 1.0]
     critical: dict[str, Any] = {}
-    for change in CHANGES:
+    for change, words in CHANGES.items():
         # What a higher speed does is the belts' mass, whether or not it matters at this one.
         parts = replace(model.parts, mass=model.parts.mass or change == "speed")
+        press = as_operated(model)
+        if (
+            parts.keeps_tension
+        ):  # the spans' T' then does not answer to the speed, as if the belts weighed nothing
+            press = replace(
+                press, belts=tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts)
+            )
         values = critical_values(
-            solve_statics(_answering_to_speed(as_operated(model), parts), closure=model.problem.closure),
+            solve_statics(press, closure=model.problem.closure),
             model.problem.friction,
             change,  # type: ignore[arg-type]
             tensioner=parts.tensioner,
@@ -441,44 +443,19 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
         first = first_to_slip(slipping or values, change)  # type: ignore[arg-type]
         if any(value is None for value in slipping.values()):
             first = None  # nothing of this kind holds that roller
+        way = (_LAST if slipping else _FIRST)[change][0]
+        # A slipping roller that slips at rest and without load too has no way out there.
+        nowhere = first is None or (bool(slipping) and first.value == 0.0)
         critical[change] = {
             "state": "slips" if slipping else "holds",
-            # A slipping roller that slips at rest and without load too has no way out there.
-            "direction": None
-            if first is None or (slipping and first.value == 0.0)
-            else _DIRECTIONS[change][bool(slipping)],
+            "direction": None if nowhere else way,
             "roller": None if first is None else first.roller,
             "value": None if first is None else first.value,
-            "unit": CHANGES[change].rpartition("[")[2].rstrip("]"),
+            "unit": words.rpartition("[")[2].rstrip("]"),
             "by_roller": values,
         }
-    return {
-        "first_to_slip": answer.slip.rollers[int(np.argmax(use))] if use.any() else None,
-        "slips": slips,
-        "critical": critical,
-    }
-
-
-def _answering_to_speed(press: Press, parts: Parts) -> Press:
-    """Return a press whose T' answers to the speed as with these parts: not at all where its belts weigh nothing."""
-    if not parts.keeps_tension:
-        return press
-    return replace(press, belts=tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts))
-
-
-_FIRST = {
-    "preload": "if the preload of all tensioners falls to",
-    "speed": "if the belts run as fast as",
-    "load": "if all loads grow by the factor",
-    "friction": "if the coefficient falls to",
-}
-_LAST = {
-    "preload": ("the preload of all tensioners rises to", "no preload of all tensioners holds"),
-    "speed": ("the belts run no faster than", "no slower run of the belts holds"),
-    "load": ("all loads fall to what they are times", "no smaller loads hold"),
-    "friction": ("the coefficient rises to", "no coefficient holds"),
-}
-"""What leads to the first slip; what ends the last one, and what to say where nothing of the kind does."""
+    nearest = answer.slip.rollers[int(np.argmax(use))] if use.any() else None
+    return {"first_to_slip": nearest, "slips": slips, "critical": critical}
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
@@ -523,15 +500,16 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
         lines = ["no roller carries a torque"]
     else:
         lines = [f"no roller slips; nearest to it is roller {tree['first_to_slip']}"]
-    for change, one in ((change, tree["critical"][change]) for change in _FIRST):
+    for change, (_, sooner) in _FIRST.items():
+        one, (_, until, nothing) = tree["critical"][change], _LAST[change]
         si_unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
         if one["state"] == "slips" and not one["value"]:
-            lines.append(f"{_LAST[change][1]} {'it' if alone else 'them all'}")
+            lines.append(f"{nothing} {'it' if alone else 'them all'}")
         elif one["state"] == "slips":
             last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
-            lines.append(f"{last} where {_LAST[change][0]} {one['value']:.4g}{si_unit}")
+            lines.append(f"{last} where {until} {one['value']:.4g}{si_unit}")
         elif one["roller"] is not None:
-            lines.append(f"{_FIRST[change]} {one['value']:.4g}{si_unit}, roller {one['roller']} slips first")
+            lines.append(f"{sooner} {one['value']:.4g}{si_unit}, roller {one['roller']} slips first")
     return tuple(lines)
 
 

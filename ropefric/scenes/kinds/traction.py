@@ -22,7 +22,7 @@ from ropefric.scenes.kind import (
     arrays,
     finite,
     in_words,
-    unit,
+    key,
 )
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.traction.effects import SYSTEM
@@ -36,24 +36,22 @@ _UNDERCUT = {"undercut", "v"}
 class LiftTable(StrictTable):
     """`[lift]`."""
 
-    car: Annotated[float, unit("kg", "700 kg", above=0), Becomes("car_kg")]
-    rated_load: Annotated[float, unit("kg", "630 kg", above=0), Becomes("rated_load_kg")]
-    counterweight: Annotated[float, unit("kg", "1015 kg", above=0), Becomes("counterweight_kg")]
-    travel: Annotated[float, unit("m", "18 m", above=0), Becomes("travel_m")]
-    speed: Annotated[float | None, unit("m/s", "1 m/s", above=0), Becomes("speed_m_s")] = None
-    deceleration: Annotated[
-        float | None, unit("m/s^2", "0.5 m/s^2", above=0), Becomes("deceleration_m_s2")
-    ] = None
+    car: Annotated[float, key("kg", "700 kg", "car_kg")]
+    rated_load: Annotated[float, key("kg", "630 kg", "rated_load_kg")]
+    counterweight: Annotated[float, key("kg", "1015 kg", "counterweight_kg")]
+    travel: Annotated[float, key("m", "18 m", "travel_m")]
+    speed: Annotated[float | None, key("m/s", "1 m/s", "speed_m_s")] = None
+    deceleration: Annotated[float | None, key("m/s^2", "0.5 m/s^2", "deceleration_m_s2")] = None
 
 
 class SheaveTable(StrictTable):
     """`[sheave]`."""
 
-    diameter: Annotated[float, unit("m", "400 mm", above=0), Becomes("wheel_radius_m", 0.5)]
-    wrap: Annotated[float, unit("rad", "160 deg", above=0), Becomes("wrap_angle_rad")]
+    diameter: Annotated[float, key("m", "400 mm", "wheel_radius_m", factor=0.5)]
+    wrap: Annotated[float, key("rad", "160 deg", "wrap_angle_rad")]
     groove: Annotated[str, PlainValidator(choice(lambda: GROOVES))]
-    groove_angle: Annotated[float, unit("rad", "35 deg", above=0), Becomes("groove_angle_rad")]
-    undercut: Annotated[float | None, unit("rad", "90 deg", above=0), Becomes("undercut_rad")] = None
+    groove_angle: Annotated[float, key("rad", "35 deg", "groove_angle_rad")]
+    undercut: Annotated[float | None, key("rad", "90 deg", "undercut_rad")] = None
 
     @model_validator(mode="after")
     def _is_undercut_as_its_groove_says(self) -> Self:
@@ -73,21 +71,17 @@ class RopesTable(StrictTable):
     """`[ropes]`."""
 
     count: Annotated[int, PlainValidator(whole_number(1, 100)), Becomes("rope_count", many=False)]
-    diameter: Annotated[float, unit("m", "10 mm", above=0), Becomes("rope_radius_m", 0.5)]
-    linear_density: Annotated[
-        float | None, unit("kg/m", "0.336 kg/m", above=0), Becomes("linear_density_kg_m")
-    ] = None
-    above_car: Annotated[float, unit("m", "2 m"), Becomes("above_car_m")] = 0.0
-    above_counterweight: Annotated[float, unit("m", "2 m"), Becomes("above_counterweight_m")] = 0.0
+    diameter: Annotated[float, key("m", "10 mm", "rope_radius_m", factor=0.5)]
+    linear_density: Annotated[float | None, key("kg/m", "0.336 kg/m", "linear_density_kg_m")] = None
+    above_car: Annotated[float, key("m", "2 m", "above_car_m", above=None)] = 0.0
+    above_counterweight: Annotated[float, key("m", "2 m", "above_counterweight_m", above=None)] = 0.0
 
 
 class PulleysTable(StrictTable):
     """`[pulleys]`: inertia of deflector pulleys over the square of their radius."""
 
-    car_side: Annotated[float | None, unit("kg", "20 kg", above=0), Becomes("car_pulley_kg")] = None
-    counterweight_side: Annotated[
-        float | None, unit("kg", "20 kg", above=0), Becomes("counterweight_pulley_kg")
-    ] = None
+    car_side: Annotated[float | None, key("kg", "20 kg", "car_pulley_kg")] = None
+    counterweight_side: Annotated[float | None, key("kg", "20 kg", "counterweight_pulley_kg")] = None
 
 
 class TractionScene(SceneTable):

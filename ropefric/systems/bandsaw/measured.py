@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import gammaincc
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import FitError, InputError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Side, frequencies_Hz, preload_for_N
@@ -211,28 +211,48 @@ _MISFIT = 1e-3
 def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
     """Return the preload and the mounting factor that fit measured frequencies best."""
     n = len(measurements)
-    if n < 2:
-        raise InputError(f"{n} points for two unknowns", fix="measure at rest and running")
     weights = _weights(measurements)
-    wanted = np.array([point.frequency_Hz for point in measurements])
-    still = replace(saw, mounting_factor=0.0)
-    lowest_N = _floor_N(still, measurements, 0.0)
-    start_N = max(float(np.median([_start_N(still, point) for point in measurements])), lowest_N)
+    wanted_Hz = np.array([point.frequency_Hz for point in measurements])
+    modes = np.array([point.mode for point in measurements])
+    at_work = [saw.speed_m_s if point.speed_m_s is None else point.speed_m_s for point in measurements]
+    runs = np.array([point.side is not Side.REST for point in measurements])
+    speed_m_s = np.where(runs, at_work, 0.0)
+    inertia_N = saw.linear_density_kg_m * speed_m_s**2
+    pull_N = 0.5 * saw.tension_difference_N * np.array([point.side.sign for point in measurements])
+
+    def floor_N(kappa: float) -> float:
+        """Return a preload just above the one at which some point would be slack or past its critical speed."""
+        return max(float(((1.0 - kappa) * inertia_N - pull_N).max()), 0.0) * (1.0 + 1e-6) + 1e-6
+
+    # What a string on fixed axles would need, see `preloads_for_N`.
+    a = wanted_Hz * saw.free_span_m / modes
+    string_N = saw.linear_density_kg_m * (a + np.hypot(a, speed_m_s)) ** 2 - pull_N
+    start_N = max(float(np.median(string_N)), floor_N(0.0))
 
     def residual_Hz(x: FloatArray) -> FloatArray:
-        return wanted - _model_Hz(still, measurements, float(x[0]) * start_N, float(x[1]))
+        """Return what the points lack, for any κ: its tension is added as preload."""
+        span = Span(
+            free_span_m=np.asarray(saw.free_span_m),
+            linear_density_kg_m=np.asarray(saw.linear_density_kg_m),
+            preload_N=float(x[0]) * start_N + float(x[1]) * inertia_N,
+            pull_N=pull_N,
+            travel_speed_m_s=speed_m_s,
+            bending_stiffness_N_m2=np.asarray(saw.bending_stiffness_N_m2),
+        )
+        table = beam_frequencies_Hz(span, saw.ends, int(modes.max()), accuracy=1e-12)
+        return np.asarray(wanted_Hz - table[np.arange(n), modes - 1])
 
     def weighted(x: FloatArray) -> FloatArray:
         return np.asarray(residual_Hz(x) * weights)
 
-    floor = lowest_N / start_N
+    floor = floor_N(0.0) / start_N
     x, jacobian = _search(weighted, (floor, 0.0), (np.inf, 1.0))
     identifiable = _tells_apart(jacobian)
     stopped = identifiable and not _AT_BOUND < x[1] < 1.0 - _AT_BOUND
     if stopped:
         bound = float(np.round(x[1]))
         x = np.array([_search(lambda y: weighted(np.array([y[0], bound])), (floor,), (np.inf,))[0][0], bound])
-    n_free = 2 if identifiable and not stopped else 1
+    n_free = 1 + (identifiable and not stopped)
     dof = n - n_free
     known = measurements[0].std_Hz is not None
 
@@ -243,7 +263,7 @@ def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
 
     free_kappa, beyond = None, False
     if stopped:
-        low = _floor_N(still, measurements, _FREE_FLOOR) / start_N
+        low = floor_N(_FREE_FLOOR) / start_N
         free, free_jacobian = _search(weighted, (low, _FREE_FLOOR), (np.inf, np.inf))
         free_kappa = float(free[1])
         spread = _covariance(free_jacobian, 2, start_N, variance(free, n - 2))
@@ -254,29 +274,26 @@ def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
     elif beyond:
         status = IdentificationStatus.BEYOND_BOUND
     else:
-        chi2 = float(np.sum(weighted(x) ** 2)) if known else None
-        status = _judge(chi2, dof, IdentificationStatus.ON_BOUND if stopped else IdentificationStatus.OK)
-    residual = residual_Hz(x)
-    residual.flags.writeable = False
+        status = _judge(float(np.sum(weighted(x) ** 2)) if known else None, dof, stopped=stopped)
     return Identification(
         preload_N=float(x[0]) * start_N,
         mounting_factor=float(x[1]),
         covariance=_covariance(jacobian, n_free, start_N, variance(x, dof)) if identifiable else None,
         free_mounting_factor=free_kappa,
         status=status,
-        residual_Hz=residual,
+        residual_Hz=frozen_array(residual_Hz(x)),
         n=n,
         dof=dof,
     )
 
 
-def _judge(chi2: float | None, dof: int, good: IdentificationStatus) -> IdentificationStatus:
+def _judge(chi2: float | None, dof: int, *, stopped: bool) -> IdentificationStatus:
     """Return the status of a fit that nothing else is wrong with; `chi2` is None where no errors are known."""
-    if chi2 is None:
-        return good if dof > 0 else IdentificationStatus.NO_SPARE
-    if dof > 0 and float(gammaincc(0.5 * dof, 0.5 * chi2)) < _MISFIT:
+    if chi2 is None and dof == 0:
+        return IdentificationStatus.NO_SPARE
+    if chi2 is not None and dof > 0 and float(gammaincc(0.5 * dof, 0.5 * chi2)) < _MISFIT:
         return IdentificationStatus.MISFIT
-    return good
+    return IdentificationStatus.ON_BOUND if stopped else IdentificationStatus.OK
 
 
 def _search(
@@ -288,12 +305,10 @@ def _search(
         weighted, start, bounds=(low, high), jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12
     )
     if found.status <= 0:
-        error = FitError(
+        raise FitError(
             "the search for preload and mounting factor did not end",
             fix="check the modes and sides of the points",
         )
-        error.partial = found.x
-        raise error
     return np.asarray(found.x, dtype=np.float64), np.asarray(found.jac, dtype=np.float64)
 
 
@@ -317,12 +332,13 @@ def _covariance(
     covariance[:n_free, :n_free] = variance * inverse @ inverse.T
     units = np.array([start_N, 1.0])
     covariance *= np.outer(units, units)
-    covariance.flags.writeable = False
-    return covariance
+    return frozen_array(covariance)
 
 
 def _weights(measurements: Sequence[Measurement]) -> FloatArray:
     stds = [point.std_Hz for point in measurements]
+    if len(stds) < 2:
+        raise InputError(f"{len(stds)} points for two unknowns", fix="measure at rest and running")
     if all(std is None for std in stds):
         return np.ones(len(stds))
     if any(std is None for std in stds):
@@ -332,43 +348,3 @@ def _weights(measurements: Sequence[Measurement]) -> FloatArray:
             fix="give all of them one, or none",
         )
     return np.array([1.0 / std for std in stds if std is not None])
-
-
-def _start_N(saw: Saw, point: Measurement) -> float:
-    string = replace(
-        saw, bending_stiffness_N_m2=0.0, wheel_speed_rad_s=_speed(saw, point) / saw.wheel_radius_m
-    )
-    return preload_for_N(string, point.side, point.frequency_Hz, point.mode)
-
-
-def _speed(saw: Saw, point: Measurement) -> float:
-    if point.side is Side.REST:
-        return 0.0
-    return saw.speed_m_s if point.speed_m_s is None else point.speed_m_s
-
-
-def _floor_N(saw: Saw, measurements: Sequence[Measurement], kappa: float) -> float:
-    """Return a preload just above the one at which some point would be slack or past its critical speed."""
-    least = [
-        saw.linear_density_kg_m * (1.0 - kappa) * _speed(saw, point) ** 2
-        - 0.5 * point.side.sign * saw.tension_difference_N
-        for point in measurements
-    ]
-    return max(*least, 0.0) * (1.0 + 1e-6) + 1e-6
-
-
-def _model_Hz(saw: Saw, measurements: Sequence[Measurement], preload_N: float, kappa: float) -> FloatArray:
-    """Return what each point should read, for any κ: its tension is added as preload."""
-    speed = np.array([_speed(saw, point) for point in measurements])
-    sign = np.array([point.side.sign for point in measurements])
-    span = Span(
-        free_span_m=np.asarray(saw.free_span_m),
-        linear_density_kg_m=np.asarray(saw.linear_density_kg_m),
-        preload_N=preload_N + kappa * saw.linear_density_kg_m * speed**2,
-        pull_N=0.5 * sign * saw.tension_difference_N,
-        travel_speed_m_s=speed,
-        bending_stiffness_N_m2=np.asarray(saw.bending_stiffness_N_m2),
-    )
-    modes = np.array([point.mode for point in measurements])
-    table = beam_frequencies_Hz(span, saw.ends, int(modes.max()), accuracy=1e-12)
-    return np.asarray(table[np.arange(modes.size), modes - 1])

@@ -259,7 +259,6 @@ def recommend_preload(
         for side in _SIDES
         for interval in _forbidden(saw, side, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
     )
-    shown = tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden)
     present_N = min(max(saw.preload_N, low_N), high_N)
     candidates = [present_N, low_N, high_N, *(end for interval in forbidden for end in interval)]
     # The ends of the intervals are roots: a hair inside them still is outside for people.
@@ -270,20 +269,18 @@ def recommend_preload(
         if low_N <= preload_N <= high_N
         and all(not start + hair_N < preload_N < stop - hair_N for start, stop in forbidden)
     ]
-    if not allowed:
-        best_N = _best(saw, excitations, range_N, n_modes)
-        return StrainAdvice(
-            status=StrainStatus.IMPOSSIBLE,
-            preload_N=best_N,
-            margin=_margin_at(saw, excitations, best_N, n_modes),
-            forbidden_N=shown,
-        )
-    nearest_N = min(allowed, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
+    if allowed:
+        nearest_N = min(allowed, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
+        status = StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE
+    else:
+        tried = np.linspace(*range_N, _SEARCHED).tolist()
+        nearest_N = max(tried, key=lambda preload_N: _margin_at(saw, excitations, preload_N, n_modes))
+        status = StrainStatus.IMPOSSIBLE
     return StrainAdvice(
-        status=StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE,
+        status=status,
         preload_N=nearest_N,
         margin=_margin_at(saw, excitations, nearest_N, n_modes),
-        forbidden_N=shown,
+        forbidden_N=tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden),
     )
 
 
@@ -298,7 +295,7 @@ def _forbidden(
 ) -> list[tuple[float, float]]:
     """Return the intervals of preload that the modes of one side forbid, cut to the range."""
     slowest, fastest = frequencies_Hz(saw, side, n_modes, preload_N=range_N)
-    excited = np.concatenate([excitation.frequencies_Hz(saw.speed_m_s) for excitation in excitations])
+    excited = np.concatenate([np.empty(0), *(one.frequencies_Hz(saw.speed_m_s) for one in excitations)])
     excited_Hz, mode = (
         part.ravel() for part in np.meshgrid(excited, np.arange(1, n_modes + 1), indexing="ij")
     )
@@ -330,8 +327,3 @@ def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float
 def _margin_at(saw: Saw, excitations: tuple[Excitation, ...], preload_N: float, n_modes: int) -> float:
     nearest = margins(replace(saw, preload_N=preload_N), _SIDES, excitations, n_modes)
     return abs(nearest[0].relative) if nearest else math.inf
-
-
-def _best(saw: Saw, excitations: tuple[Excitation, ...], range_N: tuple[float, float], n_modes: int) -> float:
-    tried = np.linspace(*range_N, _SEARCHED).tolist()
-    return float(max(tried, key=lambda preload_N: _margin_at(saw, excitations, preload_N, n_modes)))

@@ -17,8 +17,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System, missing, worst_case
 from ropefric.systems.friction import EVERYTHING
-from ropefric.systems.hoist.contact import HoistModel, Lift, lifted_arc_rad, solve_lift
-from ropefric.systems.hoist.problem import HoistProblem
+from ropefric.systems.hoist.contact import HoistModel, HoistProblem, Lift, lifted_arc_rad, solve_lift
 
 Bound = Callable[[HoistProblem], FloatArray]
 

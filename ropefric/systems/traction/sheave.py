@@ -7,7 +7,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
-from ropefric.systems.friction import WrapFriction
+from ropefric.systems.friction import WrapFriction, refuse_no_ratio
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")
@@ -68,11 +68,11 @@ class TractionProblem:
         for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
             refuse_out_of_scale(name, array, may_vanish=_RULES[name] != "positive")
             object.__setattr__(self, name, array)
-        for name, low, high in (("groove_angle_rad", 0.0, np.pi), ("undercut_rad", -1.0, np.pi)):
+        for name, low, high in (("groove_angle_rad", 1e-3, np.pi), ("undercut_rad", -1.0, np.pi)):
             wrong = (getattr(self, name) <= low) | (getattr(self, name) >= high)
             if wrong.any():
                 raise InputError(
-                    f"{name} is {getattr(self, name)[wrong][0]:g}, not an angle of a groove below 180 deg",
+                    f"{name} is {getattr(self, name)[wrong][0]:g}, no angle of a groove",
                     key=name,
                 )
         if (
@@ -182,6 +182,7 @@ def solve_traction(model: TractionModel) -> TractionAnswer:
     tight_N[_STALLED], slack_N[_STALLED] = car_N[_STALLED], counterweight_N[_STALLED]
     mu, factors = _coefficients(model, tight_N, slack_N), groove_factors(problem)
     friction_factor = mu * factors
+    refuse_no_ratio(friction_factor * alpha)
     with np.errstate(divide="ignore"):
         log_ratio = np.log(tight_N / slack_N)
     utilisation = np.exp(log_ratio - friction_factor * alpha)

@@ -33,13 +33,10 @@ def find_reader(path: str | PurePath, profile: ImportProfile, *, shown_as: str =
         fitting = [reader for reader in READERS.values() if name.endswith(reader.suffixes)]
         if not fitting:
             endings = ", ".join(suffix for reader in READERS.values() for suffix in reader.suffixes)
-            raise DataError(
-                f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}; "
-                f"known endings: {endings}",
-                path=shown_as or str(path),
-                key="[import] format",
-                fix=f'name the format, for example format = "delimited"; known: {", ".join(READERS)}',
-            )
+            why = f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}"
+            fix = f'name the format, for example format = "delimited"; known: {", ".join(READERS)}'
+            shown = shown_as or str(path)
+            raise DataError(f"{why}; known endings: {endings}", path=shown, key="[import] format", fix=fix)
         reader = fitting[0]
     return WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
 

@@ -80,30 +80,18 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return one table per block of columns; rows that are empty at a block's end belong to longer blocks."""
     width = profile.block_columns
     if width < 1:
-        raise source.error(
-            "format 'wide' needs the number of columns of one recording",
-            code="RF105",
-            key="[import] block_columns",
-            fix="set [import] block_columns, for example block_columns = 4",
-        )
+        why = "format 'wide' needs the number of columns of one recording"
+        fix = "set [import] block_columns, for example block_columns = 4"
+        raise source.error(why, code="RF105", key="[import] block_columns", fix=fix)
     text, dialect = open_text(source, profile)
     data_row, n_cells = dialect.rows.data_row, dialect.n_cells
     n_blocks, surplus = divmod(n_cells, width)  # a trailing separator makes no column
     if n_blocks == 0 or surplus > 1 or (surplus and not _ends_empty(text, dialect, 1)):
-        raise source.error(
-            f"{n_cells} columns cannot be divided into recordings of {width} columns",
-            code="RF103",
-            line=data_row,
-            key="[import] block_columns",
-            fix="correct [import] block_columns or data_row",
-        )
-    n_rows, is_gapless = _check_rows(
-        text,
-        dialect,
-        n_cells,
-        expected=f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}",
-        block_columns=width,
-    )
+        why = f"{n_cells} columns cannot be divided into recordings of {width} columns"
+        fix = "correct [import] block_columns or data_row"
+        raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
+    expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
+    n_rows, is_gapless = _check_rows(text, dialect, n_cells, expected=expected, block_columns=width)
     names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
     all_names = [name for block in names for name in block]
 
@@ -149,13 +137,8 @@ def _block_names(text: Text, dialect: Dialect, profile: ImportProfile, n_blocks:
     ]
     if len(set(names)) < n_blocks:
         twice = next(name for name in names if names.count(name) > 1)
-        raise text.source.error(
-            f"two recordings are called {twice!r}",
-            code="RF105",
-            line=row,
-            key="[import] block_names_row",
-            fix="set block_names_row = 0 to number them",
-        )
+        why, fix = f"two recordings are called {twice!r}", "set block_names_row = 0 to number them"
+        raise text.source.error(why, code="RF105", line=row, key="[import] block_names_row", fix=fix)
     return names
 
 
@@ -184,17 +167,12 @@ def _check_rows(
         is_gapless &= not ends_blank  # by blank lines between the blocks
         n_rows, ends_blank = n_rows + n_regular, goes_blank
     if n_cells == 1 and not is_gapless:
-        raise text.source.error(
-            "there are blank lines among the values of the only column; each may be a missing sample or nothing",
-            code="RF103",
-            fix="remove them, or write NaN where a sample is missing",
-        )
+        why = "there are blank lines among the values of the only column; each may be a missing sample or nothing"
+        fix = "remove them, or write NaN where a sample is missing"
+        raise text.source.error(why, code="RF103", fix=fix)
     if n_rows == 0:
-        raise text.source.error(
-            "there are no data rows",
-            line=dialect.rows.data_row if dialect.rows.data_row > 1 else None,
-            fix="record it again, or check [import] data_row",
-        )
+        line, fix = dialect.rows.data_row, "record it again, or check [import] data_row"
+        raise text.source.error("there are no data rows", line=line if line > 1 else None, fix=fix)
     return n_rows, is_gapless
 
 
@@ -241,12 +219,9 @@ def _quoted_cells_per_line(block: Block, separator: str, text: Text) -> IntArray
     counts = []
     for number, line in block.lines():
         if line.count('"') % 2:
-            raise text.source.error(
-                "a quotation mark is opened and not closed",
-                code="RF103",
-                line=number,
-                fix="mend the line; a cell cannot run over several lines",
-            )
+            why = "a quotation mark is opened and not closed"
+            fix = "mend the line; a cell cannot run over several lines"
+            raise text.source.error(why, code="RF103", line=number, fix=fix)
         counts.append(0 if is_blank_line(line, separator) else len(split_line(line, separator)))
     return np.array(counts, dtype=np.int64)
 
@@ -263,12 +238,8 @@ def _refuse_row(text: Text, line: int, n_found: int, *, n_cells: int, expected: 
             "mend the line; or, where the names are wrong, set [import] header_row = 0 and "
             f"data_row = {line}, and give columns by number"
         )
-    raise text.source.error(
-        f"this line has {n_found} values, but {expected}; a shift by a column would go unseen",
-        code="RF103",
-        line=line,
-        fix=fix,
-    )
+    why = f"this line has {n_found} values, but {expected}; a shift by a column would go unseen"
+    raise text.source.error(why, code="RF103", line=line, fix=fix)
 
 
 def _parse_columns(

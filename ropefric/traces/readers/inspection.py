@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.files.read import InputFile, use_file
 from ropefric.files.text import WHOLE_BYTES, Source, Text, split_line
@@ -16,6 +16,7 @@ from ropefric.files.text_table import Dialect, is_unit
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.assemble import si_factor
 from ropefric.traces.clock import GAP_STEPS, mend_clock
+from ropefric.traces.noise import runs_of
 from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
@@ -403,14 +404,9 @@ def _at_limits(column: ColumnSummary, array: FloatArray | None) -> list[str]:
     if top not in _FULL_SCALES:
         return []
     limits = {top: f"the ceiling of {_FULL_SCALES[top]} bits", 0: "the floor"}
-    runs = {limit: _longest_run(array == limit) for limit in limits}
+    runs = {limit: int(np.diff(runs_of(array == limit)).max(initial=0)) for limit in limits}
     return [
         f"{label} sits at {limit}, {what}, for {runs[limit]} samples in a row"
         for limit, what in limits.items()
         if runs[limit] >= MIN_RUN
     ]
-
-
-def _longest_run(flags: BoolArray) -> int:
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return int((edges[1::2] - edges[::2]).max(initial=0))

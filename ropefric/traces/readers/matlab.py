@@ -23,11 +23,9 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     else:
         columns = _first(variables)
     if not columns:
-        raise source.error(
-            f"no variable holds columns of numbers; the file has {', '.join(variables) or 'no variables'}",
-            fix="save vectors, a matrix, or a struct of vectors; a MATLAB table by "
-            "table2struct(T, 'ToScalar', true)",
-        )
+        why = f"no variable holds columns of numbers; the file has {', '.join(variables) or 'no variables'}"
+        fix = "save vectors, a matrix, or a struct of vectors; a MATLAB table by table2struct(T, 'ToScalar', true)"
+        raise source.error(why, fix=fix)
     return (array_table(columns, source),)
 
 
@@ -36,14 +34,11 @@ def _load(source: Source) -> dict[str, np.ndarray[Any, Any]]:
 
     raw = source.raw_bytes()
     if _HDF5 in (raw[:8], raw[512:520]) or raw.startswith(b"MATLAB 7.3"):
-        raise source.error(
-            "this is a MATLAB v7.3 (HDF5) file, which is not read here",
-            fix="save it in MATLAB with save('run.mat', ..., '-v7'), or export CSV",
-        )
+        fix = "save it in MATLAB with save('run.mat', ..., '-v7'), or export CSV"
+        raise source.error("this is a MATLAB v7.3 (HDF5) file, which is not read here", fix=fix)
     fix = "save it again with save('run.mat', ..., '-v7'), or name its format in [import] format"
-    with foreign(
-        source, "this is not a readable MATLAB file", fix
-    ):  # variables that cannot be read are missing
+    # Variables that cannot be read are reported missing.
+    with foreign(source, "this is not a readable MATLAB file", fix):
         content = loadmat(io.BytesIO(raw))  # type: ignore[arg-type]
     return {
         str(name): value

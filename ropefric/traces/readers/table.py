@@ -141,14 +141,12 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
         needs_time = profile.sampling_rate_Hz is None and table.time_s is None
         channels = guess_channels(table.names, needs_time=needs_time)
         if not channels:
-            raise source.error(
-                f"cannot tell which column is what; {table.listed}",
-                code="RF105",
-                key="[import.channels]",
-                fix="name the columns, for example time = { column = 1, unit = "
-                f'"s" }} and force = {{ column = 2, unit = "N" }}; `ropefric inspect {source.shown}` '
-                "suggests them",
+            fix = (
+                'name the columns, for example time = { column = 1, unit = "s" } and force = { column = 2, unit = '
+                f'"N" }}; `ropefric inspect {source.shown}` suggests them'
             )
+            why = f"cannot tell which column is what; {table.listed}"
+            raise source.error(why, code="RF105", key="[import.channels]", fix=fix)
     picks = {}
     for name, channel in channels.items():
         index = table.find(channel.column, source, f"[import.channels] {name}")

@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 from scipy import optimize, stats
 
 from ropefric.errors import InputError
-from ropefric.fitting.design import DesignStatus, design, design_chart
+from ropefric.fitting.design import DesignStatus, design, design_chart, first_crossing, rising_root
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import new_rope_std, predict
-from ropefric.fitting.rising_root import first_crossing, rising_root
 from ropefric.friction.condition import Conditions
 
 FIXED = {"rope_radius_m": 0.005, "wheel_radius_m": 0.04, "wrap_angle_rad": 10.0, "end_tension_N": 20.0}

@@ -13,8 +13,7 @@ from scipy import stats
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import new_rope_std, predict
-from ropefric.fitting.propagation import linear_std
+from ropefric.fitting.predict import linear_std, new_rope_std, predict
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS

@@ -264,7 +264,7 @@ def test_the_charts_show_power_and_arcs(tmp_path):
         ('"1500 rpm"', '"9000 rpm"', "lifts off the pulley"),
         ('"auto"', '["crep"]', "did you mean 'creep'"),
         ('axial_stiffness = "400 kN"', "", "cannot be simulated without belt.axial_stiffness"),
-        ('wrap     = "180 deg"', 'wrap = "900 turn"', "no number"),
+        ('wrap     = "180 deg"', 'wrap = "900 turn"', "no ratio of tensions"),
     ],
 )
 def test_bad_keys_are_refused_by_name(tmp_path, old, new, words):

@@ -15,9 +15,8 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import lifted_arc_rad
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, lifted_arc_rad
 from ropefric.systems.hoist.effects import SYSTEM
-from ropefric.systems.hoist.problem import GRAVITY_M_S2, HoistProblem
 
 
 def own(problem):

@@ -10,9 +10,15 @@ from hypothesis import strategies as st
 from scipy.optimize import fsolve
 
 from ropefric.errors import InputError, SolverError, UnknownNameError
-from ropefric.systems.press.closures import CLOSURES
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.statics import incidence, load_torques_N_m, pull_matrix, radii_m, solve_statics
+from ropefric.systems.press.statics import (
+    CLOSURES,
+    incidence,
+    load_torques_N_m,
+    pull_matrix,
+    radii_m,
+    solve_statics,
+)
 from ropefric.systems.press.steady import loop_lengths_m, speed_shift_kg_m, steady_state
 
 AT_REST = {

@@ -12,8 +12,7 @@ from ropefric.errors import InputError
 from ropefric.systems.press.statics import has_balance, incidence, load_torques_N_m, radii_m, solve_statics
 from ropefric.systems.press.steady import speed_shift_kg_m
 from ropefric.systems.press.transient.exact import Propagator
-from ropefric.systems.press.transient.model import MOVING, elastic_press
-from ropefric.systems.press.transient.motion import settled_tension_N
+from ropefric.systems.press.transient.motion import MOVING, elastic_press, settled_tension_N
 from ropefric.systems.press.transient.start_up import energies_of, start_up
 
 POWERS = 6

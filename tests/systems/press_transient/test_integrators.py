@@ -5,7 +5,7 @@ import pytest
 
 from ropefric.errors import InputError, SolverError, UnknownNameError
 from ropefric.systems.press.transient.integrators import INTEGRATORS, rk4_limit_s
-from ropefric.systems.press.transient.model import MOVING
+from ropefric.systems.press.transient.motion import MOVING
 
 TIMES_S = np.linspace(0.0, 1.5, 16)
 

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.systems.press.transient.model import MOVING, elastic_press, standstill_tension_N
-from ropefric.systems.press.transient.motion import elastic_energy_J, kinetic_energy_J
+from ropefric.systems.press.transient.motion import (
+    MOVING,
+    elastic_energy_J,
+    elastic_press,
+    kinetic_energy_J,
+    standstill_tension_N,
+)
 
 
 def written_out(kit, press, model, *, way_m, speed_m_s, travel_m, travel_speed, v, g):

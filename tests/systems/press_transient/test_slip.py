@@ -11,8 +11,12 @@ from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.slip import contacts_of, utilisation
 from ropefric.systems.press.statics import incidence, spans_into, spans_out_of
-from ropefric.systems.press.transient.model import elastic_press, friction_limit, friction_utilisation
-from ropefric.systems.press.transient.motion import settled_tension_N
+from ropefric.systems.press.transient.motion import (
+    elastic_press,
+    friction_limit,
+    friction_utilisation,
+    settled_tension_N,
+)
 from ropefric.systems.press.transient.start_up import start_up
 
 MU = 0.3

@@ -1,8 +1,8 @@
 """The start-up of a belt press: elastic belts, prescribed drivers, slip and slack.
 
-`drives` is what moves the press from outside: ways to run up and the inputs they make. `model` turns the machine into
-arrays and says what friction can hold, `motion` writes one mode of it (what sticks, slips, is slack) as rows, with
-powers, energies and places of rest. `exact` solves with slip and slack: matrix exponentials between events.
-`integrators` solves the linear problem, exactly or by the methods that is compared with. `start_up` is the whole:
-machine and drive in, histories and what they amount to out.
+`drives` is what moves the press from outside: ways to run up and the inputs they make. `motion` turns the machine into
+arrays and writes one mode of it (what sticks, slips, is slack) as rows, with powers, energies and places of rest.
+`exact` solves with slip and slack: matrix exponentials between events. `integrators` solves the linear problem, exactly
+or by the methods that is compared with. `start_up` is the whole: machine and drive in, histories and what they amount
+to out.
 """

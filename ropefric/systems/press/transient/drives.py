@@ -12,7 +12,6 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.systems.checks import checked
-from ropefric.systems.press.transient.model import ElasticPress
 
 
 def piecewise(starts_s: npt.ArrayLike, coefficients: npt.ArrayLike) -> PPoly:
@@ -134,8 +133,8 @@ class Inputs:
         return value
 
 
-def press_inputs(model: ElasticPress, speed: PPoly, loads: Loads) -> Inputs:
-    """Return the inputs of a press."""
+def press_inputs(overspeed: FloatArray, speed: PPoly, loads: Loads) -> Inputs:
+    """Return the inputs of a press whose drivers run ahead of the drive by some share each."""
     one = piecewise([0.0], [[1.0]])
     if isinstance(loads, PPoly):
         factor = loads
@@ -151,7 +150,7 @@ def press_inputs(model: ElasticPress, speed: PPoly, loads: Loads) -> Inputs:
         )
     squared = PPoly(np.array([np.convolve(row, row) for row in speed.c.T]).T, speed.x)
     functions = [one, factor, speed, speed.derivative(), squared]
-    for extra in model.overspeed - model.overspeed[0]:
+    for extra in overspeed - overspeed[0]:
         own = PPoly(extra * speed.c, speed.x)
         functions += [own.antiderivative(), own, own.derivative()]
     return common_pieces(functions)

@@ -18,11 +18,12 @@ from scipy.optimize import brentq
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
 from ropefric.systems.press.transient.drives import LOAD, Inputs
-from ropefric.systems.press.transient.model import ElasticPress, FrictionLimit
 from ropefric.systems.press.transient.motion import (
     BACKWARD,
     FORWARD,
     STICK,
+    ElasticPress,
+    FrictionLimit,
     Mode,
     Motion,
     power_forms,

@@ -14,8 +14,13 @@ from ropefric.errors import InputError, SolverError
 from ropefric.registry import Registry
 from ropefric.systems.press.transient.drives import SPEED, Inputs
 from ropefric.systems.press.transient.exact import Propagator, check_steps
-from ropefric.systems.press.transient.model import ElasticPress
-from ropefric.systems.press.transient.motion import Motion, power_forms, starting_state, sticking
+from ropefric.systems.press.transient.motion import (
+    ElasticPress,
+    Motion,
+    power_forms,
+    starting_state,
+    sticking,
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

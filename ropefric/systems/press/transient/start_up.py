@@ -17,19 +17,17 @@ from ropefric.systems.press.statics import radii_m
 from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, final_value, press_inputs, settles
 from ropefric.systems.press.transient.exact import Guard, HybridSolver
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings
-from ropefric.systems.press.transient.model import (
+from ropefric.systems.press.transient.motion import (
     MOVING,
+    POWERS,
+    STICK,
     ElasticPress,
     FrictionLimit,
+    Motion,
+    elastic_energy_J,
     elastic_press,
     friction_limit,
     friction_utilisation,
-)
-from ropefric.systems.press.transient.motion import (
-    POWERS,
-    STICK,
-    Motion,
-    elastic_energy_J,
     kinetic_energy_J,
     settled_tension_N,
 )
@@ -179,7 +177,7 @@ def start_up(
     if times[0] < 0.0 or times[-1] <= 0.0 or (np.diff(times) <= 0.0).any():
         raise InputError("the times of a start-up must rise from 0 on", key="time_s")
     model = elastic_press(press, effects=effects, preload_N=preload_N)
-    inputs = press_inputs(model, speed, loads)
+    inputs = press_inputs(model.overspeed, speed, loads)
     limit = None if friction is None else friction_limit(model, friction)
     method = INTEGRATORS[integrator]
     slips: tuple[SlipInterval, ...] = ()

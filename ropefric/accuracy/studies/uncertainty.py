@@ -12,10 +12,9 @@ from scipy.special import ndtri
 
 from ropefric.accuracy.study import Case, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
-from ropefric.fitting.bootstrap import bootstrap
+from ropefric.fitting.intervals import bootstrap, profile_intervals
 from ropefric.fitting.predict import drawn_range
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.profile import profile_intervals
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel

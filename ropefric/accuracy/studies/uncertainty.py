@@ -78,8 +78,8 @@ def exact_interval(law: str) -> tuple[float, float, float]:
     problem, phi = interval_problem(law), np.array(WRAPS_RAD)
     rise = problem.log_lift - np.log(problem.conditions.end_tension_N)
     best = phi @ rise / (phi @ phi)
-    reach = float(ndtri(0.5 + 0.5 * LEVEL)) * _SCATTER[law] / np.sqrt(phi @ phi)
-    middle, low, high = mu_of_exponent(law, [best, best - reach, best + reach]).tolist()
+    half_width = float(ndtri(0.5 + 0.5 * LEVEL)) * _SCATTER[law] / np.sqrt(phi @ phi)
+    middle, low, high = mu_of_exponent(law, [best, best - half_width, best + half_width]).tolist()
     return middle, low, high
 
 
@@ -93,8 +93,10 @@ def _settings(law: str) -> tuple[Setting, ...]:
         return np.array([estimate - below, above - estimate])
 
     def by_covariance() -> FloatArray:
-        reach = float(ndtri(0.5 + 0.5 * LEVEL)) * np.sqrt(plain_covariance(problem.jacobian(theta))[0, 0])
-        return np.array([reach, reach])
+        half_width = float(ndtri(0.5 + 0.5 * LEVEL)) * np.sqrt(
+            plain_covariance(problem.jacobian(theta))[0, 0]
+        )
+        return np.array([half_width, half_width])
 
     def by_profile() -> FloatArray:
         return arms(profile_intervals(problem, theta, level=LEVEL, absolute_std=True).ci[0])

@@ -69,7 +69,7 @@ def fit(
     sections = [fit_section(result), verdict, *notes_sections(result)]
     return Answer(
         result.to_dict() | {"verdict": result.verdict.to_dict()},
-        lambda _: sections,
+        sections,
         exit_code_of(result.verdict),
     )
 

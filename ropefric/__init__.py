@@ -10,36 +10,6 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "__version__",
-    "budget",
-    "compare",
-    "design",
-    "diagnose",
-    "explain",
-    "extract",
-    "find_breakaway",
-    "fit",
-    "lmfit_model",
-    "load_campaign",
-    "load_fit",
-    "load_scene",
-    "measured_budgets",
-    "plan_tests",
-    "predict",
-    "read_trace",
-    "read_trial",
-    "reject",
-    "run",
-    "save_fit",
-    "smooth",
-    "solve",
-    "sweep",
-    "trial_table",
-    "write_scenes",
-]
-
-
 _WHERE = {
     "budget": "ropefric.api.models",
     "compare": "ropefric.api.models",
@@ -67,6 +37,7 @@ _WHERE = {
     "trial_table": "ropefric.api.recordings",
     "write_scenes": "ropefric.scenes.scene_templates",
 }
+__all__ = ["__version__", *_WHERE]  # noqa: PLE0604  (its names are strings)
 
 
 def __getattr__(name: str) -> Any:

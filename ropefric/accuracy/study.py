@@ -171,7 +171,7 @@ def against(
 ) -> Setting:
     """Return a setting that solves a problem given by functions, whose calls or points are its work.
 
-    They are counted only while it is assessed, not while it is timed; `work` may also be told as a number.
+    They are counted only while it is assessed, not while it is timed; `work` may also be given as a number.
     """
 
     def assess() -> Outcome:

@@ -11,13 +11,13 @@ import numpy.typing as npt
 from ropefric.api.recordings import PathLike, as_campaign, trial_table
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.bootstrap import with_intervals
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
 from ropefric.fitting.fit import fit_law
+from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
 from ropefric.fitting.measured_budget import (
     GRAVITY_LIMIT,

@@ -18,6 +18,7 @@ from ropefric.cli import commands
 from ropefric.cli.options import Answer, Command
 from ropefric.cli.output import Output, json_text, rendered
 from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
 
 INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
@@ -111,7 +112,7 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
             if on_start is not None:
                 on_start()
             answer = command.run(out, **arguments)
-            out.result(json_text(answer.data) + "\n" if out.json else rendered(out.stdout, _shown(answer)))
+            out.result(json_text(answer.data) + "\n" if out.json else _shown(answer, out))
         except KeyboardInterrupt as interrupt:  # typer would end here without a word
             return report_failure(interrupt, out)
         return answer.exit_code
@@ -129,19 +130,15 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
     return call
 
 
-def _shown(answer: Answer) -> Callable[[Any], None]:
-    """Return what prints an answer on a console: text and sections as they are, all else by itself."""
+def _shown(answer: Answer, out: Output) -> str:
+    """Return what people see of an answer; rich is loaded only for what it prints itself."""
+    if callable(answer.show):
+        return rendered(out.stdout, answer.show)
+    if isinstance(answer.show, str):
+        return visible(answer.show) + "\n"
+    from ropefric.report.section import as_text  # noqa: PLC0415  (quick start-up)
 
-    def show(console: Any) -> None:
-        made = answer.show(console)
-        if isinstance(made, str):
-            console.print(made, markup=False, soft_wrap=True)
-        elif made is not None:
-            from ropefric.report.section import as_text  # noqa: PLC0415  (quick start-up)
-
-            console.print(as_text(made), end="", markup=False, soft_wrap=True)
-
-    return show
+    return visible(as_text(answer.show))
 
 
 def report_failure(error: BaseException, out: Output) -> int:

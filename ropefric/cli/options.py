@@ -31,13 +31,10 @@ SERIAL_BELOW = 20
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The result of one command: data for programs, what people see of it, an exit code.
-
-    `show` gives text or sections to be printed, or prints on the console itself.
-    """
+    """The result of one command: data for programs, what people see of it (or what prints it), an exit code."""
 
     data: Mapping[str, Any]
-    show: "Callable[[Console], Sequence[Section] | str | None]"
+    show: "Sequence[Section] | str | Callable[[Console], None]"
     exit_code: int = 0
 
 

@@ -58,18 +58,22 @@ class Output:
     def note(self, text: str) -> None:
         """Say something on stderr, unless asked to be quiet."""
         if not self.quiet:
-            self._say(lambda console: console.print(text, soft_wrap=True, markup=False))
+            self._say(f"{visible(text)}\n")
 
     def problems(self, problems: Iterable[Problem]) -> None:
         """List problems on stderr; warnings only if not asked to be quiet."""
         for problem in problems:
             if problem.severity == "error" or not self.quiet:
-                self._say(partial(_print_problem, problem))
+                styled = (
+                    sys.stderr.isatty() or "FORCE_COLOR" in os.environ
+                )  # else without rich, which takes a while
+                show = partial(_print_problem, problem)
+                self._say(rendered(self.stderr, show) if styled else f"{visible(str(problem))}\n")
 
-    def _say(self, show: "Callable[[Console], None]") -> None:
+    def _say(self, text: str) -> None:
         # The work goes on when nobody listens any more (`2>&1 | head`), or the log's disk is full.
         with suppress(OSError):
-            sys.stderr.write(rendered(self.stderr, show))
+            sys.stderr.write(text)
             sys.stderr.flush()
 
 

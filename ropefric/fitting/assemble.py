@@ -182,9 +182,8 @@ def _errors(
     dof = n - q
     factor = float(residuals @ residuals) / dof if dof > 0 else 1.0
     if settings.scale_covar == "auto" and found.shared.any():
-        factor = max(
-            factor, 1.0
-        )  # what is known of the instrument stays, however well the points happen to lie
+        # What is known of the instrument stays, however well the points happen to lie.
+        factor = max(factor, 1.0)
     note = "the scatter is not known beforehand and taken from the residuals (scale_covar = True)"
     return inverse * factor, "scaled", float(max(dof, 0)), [note]
 

@@ -1,4 +1,7 @@
-"""From a fitted law to the lift force of a wheel, with the interval of the law and that of one new rope."""
+"""From a fitted law to the lift force of a wheel, with the interval of the law and that of one new rope.
+
+The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ, and draws check that.
+"""
 
 import math
 from collections.abc import Mapping

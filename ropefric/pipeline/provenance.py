@@ -45,18 +45,13 @@ class Provenance:
     settings: Mapping[str, Any]
     law: str
 
-    @property
-    def inputs(self) -> tuple[InputFile, ...]:
-        """Return all files that went in."""
-        return (self.campaign, self.trial_list, *self.recordings)
-
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree of schema `ropefric.run/1`."""
         return {
             "schema": SCHEMA,
             "command": self.command,
             "law": self.law,
-            "inputs": [{"path": item.path, "sha256": item.sha256} for item in self.inputs],
+            "inputs": [item._asdict() for item in (self.campaign, self.trial_list, *self.recordings)],
             "versions": dict(self.versions),
             "seeds": dict(self.seeds),
             "settings": dict(self.settings),

@@ -1,6 +1,7 @@
 """A Campbell chart: the blade's modes and what shakes it over the blade's speed, meetings circled."""
 
 import math
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,7 +46,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
             "Modes of the blade and what excites them; circles: resonance, at this change of speed", pad=18.0
         )
         _draw_modes(axes, chart)
-        for excitation, dashes in zip(chart.excitations, _cycle(len(chart.excitations)), strict=True):
+        for excitation, dashes in zip(chart.excitations, cycle(_DASHES), strict=False):
             _draw_excitation(axes, excitation, chart, dashes, top_Hz)
         if chart.saw.speed_m_s > 0.0:
             axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
@@ -147,31 +148,20 @@ def _write_margin(axes: "Axes", crossing: "Crossing", up: float) -> None:
     )
 
 
-def _cycle(n: int) -> list[object]:
-    return [_DASHES[i % len(_DASHES)] for i in range(n)]
-
-
 def _modes_table(chart: "SawChart") -> DataTable:
-    rows = [
-        (str(side), mode + 1, float(speed), float(frequencies[case, mode]))
+    rows = tuple(
+        (str(side), mode, speed, frequency_Hz)
         for side, frequencies in chart.mode_Hz.items()
-        for mode in range(frequencies.shape[1])
-        for case, speed in enumerate(np.asarray(chart.speed_m_s))
-    ]
-    return DataTable(header=MODE_HEADER, rows=tuple(rows))
+        for mode, line in enumerate(frequencies.T.tolist(), start=1)
+        for speed, frequency_Hz in zip(chart.speed_m_s.tolist(), line, strict=True)
+    )
+    return DataTable(header=MODE_HEADER, rows=rows)
 
 
 def _crossings_table(chart: "SawChart") -> DataTable:
-    rows = [
-        (
-            str(crossing.side),
-            crossing.mode,
-            crossing.excitation,
-            crossing.harmonic,
-            crossing.speed_m_s,
-            crossing.frequency_Hz,
-            crossing.speed_margin if math.isfinite(crossing.speed_margin) else math.nan,
-        )
-        for crossing in chart.crossings
-    ]
-    return DataTable(name="crossings", header=CROSSING_HEADER, rows=tuple(rows))
+    rows = tuple(
+        (str(one.side), one.mode, one.excitation, one.harmonic, one.speed_m_s, one.frequency_Hz, margin)
+        for one in chart.crossings
+        for margin in (one.speed_margin if math.isfinite(one.speed_margin) else math.nan,)
+    )
+    return DataTable(name="crossings", header=CROSSING_HEADER, rows=rows)

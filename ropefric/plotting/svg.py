@@ -33,7 +33,7 @@ _FONT = "'DejaVu Sans'"
 _FALLBACK = "Verdana,sans-serif"  # of nearly the same width
 # Words with a symbol are drawn as plain words, the index between marks that no eye sees and every font has.
 _MARK = "\u2063"
-_INDEX = re.compile(f"([A-Za-zφμρσ]+){_MARK}([^{_MARK}]+){_MARK}")
+_INDEX = re.compile(f"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]+){_MARK}([^{_MARK}]+){_MARK}")
 _COMMAND = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 _LONG = 60
 """Numbers in a path above which a tenth of a point is fine enough."""

@@ -3,9 +3,10 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
 from statistics import median
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.scenes.kind import finite
@@ -162,9 +163,8 @@ def method_tree(method: Method) -> dict[str, Any]:
 _REPEATS = 5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EffectWorth:
-    """What one effect turned out to be worth."""
+class EffectWorth(NamedTuple):
+    """What one effect turned out to be worth, and its share of the time."""
 
     worth: float = math.nan
     time_share: float = math.nan
@@ -221,12 +221,9 @@ class Explanation:
 
 
 def _effect_tree(decision: Decision, effect: Effect[Any, Any], worth: EffectWorth) -> dict[str, Any]:
-    return {
-        "name": decision.name,
+    return asdict(decision) | {
         "simulated": decision.fate == "simulated",
-        "fate": decision.fate,
         "bound": finite(decision.bound),
-        "why": decision.why,
         "missing": list(decision.missing),
         "adds": effect.adds,
         "instead": effect.instead,
@@ -269,25 +266,19 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
     planned, planned_s = solved(simulated)
     worth = []
     for decision in plan.decisions:
-        if decision.fate == "not applicable":
-            worth.append(EffectWorth())
-            continue
-        try:
-            other, other_s = solved(simulated ^ {decision.name})
-        except RopefricError:
-            # A model may have no answer without an effect that another one in it relies on.
-            worth.append(EffectWorth())
-            continue
-        if decision.name in simulated:
-            share = max(0.0, 1.0 - other_s / planned_s) if planned_s > 0.0 else math.nan
-            worth.append(EffectWorth(worth=system.distance(other, planned), time_share=share))
-        else:
-            worth.append(EffectWorth(worth=system.distance(planned, other)))
-    everything, all_s = solved({one.name for one in plan.decisions if one.fate != "not applicable"})
-    return Explanation(
-        system=told.system,
-        plan=plan,
-        effects=told.effects,
+        found = EffectWorth()
+        # A model may have no answer without an effect that another one in it relies on.
+        with suppress(RopefricError):
+            if decision.fate == "simulated":
+                other, other_s = solved(simulated - {decision.name})
+                share = max(0.0, 1.0 - other_s / planned_s) if planned_s > 0.0 else math.nan
+                found = EffectWorth(system.distance(other, planned), share)
+            elif decision.fate == "left out":
+                found = EffectWorth(system.distance(planned, solved(simulated | {decision.name})[0]))
+        worth.append(found)
+    everything, all_s = solved(simulated | set(plan.left_out))
+    return replace(
+        told,
         worth=tuple(worth),
         planned_s=planned_s,
         all_s=all_s,

@@ -47,7 +47,7 @@ def chain_quantities(force_N: float, calibration: Calibration) -> tuple[Quantity
         if line.n > 2:
             # The line saw the rope rig's untared reading, not the force after the tare.
             distance_N = force_N + calibration.tare_N - line.mean_N
-            std_N = line.scatter_N * math.sqrt(1.0 + 1.0 / line.n + distance_N**2 / line.spread_N2)
+            std_N = line.scatter_N * math.sqrt(1.0 + 1.0 / line.n + distance_N**2 / line.squares_N2)
             dof = line.dof
         found.append(
             Quantity(

@@ -57,7 +57,7 @@ class Line(NamedTuple):
     dof: float
     n: int
     mean_N: float
-    spread_N2: float
+    squares_N2: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,13 +157,13 @@ class ForceCell:
         n = len(self.points)
         mean_N = math.fsum(force for force, _ in self.points) / n
         mean_V = math.fsum(voltage for _, voltage in self.points) / n
-        spread_N2 = math.fsum((force - mean_N) ** 2 for force, _ in self.points)
-        slope_V_N = math.fsum((f - mean_N) * (v - mean_V) for f, v in self.points) / spread_N2
+        squares_N2 = math.fsum((force - mean_N) ** 2 for force, _ in self.points)
+        slope_V_N = math.fsum((f - mean_N) * (v - mean_V) for f, v in self.points) / squares_N2
         squares_V2 = math.fsum((v - mean_V - slope_V_N * (f - mean_N)) ** 2 for f, v in self.points)
         # Two points lie on their line; what is left there is rounding, not scatter.
         scatter_V = math.sqrt(squares_V2 / (n - 2)) if n > 2 else 0.0
         zero_V = mean_V - slope_V_N * mean_N
-        return Line(1.0 / slope_V_N, zero_V, scatter_V / slope_V_N, float(n - 2), n, mean_N, spread_N2)
+        return Line(1.0 / slope_V_N, zero_V, scatter_V / slope_V_N, float(n - 2), n, mean_N, squares_N2)
 
 
 def _checked_points(points: Any, full_scale_N: float, what: str) -> tuple[tuple[float, float], ...]:

@@ -127,11 +127,11 @@ def _spread(time_s: FloatArray, repeated: BoolArray, refuse: Callable[..., DataE
     median_s = float(np.median(steps_s))
     lengths_s = np.minimum(np.append(steps_s, median_s), median_s)
     rank = np.arange(time_s.size) - np.repeat(starts, sizes)
-    spread_s = np.asarray(time_s + rank * np.repeat(lengths_s / sizes, sizes), dtype=np.float64)
-    stuck = ~((np.diff(spread_s) > 0) & np.isfinite(spread_s[1:]))
+    mended_s = np.asarray(time_s + rank * np.repeat(lengths_s / sizes, sizes), dtype=np.float64)
+    stuck = ~((np.diff(mended_s) > 0) & np.isfinite(mended_s[1:]))
     if stuck.any():
         raise refuse(int(np.argmax(stuck)) + 1, "cannot be told from the one before it by its time stamp")
-    return spread_s
+    return mended_s
 
 
 def _gap_notes(time_s: FloatArray, steps_s: FloatArray) -> tuple[str, ...]:

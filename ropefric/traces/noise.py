@@ -37,7 +37,7 @@ _JUMP_SIGMAS = 4.0
 _JUMP_STEPS = 2.0
 
 
-def _windows(values: FloatArray) -> FloatArray:
+def _second_differences(values: FloatArray) -> FloatArray:
     """At most `MAX_SAMPLES_FOR_NOISE` second differences, from stretches spread over the recording."""
     if values.size <= MAX_SAMPLES_FOR_NOISE:
         return np.asarray(np.diff(values, 2))
@@ -62,17 +62,18 @@ def resolution(values: FloatArray) -> float:
     return float(steps.min()) if steps.size else 0.0
 
 
-def noise_std(values: FloatArray) -> float:
+def noise_std(values: FloatArray, step: float | None = None) -> float:
     """Return the standard deviation of the white noise on a signal that is smooth between corners.
 
     From the median of the absolute second differences, which straight lines do not touch and a few corners, slips
     and spikes do not move: σ = 1.4826 median|x_{i-1} − 2 x_i + x_{i+1}| / √6. A coarse converter hides noise
-    smaller than its step, so the result is never below step/√12.
+    smaller than its step (`resolution`, unless it is given), so the result is never below step/√12.
     """
     if values.size < 4:
         return 0.0
-    sigma = 1.4826 * median(np.abs(_windows(values))) / np.sqrt(6.0)
-    return float(max(sigma, resolution(values) / np.sqrt(12.0)))
+    step = resolution(values) if step is None else step
+    sigma = 1.4826 * median(np.abs(_second_differences(values))) / np.sqrt(6.0)
+    return float(max(sigma, step / np.sqrt(12.0)))
 
 
 class Cleaned(NamedTuple):
@@ -187,8 +188,8 @@ def _may_be_stuck(runs: IntArray, changed: FloatArray) -> BoolArray:
     """Return which runs are long, or too long for the liveliest of their two sides: a quick look at all of them."""
     so_far = np.concatenate([[0], np.cumsum(changed != 0.0)])
     start, stop = runs.T
-    reach = np.maximum(_AROUND, stop - start)
-    before, after = np.maximum(0, start - reach), np.minimum(changed.size, stop + reach)
+    n_around = np.maximum(_AROUND, stop - start)
+    before, after = np.maximum(0, start - n_around), np.minimum(changed.size, stop + n_around)
     shares = (
         (so_far[start] - so_far[before]) / np.maximum(1, start - before),
         (so_far[after] - so_far[np.minimum(stop + 1, after)]) / np.maximum(1, after - stop - 1),
@@ -206,10 +207,10 @@ def _is_stuck(
     grain: tuple[float, float],
 ) -> bool:
     start, stop = int(run[0]), int(run[1])
-    length, reach = stop - start, max(_AROUND, stop - start)
+    length, n_around = stop - start, max(_AROUND, stop - start)
     shares, is_noisy = [], False
     # On one side the force may run up and down so fast that no noise is seen on it.
-    for found in (changed[max(0, start - reach) : start], changed[stop + 1 : stop + reach]):
+    for found in (changed[max(0, start - n_around) : start], changed[stop + 1 : stop + n_around]):
         steps = found[found != 0.0]
         if found.size < _LEAST_AROUND:
             continue
@@ -227,7 +228,7 @@ def _is_stuck(
         return False
     step, noise = grain
     jump = np.abs(np.append(changed, 0.0)[runs[:, 1]]) > _JUMP_SIGMAS * noise + _JUMP_STEPS * step
-    near = (runs[:, 1] > start - reach) & (runs[:, 0] < stop + reach) & ~jump
+    near = (runs[:, 1] > start - n_around) & (runs[:, 0] < stop + n_around) & ~jump
     longest = int((runs[near, 1] - runs[near, 0]).max(initial=_SHORT))
     return length > _LONGER * longest and bool(jump[runs[:, 0] == start][0])
 
@@ -254,12 +255,7 @@ def _rests_noisily(changes: FloatArray, step: float) -> bool:
 
 def runs_of(mask: BoolArray) -> IntArray:
     """Return the start and stop of every run of True, shape (k, 2), read-only."""
-    if not mask.any():
-        runs = np.empty((0, 2), dtype=np.int64)
-    else:
-        edges = np.flatnonzero(mask[1:] != mask[:-1]) + 1
-        first = [0] if mask[0] else []
-        last = [mask.size] if mask[-1] else []
-        runs = np.concatenate([first, edges, last]).astype(np.int64).reshape(-1, 2)
+    edges = np.diff(mask, prepend=False, append=False) if mask.any() else mask  # most have none
+    runs = np.flatnonzero(edges).astype(np.int64).reshape(-1, 2)
     runs.flags.writeable = False
     return runs

@@ -195,8 +195,8 @@ def _line(time_s: FloatArray, force_N: FloatArray) -> tuple[float, float, float]
     """Least-squares line: mean time, mean force, slope."""
     t0, f0 = float(time_s.mean()), float(force_N.mean())
     dt = time_s - t0
-    spread = float(dt @ dt)
-    return t0, f0, float(dt @ (force_N - f0)) / spread if spread > 0 else 0.0
+    squares = float(dt @ dt)
+    return t0, f0, float(dt @ (force_N - f0)) / squares if squares > 0 else 0.0
 
 
 def _corner_N(

@@ -131,8 +131,9 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
         time_s, force_N = time_s[present], force_N[present]
     if force_N.size < MIN_SAMPLES:
         return None
-    noise_N = noise_std(force_N)
-    stuck = _between_limits(find_stuck(force_N, resolution(force_N), noise_N), force_N, trace)
+    step_N = resolution(force_N)
+    noise_N = noise_std(force_N, step_N)
+    stuck = _between_limits(find_stuck(force_N, step_N, noise_N), force_N, trace)
     if len(stuck):
         noise_N = noise_std(np.delete(force_N, np.concatenate([np.arange(*run) for run in stuck])))
     cleaned = remove_spikes(force_N, noise_N)
@@ -154,7 +155,9 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
         time_s=time_s,
         force_N=cleaned.values,
         noise_N=noise_N,
-        blocks=_block_means(time_s, cleaned.values),
+        blocks=_block_means(
+            time_s, cleaned.values, resolution(cleaned.values) if cleaned.bad.size else step_N
+        ),
         notes=tuple(notes),
         stuck=stuck,
     )
@@ -169,7 +172,7 @@ def _between_limits(stuck: IntArray, force_N: FloatArray, trace: ForceTrace) -> 
     return stuck[~np.isin(force_N[stuck[:, 0]], limits_N)]
 
 
-def _block_means(time_s: FloatArray, force_N: FloatArray) -> Blocks:
+def _block_means(time_s: FloatArray, force_N: FloatArray, step_N: float) -> Blocks:
     n = force_N.size
     span_s = float(time_s[-1] - time_s[0])
     size = int(np.clip(round(BLOCK_S * (n - 1) / span_s), 1, max(1, n // 16))) if span_s > 0 else 1
@@ -177,7 +180,6 @@ def _block_means(time_s: FloatArray, force_N: FloatArray) -> Blocks:
     body = force_N[: (m - 1) * size].reshape(m - 1, size).mean(axis=1)
     means = np.append(body, force_N[(m - 1) * size :].mean())
     # A converter coarser than its noise repeats itself, so that averaging helps less than by the square root.
-    step_N = resolution(force_N)
     return Blocks(
         force_N=means,
         time_s=time_s[: m * size : size],

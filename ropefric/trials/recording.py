@@ -76,28 +76,16 @@ def _extract_row(
 
 def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:
     """Return the recordings of a file that a row of the trial list names."""
-    if spec.sample == "*":
-        return raws
-    if not spec.sample and len(raws) == 1:
+    if spec.sample == "*" or (not spec.sample and len(raws) == 1):
         return raws
     names = [raw.sample for raw in raws]
     if spec.sample in names:
         return [raws[names.index(spec.sample)]]
+    message, fix = f"the file has no recording '{spec.sample}'", did_you_mean(spec.sample, names)
     if not spec.sample:
-        raise DataError(
-            f"the file holds {len(raws)} recordings side by side",
-            code="RF123",
-            path=spec.file,
-            key="sample",
-            fix=f"name one in the column 'sample', for example '{names[0]}', or write '*' for all",
-        )
-    raise DataError(
-        f"the file has no recording '{spec.sample}'",
-        code="RF123",
-        path=spec.file,
-        key="sample",
-        fix=did_you_mean(spec.sample, names),
-    )
+        message = f"the file holds {len(raws)} recordings side by side"
+        fix = f"name one in the column 'sample', for example '{names[0]}', or write '*' for all"
+    raise DataError(message, code="RF123", path=spec.file, key="sample", fix=fix)
 
 
 def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str) -> list[TrialResult]:

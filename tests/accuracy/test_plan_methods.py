@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ropefric.accuracy.chebyshev import chebyshev_frequencies
 from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, scenes
+from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.bandsaw.beam import ScaledBeam, scaled_beams, solve_beam
 from ropefric.systems.bandsaw.effects import SYSTEM as SAW

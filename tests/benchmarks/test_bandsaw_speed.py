@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ropefric.accuracy.chebyshev import chebyshev_frequencies
+from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
 from ropefric.systems.bandsaw.beam import ScaledBeam, galerkin_frequencies, solve_beam, widths_for
 from ropefric.systems.bandsaw.span import CLAMPED, Span, string_frequencies_Hz
 

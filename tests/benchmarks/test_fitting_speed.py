@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from ropefric.fitting.bootstrap import bootstrap
+from ropefric.fitting.intervals import bootstrap
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions

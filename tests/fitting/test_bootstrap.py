@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import FitError, InputError, UnknownNameError
-from ropefric.fitting.bootstrap import bootstrap
+from ropefric.fitting.intervals import bootstrap
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.statistics import TwoLevelScatter, two_level_scatter
 from ropefric.friction.condition import Conditions

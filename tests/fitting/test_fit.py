@@ -12,8 +12,8 @@ from scipy import optimize
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting import problem as problems
-from ropefric.fitting.bootstrap import bootstrap
 from ropefric.fitting.fit import fit_law, trial_std
+from ropefric.fitting.intervals import bootstrap
 from ropefric.fitting.statistics import pooled_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS

@@ -8,8 +8,8 @@ from scipy.stats import chi2 as chi2_distribution
 from scipy.stats import t as t_distribution
 
 from ropefric.errors import FitError, InputError
+from ropefric.fitting.intervals import profile_intervals
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.profile import profile_intervals
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropefric.fitting.bootstrap import with_intervals
 from ropefric.fitting.fit import fit_law
+from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit, verify_fits
 from ropefric.friction.condition import Conditions, one_condition

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting.bootstrap import with_intervals
 from ropefric.fitting.fit import fit_law
+from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.store import load_fit, save_fit
 
 

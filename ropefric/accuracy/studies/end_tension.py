@@ -123,7 +123,7 @@ def _iterated(values: Values, upper: FloatArray, exact: FloatArray) -> tuple[Set
     )  # fmt: skip
 
 
-# Methods below evaluate G in their own way, so that their work is told and not counted.
+# Methods below evaluate G in their own way, so that their work is given and not counted.
 def _power_settings(b: float) -> tuple[Setting, ...]:
     y, exact = (np.tile(np.array(values), COPIES) for values in (LOG_TENSION, POWER[b]))
     s = b + 1.0

@@ -12,10 +12,9 @@ from scipy.special import ndtri
 
 from ropefric.accuracy.study import Case, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
-from ropefric.fitting.bootstrap import bootstrap
+from ropefric.fitting.intervals import bootstrap, profile_intervals
 from ropefric.fitting.predict import drawn_range
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.profile import profile_intervals
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
@@ -79,8 +78,8 @@ def exact_interval(law: str) -> tuple[float, float, float]:
     problem, phi = interval_problem(law), np.array(WRAPS_RAD)
     rise = problem.log_lift - np.log(problem.conditions.end_tension_N)
     best = phi @ rise / (phi @ phi)
-    reach = float(ndtri(0.5 + 0.5 * LEVEL)) * _SCATTER[law] / np.sqrt(phi @ phi)
-    middle, low, high = mu_of_exponent(law, [best, best - reach, best + reach]).tolist()
+    half_width = float(ndtri(0.5 + 0.5 * LEVEL)) * _SCATTER[law] / np.sqrt(phi @ phi)
+    middle, low, high = mu_of_exponent(law, [best, best - half_width, best + half_width]).tolist()
     return middle, low, high
 
 
@@ -94,8 +93,10 @@ def _settings(law: str) -> tuple[Setting, ...]:
         return np.array([estimate - below, above - estimate])
 
     def by_covariance() -> FloatArray:
-        reach = float(ndtri(0.5 + 0.5 * LEVEL)) * np.sqrt(plain_covariance(problem.jacobian(theta))[0, 0])
-        return np.array([reach, reach])
+        half_width = float(ndtri(0.5 + 0.5 * LEVEL)) * np.sqrt(
+            plain_covariance(problem.jacobian(theta))[0, 0]
+        )
+        return np.array([half_width, half_width])
 
     def by_profile() -> FloatArray:
         return arms(profile_intervals(problem, theta, level=LEVEL, absolute_std=True).ci[0])

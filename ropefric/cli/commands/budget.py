@@ -109,7 +109,7 @@ def budget(
     ]
     return Answer(
         {"source": str(source), "budgets": trees},
-        lambda _: sections,
+        sections,
         0 if all(each.trustworthy for _, each in stated) else NOT_TRUSTED,
     )
 
@@ -164,7 +164,7 @@ def _of_fit(
     title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
     return Answer(
         stated.to_dict() | known | more,
-        lambda _: uncertainty_sections(stated, title),
+        uncertainty_sections(stated, title),
         0 if stated.trustworthy else NOT_TRUSTED,
     )
 

@@ -39,19 +39,19 @@ def check(
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
-    tally = f"{campaign}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
+    summary = f"{campaign}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
     listed = [problem.to_dict() | {"severity": problem.severity} for problem in problems]
     data: dict[str, Any] = {"ok": n_errors == 0, "problems": listed}
     try:
         raise_problems(problems)
     except DataError as failure:
-        return Answer(data | failure.to_dict(), lambda _: tally, DataError.exit_code)
+        return Answer(data | failure.to_dict(), summary, DataError.exit_code)
     if scene:
-        return Answer(data, lambda _: tally)
+        return Answer(data, summary)
     content = _content(load_campaign(campaign))
 
     def show(console: "Console") -> None:
-        console.print(tally, markup=False, soft_wrap=True)
+        console.print(summary, markup=False, soft_wrap=True)
         _show_content(content, console)
 
     return Answer(data | {"campaign": content}, show)

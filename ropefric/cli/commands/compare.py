@@ -33,7 +33,7 @@ def compare(
     verdict = verdict_section(choice.verdict, f"The law: {choice.fit.law}")
     return Answer(
         found.to_dict() | choice.to_dict(),
-        lambda _: [comparison_section(found), verdict],
+        [comparison_section(found), verdict],
         exit_code_of(choice.verdict),
     )
 

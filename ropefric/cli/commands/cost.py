@@ -47,7 +47,7 @@ def cost(
         "written": list(written),
     }
     said = written_to(folder, "cost.html, cost.md, …")
-    return Answer(data, lambda _: [*cost_sections(results, machine), said])
+    return Answer(data, [*cost_sections(results, machine), said])
 
 
 COMMAND = Command("cost", cost, "ropefric cost integral --out cost --quick", order=180)

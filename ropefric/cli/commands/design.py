@@ -85,7 +85,7 @@ def design(
     return Answer(
         found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
-        lambda _: [_section(found)],
+        [_section(found)],
         exit_code_of(stored.verdict) if reached else NOT_TRUSTED,
     )
 

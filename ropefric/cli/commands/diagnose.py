@@ -13,9 +13,7 @@ def diagnose(out: Output, trials: TableArgument) -> Answer:
     from ropefric.report.parts import diagnosis_section  # noqa: PLC0415
 
     found = find_causes(read_table(trials, out))
-    return Answer(
-        found.to_dict(), lambda _: [diagnosis_section(found, full=True)], exit_code_of(found.verdict)
-    )
+    return Answer(found.to_dict(), [diagnosis_section(found, full=True)], exit_code_of(found.verdict))
 
 
 COMMAND = Command("diagnose", diagnose, "ropefric diagnose fits/prth-trials.csv", order=110)

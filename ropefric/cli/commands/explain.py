@@ -20,7 +20,7 @@ def explain(
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415
 
     found = explain_scene(load_scene(scene), measure=measure)
-    return Answer(found.to_dict(), lambda _: explanation_sections(found))
+    return Answer(found.to_dict(), explanation_sections(found))
 
 
 COMMAND = Command("explain", explain, "ropefric explain data/scenes/hoist.toml --measure", order=170)

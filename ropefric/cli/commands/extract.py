@@ -162,9 +162,9 @@ def say_problems(extraction: "Extraction", folder: Path, out: Output) -> None:
     what = counted(len(trials), "trial")
     if n_recordings != len(trials):
         what += f" in {counted(n_recordings, 'recording')}"
-    tally = outcome_words(count_trials(extraction))
+    counts = outcome_words(count_trials(extraction))
     reused = f" ({extraction.n_reused} unchanged, not extracted again)" if extraction.n_reused else ""
-    out.note(f"{what}: {tally}{reused} → {folder / 'problems.csv'}")
+    out.note(f"{what}: {counts}{reused} → {folder / 'problems.csv'}")
 
 
 def _show(extraction: "Extraction", console: "Console") -> None:

@@ -43,8 +43,8 @@ def fit(
 
     Exits with 4 when the law is not supported by its fit: undecided, or not judged; the status says more.
     """
-    from ropefric.fitting.bootstrap import with_intervals  # noqa: PLC0415
     from ropefric.fitting.fit import fit_law  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting.intervals import with_intervals  # noqa: PLC0415
     from ropefric.fitting.store import check_target, save_fit  # noqa: PLC0415
     from ropefric.report.parts import fit_section, notes_sections, verdict_section  # noqa: PLC0415
 
@@ -69,7 +69,7 @@ def fit(
     sections = [fit_section(result), verdict, *notes_sections(result)]
     return Answer(
         result.to_dict() | {"verdict": result.verdict.to_dict()},
-        lambda _: sections,
+        sections,
         exit_code_of(result.verdict),
     )
 

@@ -33,7 +33,7 @@ def init(
 
         written = write_templates(folder, overwrite=force)
         out.note(f"next: fill them in, then  ropefric check {written[0]}")
-    return Answer({"written": written}, lambda _: "\n".join(f"wrote {path}" for path in written))
+    return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
 
 COMMAND = Command("init", init, "ropefric init my-scenes --scene hoist", order=10)

@@ -93,9 +93,9 @@ def plan_tests(
         if scatter_within is None:
             text = 'how far do repeats scatter? Write it like "1.7 %"'
             raise BadParameter(text, param_hint="--scatter-within")
-        spread = MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+        repeats_scatter = MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
         at = parse_assignments(guess or [], option="--guess")
-        planned = planned_guess(ALL_LAWS[law], at, spread, fixed=tuple(hold or ()))
+        planned = planned_guess(ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
     found = find_plan(
@@ -120,7 +120,7 @@ def plan_tests(
             raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
-    return Answer(found.to_dict() | known | {"written": file}, lambda _: plan_sections(found), exit_code)
+    return Answer(found.to_dict() | known | {"written": file}, plan_sections(found), exit_code)
 
 
 def _taken(path: Path) -> InputError:

@@ -59,7 +59,7 @@ def predict(
         lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(lines)
         sections.append(Section(title="By hand", lines=lines, verbatim=True))
-    return Answer(data, lambda _: sections, exit_code_of(found.verdict()))
+    return Answer(data, sections, exit_code_of(found.verdict()))
 
 
 COMMAND = Command(

@@ -123,7 +123,7 @@ def work_through(
     said = written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
     return Answer(
         result.to_dict() | {"written": [*result.written, *pages]},
-        lambda _: [*summary_sections(result), said],
+        [*summary_sections(result), said],
         exit_code_of(result.answer.verdict),
     )
 

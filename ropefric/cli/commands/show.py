@@ -1,4 +1,4 @@
-"""`ropefric show`: a stored fit, told to people."""
+"""`ropefric show`: a stored fit, for people."""
 
 from pathlib import Path
 
@@ -17,9 +17,7 @@ def show(out: Output, file: Path = Argument(..., metavar="FIT.json", help="A sto
 
     fit = read_fit(file, out)
     sections = [fit_section(fit, short=True), *notes_sections(fit), origin_section(fit)]
-    return Answer(
-        fit.to_dict() | {"verdict": fit.verdict.to_dict()}, lambda _: sections, exit_code_of(fit.verdict)
-    )
+    return Answer(fit.to_dict() | {"verdict": fit.verdict.to_dict()}, sections, exit_code_of(fit.verdict))
 
 
 COMMAND = Command("show", show, "ropefric show fits/prth-coupled.json", order=90)

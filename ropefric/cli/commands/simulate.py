@@ -73,7 +73,7 @@ def simulate(
         "n_trials": plan.n_trials,
     }
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
-    return Answer(data, lambda _: f"{made}, law {plan.law}, seed {seed} → {campaign}")
+    return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")
 
 
 COMMAND = Command("simulate", simulate, "ropefric simulate my-bench --seed 7 --repeats 6", order=40)

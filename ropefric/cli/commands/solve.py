@@ -93,7 +93,7 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
     files = [] if folder is None else _write(out, solution, tree, folder)
     return Answer(
         tree | {"files": files},
-        lambda _: solution_sections(solution, tree),
+        solution_sections(solution, tree),
         0 if solution.stands else NOT_TRUSTED,
     )
 
@@ -126,7 +126,7 @@ def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None
     files = [] if folder is None else _write_sweep(out, found, folder, plot)
     return Answer(
         _tree(found) | {"files": files},
-        lambda _: sweep_sections(found),
+        sweep_sections(found),
         0 if found.keeps_accuracy else NOT_TRUSTED,
     )
 

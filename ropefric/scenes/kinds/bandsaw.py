@@ -1,7 +1,7 @@
 """Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields, replace
 from typing import Annotated, Any, Self
 
@@ -392,26 +392,31 @@ def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
     }
 
 
+def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
+    """Return these numbers of what is found, with its status and advice; the reason where nothing can be."""
+    try:
+        found = find()
+    except RopefricError as error:
+        return {"status": "not possible", "advice": error.problem.message}
+    return {name: getattr(found, name) for name in names} | {
+        "status": found.status.value,
+        "advice": found.status.advice,
+    }
+
+
 def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
     """Return the preload that keeps the margin wanted, where one was."""
-    if problem.margin_wanted is None or problem.preload_range_N is None:
+    margin, range_N = problem.margin_wanted, problem.preload_range_N
+    if margin is None or range_N is None:
         return None
-    try:
-        found = recommend_preload(
-            saw,
-            problem.excitations,
-            margin=problem.margin_wanted,
-            range_N=problem.preload_range_N,
-            n_modes=problem.n_modes,
-        )
-    except RopefricError as error:
-        return _impossible(error)
-    return {
-        "preload_N": found.preload_N,
-        "margin": found.margin,
-        "forbidden_N": [list(interval) for interval in found.forbidden_N],
-        **_judged(found.status),
-    }
+    found = _judged(
+        lambda: recommend_preload(
+            saw, problem.excitations, margin=margin, range_N=range_N, n_modes=problem.n_modes
+        ),
+        *("preload_N", "margin", "forbidden_N"),
+    )
+    forbidden = [list(interval) for interval in found.get("forbidden_N", ())]
+    return found | ({"forbidden_N": forbidden} if "forbidden_N" in found else {})
 
 
 def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
@@ -442,41 +447,24 @@ def _measurement(point: Measurement, **first: str) -> dict[str, Any]:
 
 
 def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
-    found = []
-    for point in problem.measurements:
-        if point.side is not Side.REST:
-            try:
-                one = explain_mounting(saw, point)
-            except RopefricError as error:
-                why = {"mounting_factor": None} | _impossible(error)
-            else:
-                why = {"mounting_factor": one.mounting_factor} | _judged(one.status)
-            found.append(_measurement(point) | why)
-    return found
+    return [
+        {"mounting_factor": None}
+        | _measurement(point)
+        | _judged(lambda point=point: explain_mounting(saw, point), "mounting_factor")  # type: ignore[misc]
+        for point in problem.measurements
+        if point.side is not Side.REST
+    ]
 
 
 def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    try:
-        found = identify(saw, problem.measurements)
-    except RopefricError as error:
-        return _impossible(error)
-    preload_std_N, mounting_std = (None, None) if found.std is None else (finite(one) for one in found.std)
-    return {
-        "preload_N": found.preload_N,
-        "mounting_factor": found.mounting_factor,
-        "preload_std_N": preload_std_N,
-        "mounting_factor_std": mounting_std,
-        "free_mounting_factor": found.free_mounting_factor,
-        **_judged(found.status),
-    }
-
-
-def _impossible(error: RopefricError) -> dict[str, Any]:
-    return {"status": "not possible", "advice": error.problem.message}
-
-
-def _judged(status: Any) -> dict[str, Any]:
-    return {"status": status.value, "advice": status.advice}
+    names = ("preload_N", "mounting_factor", "free_mounting_factor", "std")
+    found = _judged(lambda: identify(saw, problem.measurements), *names)
+    if "std" in found:
+        std = found.pop("std")
+        found["preload_std_N"], found["mounting_factor_std"] = (
+            (None, None) if std is None else map(finite, std)
+        )
+    return found
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:

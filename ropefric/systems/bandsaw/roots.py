@@ -24,8 +24,6 @@ def roots_between(
     are settled are not computed again.
     """
     every = np.arange(low.size)
-    if not every.size:
-        return np.empty(0)
     a, b = high.astype(np.float64), low.astype(np.float64)
     fa, fb = function(a, every), function(b, every)
     c, fc = a.copy(), fa.copy()

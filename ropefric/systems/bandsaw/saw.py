@@ -166,7 +166,7 @@ def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.
     inertia_N = saw.linear_density_kg_m * v**2
     apart_N = 0.5 * side.sign * saw.tension_difference_N + saw.mounting_factor * inertia_N
     total_N = saw.linear_density_kg_m * c**2
-    if saw.bending_stiffness_N_m2 == 0.0:
+    if saw.bending_stiffness_N_m2 == 0.0 or not total_N.size:
         return np.asarray(total_N - apart_N)
 
     # Without ΔF and κ in the way, the total tension is what is looked for; its sign is then the only limit.

@@ -150,9 +150,12 @@ def _moving(name: str, adds: str, instead: str, *, cost: float = 0.1) -> Effect[
     )
 
 
+_UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
+
+
 def _scene_keys(fields: Iterable[str]) -> tuple[str, ...]:
     """Return fields as scenes call them: without the units."""
-    return tuple(re.sub("_(N|m|kg|kg_m2)$", "", field) for field in fields)
+    return tuple(_UNIT.sub("", field) for field in fields)
 
 
 def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:

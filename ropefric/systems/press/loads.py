@@ -1,13 +1,10 @@
-"""What the sludge does to the rollers: the drag of its weight and the work of squeezing it, eqs. (5)-(9).
-
-Both ways: from sludge and belt to torques, and from torques back to the products of sludge data that they stand for.
-"""
+"""What the sludge does to the rollers: the drag of its weight and the work of squeezing it, eqs. (5)-(9)."""
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
-from ropefric.systems.checks import Rule, checked
+from ropefric.systems.checks import checked
 
 GRAVITY_M_S2 = 9.81
 """g [m/s²]."""
@@ -62,32 +59,8 @@ def squeeze_torque_N_m(
     )
 
 
-def implied_squeeze_N_m(
-    torque_N_m: npt.ArrayLike,
-    *,
-    belt_width_m: npt.ArrayLike,
-    radius_m: npt.ArrayLike,
-    units: npt.ArrayLike = 1,
-) -> FloatArray:
-    """Return the product Δh K_max [N/m] behind a squeeze torque; the two are never known apart from it."""
-    arms = _product("positive", units=units, belt_width_m=belt_width_m, radius_m=radius_m)
-    return np.asarray(_product(torque_N_m=torque_N_m) / arms)
-
-
-def implied_drag_kg_m2(
-    torque_N_m: npt.ArrayLike,
-    *,
-    belt_width_m: npt.ArrayLike,
-    radius_m: npt.ArrayLike,
-    sludge_height_m: npt.ArrayLike,
-) -> FloatArray:
-    """Return the product μ_f ρ_s l [kg/m²] behind a gravity torque of sludge of known height."""
-    arms = _product("positive", radius_m=radius_m, belt_width_m=belt_width_m, sludge_height_m=sludge_height_m)
-    return np.asarray(_product(torque_N_m=torque_N_m) / (arms * GRAVITY_M_S2))
-
-
-def _product(rule: Rule = "zero or more", **values: npt.ArrayLike) -> FloatArray:
+def _product(**values: npt.ArrayLike) -> FloatArray:
     product = np.ones(())
     for name, value in values.items():
-        product = product * checked(name, value, rule)
+        product = product * checked(name, value, "zero or more")
     return product

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ropefric.accuracy.chebyshev import chebyshev_frequencies
+from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.bandsaw.beam import (
     ScaledBeam,

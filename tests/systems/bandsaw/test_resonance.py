@@ -140,6 +140,19 @@ def test_what_cannot_be_had_is_refused_with_the_best_there_is(saw):
     assert found.margin == max(tried)
 
 
+@pytest.mark.parametrize("bends", [False, True])
+@pytest.mark.parametrize(
+    "excitations", [(), (fixed_frequency("far off", 1e4),), (wheel_rotation(0.35, (1,)),)]
+)
+def test_an_excitation_that_meets_no_mode_inside_the_range_forbids_no_end_of_it(
+    saw, stiffness, bends, excitations
+):
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness if bends else 0.0, preload_N=6500.0)
+    found = recommend_preload(stiff, excitations, margin=0.01, range_N=(6000.0, 7000.0), n_modes=1)
+    assert found.status is StrainStatus.KEEP
+    assert (found.preload_N, found.forbidden_N) == (6500.0, ())
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [

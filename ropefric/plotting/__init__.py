@@ -9,8 +9,6 @@ In come results; out go a figure with its tables and its words, as PNG and CSV f
 - `work_precision`: what accuracy costs in time
 """
 
-__all__: list[str] = []
-
 import os
 
 

@@ -19,7 +19,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.friction.start import guess
+from ropefric.fitting.start import guess
 from ropefric.trials.table import TrialTable
 
 # Beyond this the squares of residuals and slopes, and their sums, are no floats.

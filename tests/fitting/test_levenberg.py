@@ -13,7 +13,7 @@ from ropefric.fitting.levenberg import batched_fit, bounded_steps
 from ropefric.fitting.problem import reduced
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
-from ropefric.friction.start import guess
+from ropefric.fitting.start import guess
 
 EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
-from ropefric.friction.start import guess
+from ropefric.fitting.start import guess
 
 CONTRACT = [
     "constant", "constant-offset", "size-power", "size-exponential", "wrap-exponential", "wrap-power", "coupled",

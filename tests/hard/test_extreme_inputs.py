@@ -10,7 +10,7 @@ from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.friction.start import guess
+from ropefric.fitting.start import guess
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED, Span, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import scipy
-from scipy.special import stdtrit
 
 import ropefric
 from ropefric.arrays import BoolArray, FloatArray
@@ -34,13 +33,14 @@ from ropefric.fitting.statistics import (
     rounded_covariance,
 )
 from ropefric.fitting.verdict import FitStatus
-from ropefric.friction.condition import distinct
+from ropefric.friction.condition import SETTINGS, distinct
 from ropefric.glossary import counted
 from ropefric.trials.table import TrialTable
+from ropefric.uncertainty.quantity import quantile
 
 # Repeats of one value have a standard deviation of this or less, by rounding.
 _RESIDUE = 1e-14
-_NORMAL = 1.959963984540054
+
 _REGRESSORS = ("wheel_radius_m", "rope_radius_m", "size_ratio", "wrap_angle_rad", "end_tension_N")
 # Above this ratio a part in a hundred of noise in the data is more than the parameters' own size; below it the
 # standard errors cannot be bad unless the scatter is, and that is no matter of the design.
@@ -111,8 +111,6 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         *_of_search(found),
         *_of_design(found, seen, std),
         *(_of_slack(found) if table.measures_slack else ()),
-        *_of_bounds(found),
-        *_of_scatter(found),
     ]
     for trend in find_trends(*left, problem.conditions):
         if trend.p_value < _TREND_P:
@@ -190,22 +188,20 @@ def _errors(
 
 def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParameter, ...]:
     problem = found.problem
-    quantile = float(stdtrit(dof, 0.975)) if 0 < dof < inf else (_NORMAL if dof == inf else inf)
+    reach = quantile(0.975, dof) if dof > 0 else inf
     parameters = []
     for i, item in enumerate(problem.law.parameters):
         value, low, high = float(found.theta[i]), float(problem.lower[i]), float(problem.upper[i])
-        half = quantile * float(std[i]) if std[i] > 0 else 0.0
+        error = float(std[i])
+        half = reach * error if error > 0 else 0.0
         # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
-        ends = (
-            min(to_share(value - half, float(std[i])), value),
-            max(to_share(value + half, float(std[i])), value),
-        )
-        interval = (max(ends[0], low), min(ends[1], high)) if problem.vary[i] else (value, value)
+        near, far = min(to_share(value - half, error), value), max(to_share(value + half, error), value)
+        interval = (max(near, low), min(far, high)) if problem.vary[i] else (value, value)
         parameters.append(
             FittedParameter(
                 name=item.name,
                 value=value,
-                std=float(std[i]),
+                std=error,
                 ci95=(nan, nan) if found.at_bound[i] else interval,
                 lower=low,
                 upper=high,
@@ -241,13 +237,7 @@ def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
     n = np.bincount(group)
     means = group_means(problem.log_lift, group)
     squares = np.bincount(group, (problem.log_lift - means[group]) ** 2)
-    columns = {
-        "wheel_radius_m": conditions.wheel_radius_m,
-        "rope_radius_m": conditions.rope_radius_m,
-        "wrap_angle_rad": conditions.wrap_angle_rad,
-        "end_tension_N": conditions.end_tension_N,
-        "peak_std_N": table.peak_std_N[used],
-    }
+    columns = {name: getattr(conditions, name) for name in SETTINGS} | {"peak_std_N": table.peak_std_N[used]}
     summary = {name: group_means(values, group).tolist() for name, values in columns.items()}
     std = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
     return summary | {
@@ -259,32 +249,40 @@ def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
 
 def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     """Return where the result comes from; nothing in it changes from run to run."""
-    python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    libraries = {"numpy": np.__version__, "scipy": scipy.__version__}
+    versions = {
+        "ropefric": ropefric.__version__,
+        "python": f"{sys.version_info.major}.{sys.version_info.minor}",
+    }
+    versions |= {"numpy": np.__version__, "scipy": scipy.__version__}
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
     if table.source and kind_of_file(table.source) == "file":
         source["sha256"] = hash_file(table.source)
-    return {
-        "input": source,
-        "settings": settings.to_dict(),
-        "versions": {"ropefric": ropefric.__version__, "python": python} | libraries,
-    }
+    return {"input": source, "settings": settings.to_dict(), "versions": versions}
 
 
 # ---- what keeps a fit from being trusted, and the experiment that would help ----
 
 
 def _of_search(found: Found) -> Iterator[Finding]:
+    law, q, scatter = found.problem.law, found.problem.n_varying, found.scatter.within
     if not found.converged:
         yield FitStatus.NOT_CONVERGED, FitStatus.NOT_CONVERGED.advice
-    q = found.problem.n_varying
     if found.n_conditions < q:
         text = (
-            f"{counted(found.n_conditions, 'condition')} cannot determine the "
-            f"{counted(q, 'parameter')} of {found.problem.law.name}: "
+            f"{counted(found.n_conditions, 'condition')} cannot determine the {counted(q, 'parameter')} of {law.name}: "
             "repeats of one condition count once. Measure more conditions, or use a simpler law."
         )
         yield FitStatus.TOO_FEW_POINTS, text
+    for i in np.flatnonzero(found.at_bound):
+        text = (
+            f"{law.parameter_names[i]} of {law.name} lies on its bound {found.theta[i]:.6g}, which is not a "
+            "measurement of it; the errors of the others hold with it there. Use the simpler law it amounts to, or "
+            "measure conditions that show it."
+        )
+        yield FitStatus.AT_BOUND, text
+    if scatter > _EXTREME_SCATTER:
+        kind = FitStatus.EXTREME_SCATTER
+        yield kind, f"Repeats scatter by {scatter:.0%} of the force. {kind.advice}"
 
 
 def _of_design(found: Found, seen: Identifiability, std: FloatArray) -> Iterator[Finding]:
@@ -326,10 +324,8 @@ def _of_slack(found: Found) -> Iterator[Finding]:
 
 def _experiments(found: Found) -> Iterator[str]:
     effects, conditions = found.problem.law.effects, found.problem.conditions
-    sizes, wraps, loads = (
-        distinct(values)
-        for values in (conditions.size_ratio, conditions.wrap_angle_rad, conditions.end_tension_N)
-    )
+    regressors = (conditions.size_ratio, conditions.wrap_angle_rad, conditions.end_tension_N)
+    sizes, wraps, loads = (distinct(values) for values in regressors)
     if "size" in effects and sizes.size <= _FEW_CONDITIONS:
         yield (
             f"There {_there(sizes.size, 'size ratio')} (R_w/R_r = {_values(sizes)}): measure wheels from less "
@@ -353,23 +349,6 @@ def _there(count: int, what: str) -> str:
 
 def _values(values: FloatArray) -> str:
     return ", ".join(f"{value:.4g}" for value in values)
-
-
-def _of_bounds(found: Found) -> Iterator[Finding]:
-    law = found.problem.law
-    for i in np.flatnonzero(found.at_bound):
-        text = (
-            f"{law.parameter_names[i]} of {law.name} lies on its bound {found.theta[i]:.6g}, which is not a "
-            "measurement of it; the errors of the others hold with it there. Use the simpler law it amounts to, or "
-            "measure conditions that show it."
-        )
-        yield FitStatus.AT_BOUND, text
-
-
-def _of_scatter(found: Found) -> Iterator[Finding]:
-    if found.scatter.within > _EXTREME_SCATTER:
-        kind = FitStatus.EXTREME_SCATTER
-        yield kind, f"Repeats scatter by {found.scatter.within:.0%} of the force. {kind.advice}"
 
 
 def _listed(names: Sequence[str]) -> str:

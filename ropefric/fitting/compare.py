@@ -211,7 +211,7 @@ def compare_laws(
     for name, stands in standings.items():
         notes[name] = (
             notes[name]
-            or _too_few(stands, means)
+            or _too_few(stands)
             or _strayed(fits[name], stands, means)
             or _twin(name, standings, notes)
         )
@@ -239,40 +239,29 @@ def _ranking(
     """Return all laws, those without a note weighed and first."""
     ranked = [name for name, note in notes.items() if not note]
     best = min((standings[name].aicc for name in ranked), default=math.nan)
-    weights = dict(
-        zip(ranked, akaike_weights([standings[name].aicc for name in ranked]).tolist(), strict=True)
-    )
+    weights = akaike_weights([standings[name].aicc for name in ranked]).tolist()
     # Weights say nothing of one law, nor of the constant ones where others went unjudged: a law that the data show to
     # be a simpler one was judged, one without an answer, or with too few data, was not.
     judged = len(fits) == len(notes) and all(
         fit.status not in _NO_ANSWER and standings[name].aicc < math.inf for name, fit in fits.items()
     )
     if len(ranked) < 2 or (set(ranked) <= set(ALWAYS) and not judged):
-        weights = dict.fromkeys(ranked, math.nan)
-    entries = []
+        weights = [math.nan] * len(ranked)
+    weight_of, entries = dict(zip(ranked, weights, strict=True)), []
     for name, note in notes.items():
-        if name not in fits:
-            entries.append(ComparisonEntry(law=name, n=n, note=note))
-            continue
-        stands = standings[name]
-        entries.append(
-            ComparisonEntry(
-                law=name,
-                n=n,
-                k=stands.k,
-                chi2=stands.chi2,
-                aicc=stands.aicc,
-                bic=stands.bic,
+        entry = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight_of.get(name, 0.0))
+        if name in fits:
+            stands, fit = standings[name], fits[name]
+            entry = replace(
+                entry,
+                **{key: getattr(stands, key) for key in ("k", "chi2", "aicc", "bic")},
                 # Two laws that follow the data exactly both stand at −inf, no distance apart.
                 delta_aicc=0.0 if stands.aicc == best else stands.aicc - best,
-                weight=weights.get(name, 0.0),
                 loco_error=math.nan if note else leave_one_out(stands),
-                status=fits[name].status.value,
-                counted=not note,
-                note=note,
-                fit=fits[name],
+                status=fit.status.value,
+                fit=fit,
             )
-        )
+        entries.append(entry)
     return tuple(sorted(entries, key=lambda e: (not e.counted, math.inf if math.isnan(e.aicc) else e.aicc)))
 
 
@@ -286,11 +275,10 @@ def _why_not(fit: FitResult) -> str:
     return ""
 
 
-def _too_few(stands: Standing, means: ConditionMeans) -> str:
-    if stands.aicc == math.inf:
-        few = counted(len(means), "observation")
-        return f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
-    return ""
+def _too_few(stands: Standing) -> str:
+    few = counted(stands.problem.n_points, "observation")
+    text = f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
+    return text if stands.aicc == math.inf else ""
 
 
 def _strayed(fit: FitResult, stands: Standing, means: ConditionMeans) -> str:
@@ -347,20 +335,16 @@ def _notes(
 
 
 def _unjudged(ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], in_all: str) -> list[str]:
-    """Return that the ranking decides nothing, and which tests speak against what it holds."""
+    """Return that the ranking decides nothing, and which test speaks most against what it holds."""
     ranked = [entry.law for entry in ranking if entry.counted]
     named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
-    notes = [
-        f"{named} ranked on {in_all}, so weights would say nothing and no law is chosen: measure more conditions"
-    ]
+    text = f"{named} ranked on {in_all}, so weights would say nothing and no law is chosen: measure more conditions"
     against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
-    against = sorted((test for test in against if test.p_value < _CHANCE), key=lambda test: test.p_value)
-    notes += [
-        f"an F-test speaks against {test.simpler}: {test.fuller}, which is not ranked, follows the trials better "
-        f"(p = {test.p_value:.2g})"
-        for test in against[:1]
-    ]
-    return notes
+    worst = min(against, key=lambda test: test.p_value, default=None)
+    if worst is None or not worst.p_value < _CHANCE:
+        return [text]
+    more = f"{worst.fuller}, which is not ranked, follows the trials better (p = {worst.p_value:.2g})"
+    return [text, f"an F-test speaks against {worst.simpler}: {more}"]
 
 
 def standing(
@@ -467,21 +451,12 @@ def _end_tension_fit(
     margin = 1e-9 * (high - low)
     # A fit of ln F_A may have gone to where F_A does not depend on F_B, from which no gradient leads back.
     declared = np.array([parameter.start for parameter in problem.law.parameters])
-    begins = [
-        np.clip(start[free], low + margin, high - margin)
-        for start in ((theta, declared) if fresh else (theta,))
-    ]
-    best = min(
-        (
-            least_squares(
-                residuals,
-                begin,
-                bounds=(low, high),
-                x_scale=np.maximum(np.abs(begin), 1e-3),
-                max_nfev=_MAX_EVALUATIONS,
-            )
-            for begin in begins
-        ),
-        key=lambda found: float(found.cost),
-    )
+    ends = []
+    for start in (theta, declared) if fresh else (theta,):
+        begin = np.clip(start[free], low + margin, high - margin)
+        scale = np.maximum(np.abs(begin), 1e-3)
+        ends.append(
+            least_squares(residuals, begin, bounds=(low, high), x_scale=scale, max_nfev=_MAX_EVALUATIONS)
+        )
+    best = min(ends, key=lambda found: float(found.cost))
     return full(best.x), bool(best.success)

@@ -123,10 +123,8 @@ def diagnose(table: TrialTable, comparison: Comparison | None = None) -> Diagnos
 
 
 def _best(ranked: Comparison, effect: str, *, with_it: bool) -> ComparisonEntry | None:
-    for entry in ranked.ranking:
-        if entry.counted and (effect in ALL_LAWS[entry.law].effects) == with_it:
-            return entry
-    return None
+    found = (e for e in ranked.ranking if e.counted and (effect in ALL_LAWS[e.law].effects) == with_it)
+    return next(found, None)
 
 
 def _judged(
@@ -143,15 +141,11 @@ def _judged(
     text = f"AICc of the best law with it, {best.law}, is {_against(gain)} the constant law's"
     if rival.law != "constant":
         text += f" and {_against(lead)} that of {rival.law}, which does without"
-    if lead >= _STRONG:
-        return "yes", text, numbers
     # A "no" that rests on few conditions alone, where a trend is there to be seen, is none.
     explained_by_another = lead < gain and lead <= -_STRONG
-    if (gain < _WEAK or lead <= -_STRONG) and (
-        explained_by_another or found.get("p_value", 1.0) >= _SIGNIFICANT
-    ):
-        return "no", text, numbers
-    return "cannot-tell", text, numbers
+    no_trend = explained_by_another or found.get("p_value", 1.0) >= _SIGNIFICANT
+    needless = (gain < _WEAK or lead <= -_STRONG) and no_trend
+    return "yes" if lead >= _STRONG else "no" if needless else "cannot-tell", text, numbers
 
 
 def _against(difference: float) -> str:
@@ -185,9 +179,7 @@ def _trend(means: ConditionMeans, level: FloatArray, quantity: str) -> tuple[str
     usable = wrap > 0.0
     mu = (means.log_lift - means.conditions.log_end_tension)[usable] / wrap[usable]
     x, weight = level[usable] / math.log(2.0), (wrap[usable] / means.std[usable]) ** 2
-    if mu.size < 3:
-        return "", {}
-    x = x - np.average(x, weights=weight)
+    x = x - np.average(x, weights=weight) if mu.size > 2 else 0.0 * x
     spread = float((weight * x**2).sum())
     if spread <= 0.0:
         return "", {}
@@ -237,8 +229,7 @@ def _scatter(ranked: Comparison, means: ConditionMeans) -> Cause:
     if repeats < 1 or len(means) < 3:
         text = "no condition was repeated, or there are fewer than three"
         return Cause(title, "cannot-tell", text, experiment)
-    best = ranked.best.fit
-    left = len(means) - ranked.best.k + 1
+    best, left = ranked.best.fit, len(means) - ranked.best.k + 1
     if best is None or left < 2:
         text = f"{len(means)} conditions are too few to tell scatter between them from an effect"
         return Cause(title, "cannot-tell", text, experiment)

@@ -16,10 +16,10 @@ from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, reduced
 from ropefric.fitting.result import FitResult
+from ropefric.fitting.start import guess
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.fitting.start import guess
 from ropefric.trials.table import TrialTable
 
 # Beyond this the squares of residuals and slopes, and their sums, are no floats.

@@ -5,12 +5,11 @@ once: along a grid, further where needed, then to the root. A bootstrap refits t
 """
 
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import inf
 from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import stdtrit
 from scipy.stats import chi2 as chi2_distribution
 from scipy.stats import f as f_distribution
 
@@ -22,6 +21,7 @@ from ropefric.fitting.problem import MANY, FitProblem, Rows, pooled, reduced
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import TwoLevelScatter, plain_covariance, two_level_scatter
 from ropefric.registry import did_you_mean
+from ropefric.uncertainty.quantity import check_level, quantile
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 
@@ -54,7 +54,6 @@ _WORTH_A_NOTE = 0.025
 _MOST_RESAMPLES = 1_000_000
 # With fewer conditions than this, drawing whole conditions gives intervals that are too narrow.
 _ENOUGH_TO_DRAW = 20
-_NORMAL = 1.959963984540054
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,8 +101,7 @@ def profile_intervals(
     exponent of `wrap-power` without a plateau), because the bound pulls half of all fits to one side; from half a
     standard error off the bound they are right again.
     """
-    if not 0.0 < level < 1.0:
-        raise InputError(f"the level is {level:g}; it must lie between 0 and 1", key="level", fix="0.95")
+    check_level(level)
     start = np.asarray(theta, dtype=np.float64)
     inflation = np.broadcast_to(np.asarray(scale, dtype=np.float64), start.shape)
     if not (np.isfinite(inflation) & (inflation > 0.0)).all():
@@ -266,13 +264,15 @@ class _Walk:
     def ends(self) -> list[tuple[float, EndKind]]:
         """Return the end of every side, and what stops the interval there."""
         ends = self.best[self.parameter] + self.sign * self.near
-        found: list[tuple[float, EndKind]] = []
-        for end, bound, far, gap in zip(ends, self.bound, self.far, self.far_gap, strict=True):
-            if np.isinf(far):
-                found.append((float(bound), "bound" if np.isfinite(bound) else "open"))
-            else:
-                found.append((float(end), "crossing" if np.isfinite(gap) else "edge"))
-        return found
+        kinds: list[EndKind] = [
+            ("bound" if np.isfinite(bound) else "open")
+            if np.isinf(far)
+            else "crossing"
+            if np.isfinite(gap)
+            else "edge"
+            for bound, far, gap in zip(self.bound, self.far, self.far_gap, strict=True)
+        ]
+        return list(zip(np.where(np.isinf(self.far), self.bound, ends).tolist(), kinds, strict=True))
 
     def curve(self, j: int, threshold: float) -> ProfileCurve:
         """Return what was met of one profile, the minimum among it, in rising order."""
@@ -296,8 +296,7 @@ class BootstrapResult:
 
     def interval(self, level: float = 0.95) -> FloatArray:
         """Return the percentile interval of every parameter at a level between 0 and 1, shape (p, 2)."""
-        if not 0.0 < level < 1.0:
-            raise InputError(f"the level is {level:g}; it must lie between 0 and 1", key="level", fix="0.95")
+        check_level(level)
         return np.quantile(self.theta, [(1.0 - level) / 2.0, (1.0 + level) / 2.0], axis=0).T
 
 
@@ -401,19 +400,14 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
     if method == "profile":
         ends, notes = _profile(fit, problem)
     else:
-        found = fit.statistics
-        many = found.n_conditions >= max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
-        repeated = found.n_conditions < found.n
-        drawn = bootstrap(
-            problem, fit.theta, kind="clustered" if many and repeated else "parametric", n=n, seed=seed
-        )
+        enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
+        whole = enough <= fit.statistics.n_conditions < fit.statistics.n
+        drawn = bootstrap(problem, fit.theta, kind="clustered" if whole else "parametric", n=n, seed=seed)
         ends, notes = drawn.interval(), drawn.notes
         how |= {"n": n, "seed": seed}
     parameters = tuple(
-        replace(item, ci95=(to_share(float(low), item.std), to_share(float(high), item.std)))
-        if item.vary
-        else item
-        for item, (low, high) in zip(fit.parameters, ends, strict=True)
+        replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
+        for item, (low, high) in zip(fit.parameters, ends.tolist(), strict=True)
     )
     return replace(
         fit,
@@ -434,7 +428,7 @@ def _profile(fit: FitResult, problem: FitProblem) -> tuple[FloatArray, tuple[str
     plain[shown] = np.diag(plain_covariance(problem.jacobian(fit.theta)[:, shown]))
     ratio = np.divide(variance, plain, out=np.ones_like(variance), where=plain > 0.0)
     ratio = np.where(np.isfinite(ratio) & (ratio > 0.0), ratio, 1.0)
-    dof = fit.statistics.interval_dof
-    quantile = float(stdtrit(dof, 0.975)) if isfinite(dof) and dof > 0 else _NORMAL
-    found = profile_intervals(problem, fit.theta, scale=ratio * (quantile / _NORMAL) ** 2, absolute_std=True)
+    dof, normal = fit.statistics.interval_dof, quantile(0.975, inf)
+    reach = quantile(0.975, dof) if dof > 0 else normal
+    found = profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2, absolute_std=True)
     return found.ci, found.notes

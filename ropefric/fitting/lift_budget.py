@@ -1,7 +1,7 @@
 """The uncertainty of a lift force that a fitted law predicts for a wheel known only so well."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, one_condition
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.uncertainty.budget import MeasurementModel, effective_dof
 from ropefric.uncertainty.quantity import Block, Quantity, normal
@@ -44,7 +44,11 @@ def lift_model(
         )
     law, theta = fit.friction_law, np.asarray(fit.theta)
     F_A = math.exp(float(law.log_lift(theta, wheel)[0]))
-    quantities = [*_settings(wheel, uncertainty), *(_rope(fit) if one_pull else ())]
+    quantities = [
+        normal(name, symbol, unit, getattr(uncertainty, key), estimate=float(getattr(wheel, key)[0]))
+        for key, (name, symbol, unit) in _SETTINGS.items()
+    ]
+    quantities += [_rope(fit)] if one_pull else []
     free = np.array([item.vary and not item.at_bound for item in fit.parameters], dtype=bool)
     names = np.array(law.parameter_names)[free]
     block = Block(
@@ -105,14 +109,7 @@ def state_lift(
     )
 
 
-def _settings(wheel: Conditions, uncertainty: WheelUncertainty) -> list[Quantity]:
-    return [
-        normal(name, symbol, unit, getattr(uncertainty, key), estimate=float(getattr(wheel, key)[0]))
-        for key, (name, symbol, unit) in _SETTINGS.items()
-    ]
-
-
-def _rope(fit: FitResult) -> tuple[Quantity, ...]:
+def _rope(fit: FitResult) -> Quantity:
     std, found = new_rope_std(fit), fit.statistics
     if not math.isfinite(std):
         raise InputError(
@@ -121,23 +118,14 @@ def _rope(fit: FitResult) -> tuple[Quantity, ...]:
             fix="repeat conditions, or ask for the mean law",
         )
     parts = np.nan_to_num([found.scatter_within, found.scatter_between])
-    counts = [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]
-    return (
-        Quantity(
-            name="scatter of one new rope",
-            symbol="δ_rope",
-            unit="-",
-            estimate=0.0,
-            stated=std,
-            type="A",
-            dof=effective_dof(parts.tolist(), counts),
-        ),
+    dof = effective_dof(
+        parts.tolist(), [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]
     )
+    return replace(normal("scatter of one new rope", "δ_rope", "-", std, dof=dof), type="A")
 
 
 def _by_rope(law: FrictionLaw, theta: FloatArray, wheel: Conditions) -> float:
     """Return ∂ ln F_A/∂R_r [1/m] by central differences: no law has it in closed form."""
-    R_w, R_r = float(wheel.wheel_radius_m[0]), float(wheel.rope_radius_m[0])
-    phi, F_B = float(wheel.wrap_angle_rad[0]), float(wheel.end_tension_N[0])
-    ends = [law.log_lift(theta, one_condition(R_w, R_r * (1.0 + s), phi, F_B))[0] for s in (_STEP, -_STEP)]
-    return float(ends[0] - ends[1]) / (2.0 * _STEP * R_r)
+    R_r = wheel.rope_radius_m
+    ends = [law.log_lift(theta, replace(wheel, rope_radius_m=R_r * (1.0 + s)))[0] for s in (_STEP, -_STEP)]
+    return float((ends[0] - ends[1]) / (2.0 * _STEP * R_r[0]))

@@ -7,11 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
-
-_SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 
 
 def lmfit_model(law: str | FrictionLaw) -> lmfit.Model:
@@ -54,13 +52,13 @@ def lmfit_model(law: str | FrictionLaw) -> lmfit.Model:
     chosen = ALL_LAWS[law] if isinstance(law, str) else law
 
     def log_lift(**values: npt.ArrayLike) -> FloatArray:
-        conditions = Conditions(**{name: np.asarray(values[name], np.float64) for name in _SETTINGS})
+        conditions = Conditions(**{name: np.asarray(values[name], np.float64) for name in SETTINGS})
         return chosen.log_lift([float(values[name]) for name in chosen.parameter_names], conditions)  # type: ignore[arg-type]
 
     # lmfit reads the names of a model from its signature.
-    names = (*_SETTINGS, *chosen.parameter_names)
+    names = (*SETTINGS, *chosen.parameter_names)
     log_lift.__signature__ = Signature([Parameter(name, Parameter.KEYWORD_ONLY) for name in names])  # type: ignore[attr-defined]
-    model = lmfit.Model(log_lift, independent_vars=list(_SETTINGS), name=chosen.name)
+    model = lmfit.Model(log_lift, independent_vars=list(SETTINGS), name=chosen.name)
     for item in chosen.parameters:
         model.set_param_hint(item.name, value=item.start, min=item.lower, max=item.upper, vary=not item.fixed)
     return model

@@ -28,14 +28,13 @@ from ropefric.fitting.plan_search import (
 )
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.statistics import RANK_RATIO, decomposed, plain_covariance
-from ropefric.friction.condition import Conditions, condition_groups
+from ropefric.fitting.statistics import decomposed, plain_covariance
+from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
 from ropefric.uncertainty.quantity import quantile
 
 SCHEMA = "ropefric.test-plan/1"
-_SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 _MOST = 1000
 
 
@@ -149,7 +148,7 @@ def planned_fit(
         chain_N = np.array(fit.trials["peak_std_N"], dtype=np.float64)
         instrument_N = float(np.median(chain_N[np.isfinite(chain_N)])) if np.isfinite(chain_N).any() else 0.0
     scatter = MeanScatter(within=within, between=between, instrument_N=instrument_N)
-    tested = Conditions(**{name: np.array(fit.trials[name], dtype=np.float64) for name in _SETTINGS})
+    tested = Conditions(**{name: np.array(fit.trials[name], dtype=np.float64) for name in SETTINGS})
     free = np.array([item.vary and not item.at_bound for item in fit.parameters], dtype=bool)
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
@@ -170,17 +169,12 @@ def expected_std(planned: PlannedLaw, rows: FloatArray, wanted: Conditions) -> F
 
     Infinite where the rows leave undetermined what the prediction needs.
     """
-    targets = planned.gradients(wanted)
     if not len(rows):
         return np.full(len(wanted), np.inf)
-    length = np.linalg.norm(rows, axis=0)
-    length = np.where(length > 0.0, length, 1.0)
-    _, values, turn = np.linalg.svd(rows / length, full_matrices=True)
-    values = np.concatenate([values, np.zeros(rows.shape[1] - values.size)])
-    along = (targets / length) @ turn.T
-    seen = values > values[0] / RANK_RATIO
-    needed = np.abs(along[:, ~seen]) > 1e-6 * np.linalg.norm(along, axis=1)[:, None]
-    std = np.linalg.norm(along[:, seen] / values[seen], axis=1)
+    svd = decomposed(rows)
+    along = (planned.gradients(wanted) / svd.length) @ svd.rows.T
+    needed = np.abs(along[:, svd.lost]) > 1e-6 * np.linalg.norm(along, axis=1)[:, None]
+    std = np.linalg.norm(along[:, ~svd.lost] / svd.values[~svd.lost], axis=1)
     return np.where(needed.any(axis=1), np.inf, std)
 
 
@@ -189,23 +183,17 @@ def allowed_conditions(
 ) -> tuple[BoolArray, list[str]]:
     """Return which combinations can be tested, shape (N,), and what is left out, in words."""
     law, theta = planned.law, planned.theta
-    allowed, notes = law.answers(theta, grid), []
-    refused = ~allowed
-    if refused.any():
-        notes.append(
-            f"{int(refused.sum())} of {len(grid)} settings are left out: {law.name} has no answer there"
-        )
-    if allowed.any():
-        log_lift = np.full(len(grid), -np.inf)
-        log_lift[allowed] = law.log_lift(theta, grid.select(allowed))
-        over = log_lift > math.log(limits.largest_force_N)
-        if over.any():
-            notes.append(
-                f"{int(over.sum())} of {len(grid)} settings are left out: F_A would exceed the "
-                f"{limits.largest_force_N:.4g} N of the cell"
-            )
-        allowed &= ~over
-    return allowed, notes
+    answered, over = law.answers(theta, grid), np.zeros(len(grid), dtype=bool)
+    if answered.any():
+        over[answered] = law.log_lift(theta, grid.select(answered)) > math.log(limits.largest_force_N)
+    reasons = (
+        (~answered, f"{law.name} has no answer there"),
+        (over, f"F_A would exceed the {limits.largest_force_N:.4g} N of the cell"),
+    )
+    notes = [
+        f"{int(out.sum())} of {len(grid)} settings are left out: {why}" for out, why in reasons if out.any()
+    ]
+    return answered & ~over, notes
 
 
 def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
@@ -213,7 +201,7 @@ def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
     if planned.tested is None:
         return np.zeros(len(grid), dtype=bool)
     group = condition_groups(
-        *(np.append(getattr(planned.tested, name), getattr(grid, name)) for name in _SETTINGS)
+        *(np.append(getattr(planned.tested, name), getattr(grid, name)) for name in SETTINGS)
     )
     n_tested = len(planned.tested)
     return np.isin(group[n_tested:], group[:n_tested])
@@ -237,19 +225,17 @@ class Outlook:
     def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
         """Return standard error and interval [N] about lift forces; None where infinite."""
         half = self.half_width_log
-        low_N, high_N = lift_N * np.exp(-half), lift_N * np.exp(np.minimum(half, 700.0))
-        rows = []
-        for i, std in enumerate(self.std_log.tolist()):
-            ends = [float(low_N[i]), float(high_N[i])] if math.isfinite(half[i]) else [None, None]
-            rows.append(
-                {
-                    "std_log": _number(std),
-                    "std_N": _number(std * float(lift_N[i])),
-                    "interval_N": ends,
-                    "dof": self.dof,
-                }
-            )
-        return rows
+        ends_N = lift_N * np.exp(np.minimum([-half, half], 700.0))
+        ends_N[:, np.isinf(half)] = np.inf
+        return [
+            {
+                "std_log": _number(std),
+                "std_N": _number(std * lift),
+                "interval_N": [_number(x) for x in ends],
+                "dof": self.dof,
+            }
+            for std, lift, ends in zip(self.std_log.tolist(), lift_N.tolist(), ends_N.T.tolist(), strict=True)
+        ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -402,7 +388,7 @@ def _number(value: float) -> float | None:
 
 
 def _settings(conditions: Conditions, index: int) -> dict[str, float]:
-    return {name: float(getattr(conditions, name)[index]) for name in _SETTINGS}
+    return {name: float(getattr(conditions, name)[index]) for name in SETTINGS}
 
 
 def plan_tests(
@@ -441,7 +427,7 @@ def plan_tests(
     known = planned.known
     _check_seen(planned, np.vstack([rows, known]))
     chosen, agreeing = best_plan(
-        Exchange.of(rows, known, planned.gradients(wanted), criterion=criterion),
+        Exchange(rows, known, planned.gradients(wanted), criterion=criterion),
         n_conditions,
         starts=starts,
         seed=seed,
@@ -453,10 +439,8 @@ def plan_tests(
         dof = max(len(both) - planned.n_free, 0)
         return Outlook(std_log=expected_std(planned, both, wanted), dof=dof, level=level)
 
-    usual = {
-        name: outlook(planned.rows(grid.select(one), repeats))
-        for name, one in _one_factor_plans(limits, free, wanted, n_conditions).items()
-    }
+    usual = _one_factor_plans(limits, free, wanted, n_conditions)
+    about_middle, about_target = (outlook(planned.rows(grid.select(one), repeats)) for one in usual)
     return LabPlan(
         planned=planned,
         conditions=plan,
@@ -469,8 +453,8 @@ def plan_tests(
         parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([known, rows[chosen]])))),
         before=outlook(np.zeros((0, planned.n_free))),
         after=outlook(rows[chosen]),
-        one_factor=usual["middle"],
-        one_factor_at_target=usual["target"],
+        one_factor=about_middle,
+        one_factor_at_target=about_target,
         largest_force_N=limits.largest_force_N,
         n_candidates=places.size,
         starts=starts,
@@ -512,15 +496,13 @@ def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
         )
 
 
-def _one_factor_plans(limits: RigLimits, free: BoolArray, wanted: Conditions, n: int) -> dict[str, IntArray]:
+def _one_factor_plans(limits: RigLimits, free: BoolArray, wanted: Conditions, n: int) -> list[IntArray]:
     """Return one-factor plans about the middle of the settings, and about the first wanted condition."""
-    allowed = free.reshape(limits.shape)
-    spots: list[float] = []
-    for name in FACTORS:
-        levels = np.array(getattr(limits, name))
-        spots.append(float(np.interp(getattr(wanted, name)[0], levels, np.arange(levels.size))))
-    centres = {"middle": middle_of(allowed), "target": nearest_to(allowed, tuple(spots))}
-    return {name: one_factor_plan(allowed, centre, n) for name, centre in centres.items()}
+    allowed, levels = free.reshape(limits.shape), [getattr(limits, name) for name in FACTORS]
+    first = [getattr(wanted, name)[0] for name in FACTORS]
+    spots = [float(np.interp(at, some, np.arange(len(some)))) for at, some in zip(first, levels, strict=True)]
+    centres = (middle_of(allowed), nearest_to(allowed, tuple(spots)))
+    return [one_factor_plan(allowed, centre, n) for centre in centres]
 
 
 def _outside(planned: PlannedLaw, limits: RigLimits, wanted: Conditions) -> list[str]:

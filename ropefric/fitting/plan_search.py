@@ -114,27 +114,19 @@ _MAX_PASSES = 100
 _AS_GOOD = 0.01
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Exchange:
     """A criterion on a choice of rows: values of plans, and of all exchanges of one condition."""
 
-    rows: FloatArray
-    known: FloatArray
-    targets: FloatArray
-    criterion: Criterion
-    balance: float = BALANCE
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         rows: FloatArray,
         known: FloatArray,
         targets: FloatArray,
         *,
         criterion: Criterion,
         balance: float = BALANCE,
-    ) -> "Exchange":
-        """Return a choice in coordinates in which all candidates and what is known are of even size.
+    ) -> None:
+        """Turn to coordinates in which all candidates and what is known are of even size.
 
         Both criteria keep their order in them.
         """
@@ -142,9 +134,8 @@ class Exchange:
         triangle = np.linalg.qr(np.vstack([rows, known]) / length, mode="r") / np.sqrt(len(rows))
         turn = np.linalg.inv(triangle) / length[:, None]
         old = known @ turn
-        return cls(
-            rows=rows @ turn, known=old.T @ old, targets=targets @ turn, criterion=criterion, balance=balance
-        )
+        self.rows, self.known, self.targets = rows @ turn, old.T @ old, targets @ turn
+        self.criterion, self.balance = criterion, balance
 
     def information(self, plan: IntArray) -> FloatArray:
         """Return the information matrix of a plan with what is known, shape (q, q)."""
@@ -238,7 +229,11 @@ def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntA
     The n − 1 conditions beside the centre are dealt evenly to the factors that can vary, and spread evenly over the
     settings of each, its ends first.
     """
-    others = [_others(allowed, centre, axis) for axis in range(allowed.ndim)]
+    lines = [np.moveaxis(allowed, axis, 0)[:, *np.delete(centre, axis)] for axis in range(allowed.ndim)]
+    others = [
+        [int(spot) for spot in np.flatnonzero(line) if spot != centre[axis]]
+        for axis, line in enumerate(lines)
+    ]
     shares = [0] * len(others)
     for _ in range(n - 1):
         open_factors = [axis for axis, spots in enumerate(others) if shares[axis] < len(spots)]
@@ -249,12 +244,6 @@ def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntA
     for axis, (spots, share) in enumerate(zip(others, shares, strict=True)):
         found += [(*centre[:axis], spot, *centre[axis + 1 :]) for spot in _spread(spots, share)]
     return np.sort(np.array([np.ravel_multi_index(spot, allowed.shape) for spot in found], dtype=np.int64))
-
-
-def _others(allowed: BoolArray, centre: tuple[int, ...], axis: int) -> list[int]:
-    fixed: tuple[int | slice, ...] = (*centre[:axis], slice(None), *centre[axis + 1 :])
-    line: BoolArray = allowed[fixed]
-    return [int(spot) for spot in np.flatnonzero(line) if spot != centre[axis]]
 
 
 def _spread(spots: list[int], share: int) -> list[int]:

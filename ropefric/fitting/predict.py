@@ -17,8 +17,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.verdict import Doubt, Verdict, doubts_of_interval, verdict_of
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
-from ropefric.friction.laws import ALL_LAWS
-from ropefric.uncertainty.quantity import joint_draws, quantile, symmetric_root
+from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]
@@ -226,7 +225,12 @@ def predict(
 ) -> Prediction:
     """Return the lift force of a fitted law for n conditions, with its intervals."""
     model = _model(fit, linear_density_kg_m, speed_m_s)
-    _check_arguments(level, method, n)
+    check_level(level)
+    if method not in {"linear", "monte-carlo"}:
+        raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
+    if not 100 <= n <= _MOST_DRAWS:
+        few = "few" if n < 100 else "many"
+        raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
     theta, covariance = np.asarray(fit.theta), np.asarray(fit.covariance)
     log_lift = model.log_lift(theta, conditions)
     if (log_lift > _LARGEST).any():
@@ -288,18 +292,6 @@ def predict(
         )
 
 
-def _check_arguments(level: float, method: str, n: int) -> None:
-    if not 0.0 < level < 1.0:
-        raise InputError(
-            f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
-        )
-    if method not in {"linear", "monte-carlo"}:
-        raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
-    if not 100 <= n <= _MOST_DRAWS:
-        few = "few" if n < 100 else "many"
-        raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
-
-
 def degrees_of_freedom(fit: FitResult) -> float:
     """Return the degrees of freedom behind a fit's covariance; infinite where the standard deviations were known.
 
@@ -328,7 +320,7 @@ def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftMo
             key=missing,
             fix="give both, or neither for a rope at rest",
         )
-    return LiftModel(law=ALL_LAWS[fit.law], linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
+    return LiftModel(law=fit.friction_law, linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
 
 
 def linear_std(

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
 
@@ -299,7 +299,7 @@ def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:
 
 def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
     """Return an order that puts repeats side by side, and where in it each distinct condition begins."""
-    columns = [getattr(conditions, field.name) for field in fields(Conditions)]
+    columns = [getattr(conditions, name) for name in SETTINGS]
     order = np.lexsort(columns)
     new = np.ones(order.size, dtype=np.bool_)
     new[1:] = np.any([column[order[1:]] != column[order[:-1]] for column in columns], axis=0)

@@ -84,14 +84,7 @@ RIVAL = 2.0
 """Difference in AICc up to which two laws are not told apart."""
 
 _WORDS: tuple[Word, ...] = ("supported", "undecided", "not judged")
-_OF_STATUS: dict[FitStatus, Word] = {
-    FitStatus.EXTREME_SCATTER: "undecided",
-    FitStatus.RESIDUAL_STRUCTURE: "undecided",
-    FitStatus.AT_BOUND: "not judged",
-    FitStatus.UNIDENTIFIABLE: "not judged",
-    FitStatus.TOO_FEW_POINTS: "not judged",
-    FitStatus.NOT_CONVERGED: "not judged",
-}
+_ONLY_DOUBTED = (FitStatus.EXTREME_SCATTER, FitStatus.RESIDUAL_STRUCTURE)
 # Conditions beyond the fitted parameters: one for the scatter, one more for the small-sample term of AICc.
 _SPARE = 3
 _MANY_SPARE = 10
@@ -138,14 +131,10 @@ def doubts_of_fit(
     """Return what speaks against a law in its own fit."""
     doubts: list[Doubt] = []
     if status is not FitStatus.OK:
-        doubts.append((_OF_STATUS[status], advice[0] if advice else status.advice))
-    n, n_fitted, within, between = (
-        found.n_conditions,
-        found.n - found.dof,
-        found.scatter_within,
-        found.scatter_between,
-    )
-    spare = n - n_fitted
+        word: Word = "undecided" if status in _ONLY_DOUBTED else "not judged"
+        doubts.append((word, advice[0] if advice else status.advice))
+    n, n_fitted = found.n_conditions, found.n - found.dof
+    within, between, spare = found.scatter_within, found.scatter_between, n - n_fitted
     if spare < _SPARE and status is not FitStatus.TOO_FEW_POINTS:
         text = (
             f"{counted(n, 'condition')} cannot test {counted(n_fitted, 'fitted parameter')} of {law}: "

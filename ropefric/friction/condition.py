@@ -1,6 +1,6 @@
 """The conditions under which a rope is pulled over a wheel: who is large, how far it wraps, what hangs on it."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,10 @@ _ALLOWED = {
 }
 
 
+SETTINGS = tuple(_ALLOWED)
+"""The four settings that make a condition."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Conditions:
     """Conditions of n pulls as read-only arrays of one length."""
@@ -30,7 +34,7 @@ class Conditions:
     end_tension_N: FloatArray
 
     def __post_init__(self) -> None:
-        arrays = {field.name: _as_floats(field.name, getattr(self, field.name)) for field in fields(self)}
+        arrays = {name: _as_floats(name, getattr(self, name)) for name in SETTINGS}
         try:
             shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         except ValueError:
@@ -66,7 +70,7 @@ class Conditions:
     def select(self, index: npt.ArrayLike) -> "Conditions":
         """Return the conditions at an index array or boolean mask, in that order."""
         chosen = np.asarray(index)
-        return Conditions(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+        return Conditions(**{name: getattr(self, name)[chosen] for name in SETTINGS})
 
     def describe(self, index: int) -> str:
         """Return one condition in words, for messages."""
@@ -96,12 +100,8 @@ def one_condition(
     wheel_radius_m: float, rope_radius_m: float, wrap_angle_rad: float, end_tension_N: float
 ) -> Conditions:
     """Return one condition: R_w [m], R_r [m], φ [rad], F_B [N]."""
-    return Conditions(
-        wheel_radius_m=np.array([wheel_radius_m]),
-        rope_radius_m=np.array([rope_radius_m]),
-        wrap_angle_rad=np.array([wrap_angle_rad]),
-        end_tension_N=np.array([end_tension_N]),
-    )
+    values = (wheel_radius_m, rope_radius_m, wrap_angle_rad, end_tension_N)
+    return Conditions(**{name: np.array([value]) for name, value in zip(SETTINGS, values, strict=True)})
 
 
 def levels(values: npt.ArrayLike) -> IntArray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, directions, quantile
+from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, check_level, directions, quantile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -148,10 +148,7 @@ def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float
 
 def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudget:
     """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100."""
-    if not 0.0 < level < 1.0:
-        raise InputError(
-            f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
-        )
+    check_level(level)
     k, block = len(model.quantities), model.block
     found: list[tuple[Quantity | Block, float, float, tuple[dict[str, Any], ...]]] = [
         (item, float(c), abs(float(c)) * item.std, ())

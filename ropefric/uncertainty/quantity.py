@@ -22,6 +22,13 @@ def quantile(probability: float, dof: float) -> float:
     return float(ndtri(probability)) if math.isinf(dof) else float(stdtrit(dof, probability))
 
 
+def check_level(level: float) -> None:
+    """Refuse a level that is none."""
+    if not 0.0 < level < 1.0:
+        fix = "give a level between 0 and 1, such as 0.95"
+        raise InputError(f"the level is {level:g}", key="level", fix=fix)
+
+
 def _turned(covariance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return sizes (q,), and eigenvectors (q, q) with roots of eigenvalues (q,) of the correlation matrix.
 

@@ -11,9 +11,9 @@ from scipy.optimize import least_squares
 from ropefric.errors import InputError
 from ropefric.fitting.levenberg import batched_fit, bounded_steps
 from ropefric.fitting.problem import reduced
+from ropefric.fitting.start import guess
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
-from ropefric.fitting.start import guess
 
 EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
 

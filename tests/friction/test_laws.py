@@ -6,9 +6,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.fitting.start import guess
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
-from ropefric.fitting.start import guess
 
 CONTRACT = [
     "constant", "constant-offset", "size-power", "size-exponential", "wrap-exponential", "wrap-power", "coupled",

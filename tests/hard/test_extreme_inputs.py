@@ -6,11 +6,11 @@ from hard_hoist import lifted
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.fitting.fit import fit_law
+from ropefric.fitting.start import guess
 from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.fitting.start import guess
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED, Span, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction

@@ -21,9 +21,7 @@ def line(points):
 def test_no_plan_of_all_there_are_is_better(seed, criterion, old):
     rng = np.random.default_rng(seed)
     rows = rng.standard_normal((11, 3))
-    exchange = Exchange.of(
-        rows, rng.standard_normal((old, 3)), rng.standard_normal((2, 3)), criterion=criterion
-    )
+    exchange = Exchange(rows, rng.standard_normal((old, 3)), rng.standard_normal((2, 3)), criterion=criterion)
     every = min(exchange.value(np.array(plan)) for plan in combinations(range(11), 5))
     plan, _ = best_plan(exchange, 5, starts=10, seed=0)
     # Exchanges of one condition may end in a plan that only exchanges of two improve: by less than 1 % of a variance.
@@ -34,7 +32,7 @@ def test_no_plan_of_all_there_are_is_better(seed, criterion, old):
 def test_values_of_exchanges_are_those_of_the_plans(criterion):
     rng = np.random.default_rng(3)
     rows, targets = rng.standard_normal((9, 3)), rng.standard_normal((2, 3))
-    exchange = Exchange.of(rows, np.zeros((0, 3)), targets, criterion=criterion)
+    exchange = Exchange(rows, np.zeros((0, 3)), targets, criterion=criterion)
     rest = np.array([0, 2, 5, 6])
     direct = [exchange.value(np.append(rest, i)) for i in range(9)]
     np.testing.assert_allclose(exchange.with_each(rest), direct, rtol=1e-8)
@@ -52,7 +50,7 @@ def test_the_criteria_are_those_of_the_parameters_as_they_stand():
     def log_det(which):
         return np.linalg.slogdet(rows[which].T @ rows[which])[1]
 
-    v, d = (Exchange.of(*choice, criterion=c, balance=0.0) for c in "vd")
+    v, d = (Exchange(*choice, criterion=c, balance=0.0) for c in "vd")
     assert v.value(plan) == pytest.approx(np.log(variance(plan)), rel=1e-7)
     assert d.value(plan) - d.value(other) == pytest.approx(log_det(other) - log_det(plan), rel=1e-7)
 
@@ -62,21 +60,21 @@ def test_units_of_the_parameters_do_not_matter(criterion):
     points = np.linspace(0.1, 2.0, 15)
     rows, target = line(points), np.array([[1.0, 3.0]])
     scale = np.array([1e-5, 1e4])
-    plain = best_plan(Exchange.of(rows, NOTHING, target, criterion=criterion), 4)[0]
-    scaled = best_plan(Exchange.of(rows * scale, NOTHING, target * scale, criterion=criterion), 4)[0]
+    plain = best_plan(Exchange(rows, NOTHING, target, criterion=criterion), 4)[0]
+    scaled = best_plan(Exchange(rows * scale, NOTHING, target * scale, criterion=criterion), 4)[0]
     assert plain.tolist() == scaled.tolist()
 
 
 def test_a_straight_line_is_determined_from_its_ends():
     points = np.linspace(-1.0, 1.0, 21)
-    plan, _ = best_plan(Exchange.of(line(points), NOTHING, np.array([[1.0, 0.0]]), criterion="d"), 4)
+    plan, _ = best_plan(Exchange(line(points), NOTHING, np.array([[1.0, 0.0]]), criterion="d"), 4)
     assert points[plan].tolist() == pytest.approx([-1.0, -0.9, 0.9, 1.0])
 
 
 def test_a_parabola_is_determined_from_its_ends_and_its_middle():
     points = np.linspace(-1.0, 1.0, 21)
     rows = np.stack([np.ones_like(points), points, points**2], axis=1)
-    plan, _ = best_plan(Exchange.of(rows, np.zeros((0, 3)), rows[:1], criterion="d"), 3)
+    plan, _ = best_plan(Exchange(rows, np.zeros((0, 3)), rows[:1], criterion="d"), 3)
     assert points[plan].tolist() == pytest.approx([-1.0, 0.0, 1.0], abs=1e-12)
 
 
@@ -84,7 +82,7 @@ def test_a_far_point_is_reached_with_the_weights_of_hoel_and_levine():
     """Extrapolating a line from [-1, 1] to 3: two thirds of all tests stand at the near end."""
     points = np.concatenate([np.linspace(-1.0, -0.999, 12), np.linspace(0.999, 1.0, 12)])
     choice = line(points), NOTHING, np.array([[1.0, 3.0]])
-    exchange = Exchange.of(*choice, criterion="v", balance=0.0)
+    exchange = Exchange(*choice, criterion="v", balance=0.0)
     plan = exchange.improved(exchange.greedy(12))
     assert np.count_nonzero(points[plan] > 0.0) == 8
 
@@ -92,7 +90,7 @@ def test_a_far_point_is_reached_with_the_weights_of_hoel_and_levine():
 def test_what_is_known_is_not_asked_again():
     points = np.linspace(-1.0, 1.0, 21)
     known = np.tile([[1.0, -1.0]], (50, 1))
-    plan, _ = best_plan(Exchange.of(line(points), known, np.array([[1.0, 0.0]]), criterion="d"), 3)
+    plan, _ = best_plan(Exchange(line(points), known, np.array([[1.0, 0.0]]), criterion="d"), 3)
     assert (points[plan] > 0.7).all()
 
 
@@ -101,12 +99,11 @@ def test_one_prediction_alone_leaves_parameters_undetermined_unless_balanced():
     choice = line(points), NOTHING, np.array([[1.0, 1.0]])
     plans = {}
     for balance in (0.0, 0.3):
-        exchange = Exchange.of(*choice, criterion="v", balance=balance)
+        exchange = Exchange(*choice, criterion="v", balance=balance)
         plans[balance] = exchange.improved(exchange.greedy(6))
-    volume = {balance: Exchange.of(*choice, criterion="d").value(plan) for balance, plan in plans.items()}
+    volume = {balance: Exchange(*choice, criterion="d").value(plan) for balance, plan in plans.items()}
     variance = {
-        balance: Exchange.of(*choice, criterion="v", balance=0.0).value(plan)
-        for balance, plan in plans.items()
+        balance: Exchange(*choice, criterion="v", balance=0.0).value(plan) for balance, plan in plans.items()
     }
     assert volume[0.3] <= volume[0.0]
     assert variance[0.3] - variance[0.0] < 0.1

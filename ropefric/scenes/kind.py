@@ -318,8 +318,6 @@ class Kind:
         By file name without ending.
     words : mapping of str to str
         What the numbers of its answer are, with unit, where the glossary does not say it.
-    template : mapping of str to str
-        Commented scenes to start from, by name, beside those in `scenes/templates/`.
 
     Examples
     --------
@@ -344,7 +342,6 @@ class Kind:
     histories: Mapping[str, Callable[[Any], Mapping[str, FloatArray] | None]] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
-    template: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def sweep_fields(self) -> dict[str, Becomes]:

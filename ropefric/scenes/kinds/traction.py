@@ -242,42 +242,4 @@ KIND = Kind(
         "needed_wrap_rad": "Least wrap that holds while loading and braking [rad]",
         "needed_undercut_rad": "Least undercut that holds while loading and braking [rad]",
     },
-    template={
-        "traction": """\
-# A lift's traction sheave after EN 81-50, 5.11: will its ropes hold?   ropefric solve traction.toml
-# This checks one clause of the standard; it is no certificate.
-system   = "traction"
-accuracy = 0.01      # relative error you can live with
-effects  = "auto"    # "auto", "all", or a list of names; ropefric explain shows them
-
-[lift]               # roping 1:1
-car           = "700 kg"
-rated_load    = "630 kg"
-counterweight = "1015 kg"
-travel        = "18 m"
-speed         = "1 m/s"      # lowers the coefficient in an emergency stop
-deceleration  = "0.5 m/s^2"  # of the emergency stop; 0.8 m/s^2 with reduced buffers
-
-[sheave]
-diameter     = "400 mm"
-wrap         = "160 deg"
-groove       = "undercut"    # semicircular, undercut, v, v-hardened
-groove_angle = "35 deg"
-undercut     = "90 deg"      # of undercut and v grooves; the standard ends at 106 deg
-
-[ropes]
-count          = 4
-diameter       = "10 mm"
-linear_density = "0.336 kg/m"
-above_car           = "2 m"     # from the car at the highest stop to the sheave
-above_counterweight = "2.57 m"  # from the counterweight at its highest to the sheave
-
-[pulleys]            # of deflector pulleys: inertia over the square of the radius
-counterweight_side = "21 kg"
-
-# Without [friction] the standard's coefficients hold: 0.1 loading, 0.1/(1 + v/10) braking, 0.2 stalled.
-# [friction]
-# mu = 0.12          # or law and parameters, or fit = "FIT.json", for one rope in a plain groove
-"""
-    },
 )

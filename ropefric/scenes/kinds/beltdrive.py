@@ -7,7 +7,6 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import PlainValidator, model_validator
 
-from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
@@ -21,7 +20,9 @@ from ropefric.scenes.kind import (
     Quantity,
     SceneTable,
     arrays,
+    at_contact,
     finite,
+    first,
     in_words,
     key,
 )
@@ -100,46 +101,38 @@ class DriveScene(SceneTable):
         return self
 
 
-def _problem(table: DriveScene, friction: WrapFriction | None) -> DriveProblem:
-    assert friction is not None  # noqa: S101  (the schema asks for it)
+def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:
     # An open belt wraps both pulleys by one turn together.
     open_belt = {} if table.driven is None else {"driven_wrap_rad": np.array([_TURN - table.driving.wrap])}
     return DriveProblem(friction=friction, closure=table.tension.closure, **open_belt | arrays(table))
 
 
 def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[Quantity, ...]:
-    found = {"full_pull_N": answer.full_pull_N, "full_tight_N": answer.full_tight_N}
-    found["full_slack_N"] = answer.full_slack_N
+    found = {name: getattr(answer, name) for name in ("full_pull_N", "full_tight_N", "full_slack_N")}
     found["initial_tension_N"] = 0.5 * (answer.full_tight_N + answer.full_slack_N)
     if problem.speed_rad_s is not None:
         found["full_power_W"] = answer.full_power_W
     if problem.power_W is not None:
         found["utilisation"] = answer.utilisation
         found["belts_needed"] = answer.utilisation * problem.belt_count
-    return tuple(Quantity(name=name, value=value, positive=True) for name, value in found.items())
+    return tuple(Quantity(name, value, positive=True) for name, value in found.items())
 
 
 def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[Failure, ...]:
     if problem.power_W is None:
         return ()
     use, slack_N = answer.utilisation, answer.slack_N
-    words = "the belts slip: they do not carry the power"
     return (
-        Failure(words=words, measure="utilisation", value=use, fails=use > 1.0),
-        Failure(
-            words="a belt goes slack at work", measure="slack side in N", value=slack_N, fails=slack_N <= 0.0
-        ),
+        Failure("the belts slip: they do not carry the power", "utilisation", use, use > 1.0),
+        Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0),
     )
 
 
 def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
-    tree: dict[str, Any] = {"closure": problem.closure, "circling_N": float(answer.circling_N[0])}
+    tree: dict[str, Any] = {"closure": problem.closure, **first(answer, "circling_N")}
     tree["belt_speed_m_s"] = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
     work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
-    tree["at_work"] = {
-        "tight_N": float(answer.tight_N[0]),
-        "slack_N": float(answer.slack_N[0]),
-        "pull_N": float(answer.pull_N[0]),
+    tree["at_work"] = first(answer, "tight_N", "slack_N", "pull_N") | {
         "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),
         "power_W": work_W,
     }
@@ -274,15 +267,6 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     )
 
 
-def _contacts(problem: DriveProblem) -> Mapping[str, FloatArray]:
-    return {
-        "wheel_radius_m": problem.wheel_radius_m,
-        "rope_radius_m": problem.rope_radius_m,
-        "wrap_angle_rad": problem.wrap_angle_rad,
-        "end_tension_N": problem.tension_N,
-    }
-
-
 KIND = Kind(
     name="beltdrive",
     schema=DriveScene,
@@ -291,7 +275,7 @@ KIND = Kind(
     problem=_problem,
     quantities=_quantities,
     tree=_tree,
-    contacts=_contacts,
+    contacts=lambda problem: at_contact(problem, problem.tension_N),
     answerable=answerable,
     failures=_failures,
     sections=_sections,

@@ -1,4 +1,4 @@
-"""The study of broken lines breaks what it says; with ROPEFRIC_MUTANTS=40 the long run asks whether the suite notices."""
+"""The study of broken lines breaks what it says; with ROPEFRIC_MUTANTS=40 the long run asks if the suite notices."""
 
 import ast
 import os

@@ -15,6 +15,7 @@ from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import Rule, side_by_side
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
 
 
@@ -104,12 +105,8 @@ _RULES: dict[str, Rule] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SawModel:
+class SawModel(Model[SawProblem]):
     """A saw's blade with the effects that are in it; without any on all sides a string at rest under its preload."""
-
-    problem: SawProblem
-    effects: frozenset[str] = frozenset()
 
     @cached_property
     def spans(self) -> Mapping[Side, Span]:

@@ -10,6 +10,7 @@ from scipy.interpolate import PPoly
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Rule, side_by_side
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, told_by
 from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.machine import Press
@@ -69,12 +70,8 @@ def without_load(press: Press, effect: str) -> Press:
     return replace(press, rollers=tuple(replace(roller, **nothing) for roller in press.rollers))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PressModel:
+class PressModel(Model[PressProblem]):
     """A press with the effects that are in it; without any: no loads or mass, locked tensioners, one coefficient."""
-
-    problem: PressProblem
-    effects: frozenset[str] = frozenset()
 
     @cached_property
     def press(self) -> Press:

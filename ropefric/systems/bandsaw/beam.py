@@ -18,6 +18,7 @@ from ropefric.systems.bandsaw.span import (
     CLAMPED,
     Ends,
     Span,
+    refuse_no_modes,
     refuse_overspeed,
     string_frequencies_Hz,
 )
@@ -139,8 +140,7 @@ def order_for(beam: ScaledBeam, n_modes: int, accuracy: float) -> int:
     A polynomial of degree p leaves J_p(kh/2) of a wave e^{ikx} on an element of length h, and I_p(κh/2) e^{−κh/2}
     of a layer; the eigenvalue errs with the square.
     """
-    if n_modes < 1:
-        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+    refuse_no_modes(n_modes)
     if not 1e-14 <= accuracy <= 0.1:
         raise InputError(
             f"the accuracy is {accuracy:g}; it must be from 1e-14 to 0.1", key="accuracy", fix="give 1e-10"

@@ -152,12 +152,8 @@ def _decide(
 
 def method_tree(method: Method) -> dict[str, Any]:
     """Return how a model was solved as a JSON tree."""
-    return {
-        "name": method.name,
-        "settings": dict(method.settings),
-        "error": finite(method.error),
-        "why": method.why,
-    }
+    settings = dict(method.settings)
+    return {"name": method.name, "settings": settings, "error": finite(method.error), "why": method.why}
 
 
 _REPEATS = 5

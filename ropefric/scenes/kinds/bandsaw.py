@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields, replace
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
+from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Figure,
@@ -18,10 +18,12 @@ from ropefric.scenes.kind import (
     Part,
     Quantity,
     SceneTable,
+    Table,
     arrays,
     cells,
     finite,
     first,
+    given,
     in_words,
     key,
     number_where,
@@ -47,7 +49,7 @@ from ropefric.systems.friction import WrapFriction
 _SIDES = tuple(side.value for side in Side)
 
 
-class BladeTable(StrictTable):
+class BladeTable(Table):
     """`[blade]`."""
 
     free_span: Annotated[float, key("m", "1.6 m", "free_span_m")]
@@ -61,8 +63,7 @@ class BladeTable(StrictTable):
     ends: Annotated[str, PlainValidator(choice(lambda: ENDS))] = "clamped"
     modes: Annotated[int, PlainValidator(whole_number(1, 40))] = 6
 
-    @model_validator(mode="after")
-    def _has_a_mass(self) -> Self:
+    def _check(self) -> None:
         section = (self.width, self.thickness, self.density)
         if self.linear_density is None and None in section:
             reject(
@@ -77,7 +78,6 @@ class BladeTable(StrictTable):
                 fix="keep one of them",
                 key="linear_density",
             )
-        return self
 
     def mass(self) -> float:
         """Return ρA [kg/m]."""
@@ -105,7 +105,7 @@ class BladeTable(StrictTable):
         )
 
 
-class WheelTable(StrictTable):
+class WheelTable(Table):
     """`[wheel]`."""
 
     radius: Annotated[float | None, key("m", "0.35 m")] = None
@@ -113,13 +113,11 @@ class WheelTable(StrictTable):
     speed: Annotated[float, key("rad/s", "970 rpm", "wheel_speed_rad_s", many=False, above=None)] = 0.0
     wrap: Annotated[float, key("rad", "180 deg")] = np.pi
 
-    @model_validator(mode="after")
-    def _has_one_size(self) -> Self:
+    def _check(self) -> None:
         if (self.radius is None) == (self.diameter is None):
             reject("RF121", "give either radius or diameter of the wheels", fix='write diameter = "0.7 m"')
         if self.speed < 0.0:
             reject("RF110", "a wheel's speed is counted without sign", fix="remove the minus", key="speed")
-        return self
 
     def radius_m(self) -> float:
         """Return R [m]."""
@@ -133,14 +131,14 @@ _share = number_where(
 )
 
 
-class TensionTable(StrictTable):
+class TensionTable(Table):
     """`[tension]`."""
 
     preload: Annotated[float, key("N", "3412 N", "preload_N")]
     mounting_factor: Annotated[float | None, PlainValidator(_share), Becomes("mounting_factor")] = None
 
 
-class DriveTable(StrictTable):
+class DriveTable(Table):
     """`[drive]`."""
 
     power: Annotated[float | None, key("W", "7.5 kW", above=None)] = None
@@ -148,20 +146,16 @@ class DriveTable(StrictTable):
     tension_difference: Annotated[float | None, key("N", "211 N", "tension_difference_N", above=None)] = None
     printed_factor: bool = False
 
-    @model_validator(mode="after")
-    def _says_one_thing(self) -> Self:
-        given = [
-            name for name in ("power", "torque", "tension_difference") if getattr(self, name) is not None
-        ]
-        if len(given) != 1:
-            reject(
-                "RF111" if given else "RF121",
-                f"{' and '.join(given)} are given" if given else "the drive gives nothing",
-                fix="give one of power, torque, tension_difference",
-            )
-        if getattr(self, given[0]) < 0.0:
-            reject("RF110", f"{given[0]} is negative", fix="give it zero or more", key=given[0])
-        return self
+    def _check(self) -> None:
+        names = ("power", "torque", "tension_difference")
+        said = [name for name in names if getattr(self, name) is not None]
+        fix = f"give one of {', '.join(names)}"
+        if not said:
+            reject("RF121", "the drive gives nothing", fix=fix)
+        if len(said) > 1:
+            reject("RF111", f"{' and '.join(said)} are given", fix=fix)
+        if getattr(self, said[0]) < 0.0:
+            reject("RF110", f"{said[0]} is negative", fix="give it zero or more", key=said[0])
 
 
 _margin = number_where(
@@ -169,7 +163,7 @@ _margin = number_where(
 )
 
 
-class ExcitationTable(StrictTable):
+class ExcitationTable(Table):
     """`[excitation]`."""
 
     wheel_harmonics: Annotated[int, PlainValidator(whole_number(0, 50))] = 3
@@ -178,8 +172,7 @@ class ExcitationTable(StrictTable):
     margin: Annotated[float | None, PlainValidator(_margin)] = None
     preload_range: list[Annotated[float, key("N", "3000 N")]] | None = None
 
-    @model_validator(mode="after")
-    def _wants_a_margin_over_a_range(self) -> Self:
+    def _check(self) -> None:
         if (self.margin is None) != (self.preload_range is None):
             reject(
                 "RF121",
@@ -190,16 +183,15 @@ class ExcitationTable(StrictTable):
             len(self.preload_range) != 2 or not self.preload_range[0] < self.preload_range[1]
         ):
             reject("RF110", "a range is two preloads, the lower first", key="preload_range")
-        return self
 
 
-class MeasuredTable(StrictTable):
+class MeasuredTable(Table):
     """`[[measured]]`."""
 
     side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
-    frequency: Annotated[float, key("Hz", "24.9 Hz")]
-    mode: Annotated[int, PlainValidator(whole_number(1, 40))] = 1
-    uncertainty: Annotated[float | None, key("Hz", "0.1 Hz")] = None
+    frequency: Annotated[float, key("Hz", "24.9 Hz", "frequency_Hz")]
+    mode: Annotated[int, PlainValidator(whole_number(1, 40)), Becomes("mode")] = 1
+    uncertainty: Annotated[float | None, key("Hz", "0.1 Hz", "std_Hz")] = None
 
 
 class SawScene(SceneTable):
@@ -212,8 +204,7 @@ class SawScene(SceneTable):
     excitation: ExcitationTable | None = None
     measured: list[MeasuredTable] = Field(default_factory=list)
 
-    @model_validator(mode="after")
-    def _drives_a_wheel(self) -> Self:
+    def _check(self) -> None:
         if self.drive is not None and self.wheel is None:
             reject("RF121", "a drive needs a wheel", fix="add [wheel] with diameter and speed", key="drive")
         needs_speed = self.drive is not None and self.drive.power is not None
@@ -224,7 +215,6 @@ class SawScene(SceneTable):
                 fix='add speed = "970 rpm" to [wheel]',
                 key="wheel.speed",
             )
-        return self
 
     def pull_N(self) -> float | None:
         """Return ΔF [N] where the scene gives it."""
@@ -267,8 +257,7 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
         "tension_difference_N": table.pull_N(),
         "bending_stiffness_N_m2": table.blade.stiffness(),
     }
-    excitation = table.excitation
-    preloads_N = None if excitation is None else excitation.preload_range
+    shaken = table.excitation or ExcitationTable()
     return SawProblem(
         n_modes=table.blade.modes,
         ends=ENDS[table.blade.ends],
@@ -276,14 +265,11 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
         friction=friction,
         wheel_wrap_rad=np.pi if table.wheel is None else table.wheel.wrap,
         excitations=table.excitations(),
-        measurements=tuple(
-            Measurement(
-                side=Side(one.side), frequency_Hz=one.frequency, mode=one.mode, std_Hz=one.uncertainty
-            )
-            for one in table.measured
-        ),
-        margin_wanted=None if excitation is None else excitation.margin,
-        preload_range_N=None if preloads_N is None else (preloads_N[0], preloads_N[1]),
+        measurements=tuple(Measurement(side=Side(one.side), **given(one)) for one in table.measured),
+        margin_wanted=shaken.margin,
+        preload_range_N=None
+        if shaken.preload_range is None
+        else (shaken.preload_range[0], shaken.preload_range[1]),
         **arrays(table) | {name: np.array([value]) for name, value in computed.items() if value is not None},
     )
 
@@ -300,13 +286,11 @@ def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[Quantity, ...]:
 
 
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
-    half_m = 0.5 * _UNKNOWN_THICKNESS_M
-    if problem.section is not None:
-        half_m = 0.5 * problem.section.thickness_m
+    thickness_m = _UNKNOWN_THICKNESS_M if problem.section is None else problem.section.thickness_m
     radius_m = np.ones(problem.m) if problem.wheel_radius_m is None else problem.wheel_radius_m
     return {
         "wheel_radius_m": radius_m,
-        "rope_radius_m": np.full(problem.m, half_m),
+        "rope_radius_m": np.full(problem.m, 0.5 * thickness_m),
         "wrap_angle_rad": np.full(problem.m, problem.wheel_wrap_rad),
         "end_tension_N": problem.preload_N,
     }
@@ -340,7 +324,7 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
 
 def _saw_of(problem: SawProblem) -> Saw | None:
     """Return the whole saw of a single case, with all its parts; None where its wheels are not known."""
-    if problem.wheel_radius_m is None or problem.wheel_speed_rad_s is None:
+    if problem.speed_m_s is None:
         return None
     parts: dict[str, Any] = {field.name: getattr(problem, field.name) for field in fields(Saw)}
     first = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}

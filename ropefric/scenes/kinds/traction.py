@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
-from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
+from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Chart,
@@ -19,6 +19,7 @@ from ropefric.scenes.kind import (
     Part,
     Quantity,
     SceneTable,
+    Table,
     arrays,
     at_contact,
     cells,
@@ -33,7 +34,7 @@ _LARGEST_UNDERCUT_RAD = math.radians(106.0)
 _UNDERCUT = {"undercut", "v"}
 
 
-class LiftTable(StrictTable):
+class LiftTable(Table):
     """`[lift]`."""
 
     car: Annotated[float, key("kg", "700 kg", "car_kg")]
@@ -44,7 +45,7 @@ class LiftTable(StrictTable):
     deceleration: Annotated[float | None, key("m/s^2", "0.5 m/s^2", "deceleration_m_s2")] = None
 
 
-class SheaveTable(StrictTable):
+class SheaveTable(Table):
     """`[sheave]`."""
 
     diameter: Annotated[float, key("m", "400 mm", "wheel_radius_m", factor=0.5)]
@@ -53,8 +54,7 @@ class SheaveTable(StrictTable):
     groove_angle: Annotated[float, key("rad", "35 deg", "groove_angle_rad")]
     undercut: Annotated[float | None, key("rad", "90 deg", "undercut_rad")] = None
 
-    @model_validator(mode="after")
-    def _is_undercut_as_its_groove_says(self) -> Self:
+    def _check(self) -> None:
         if self.groove in _UNDERCUT and self.undercut is None:
             reject("RF121", f"the groove {self.groove} has no undercut", fix='add undercut = "90 deg"')
         if self.groove not in _UNDERCUT and self.undercut is not None:
@@ -64,10 +64,9 @@ class SheaveTable(StrictTable):
                 fix='remove it, or write groove = "undercut"',
                 key="undercut",
             )
-        return self
 
 
-class RopesTable(StrictTable):
+class RopesTable(Table):
     """`[ropes]`."""
 
     count: Annotated[int, PlainValidator(whole_number(1, 100)), Becomes("rope_count", many=False)]
@@ -77,7 +76,7 @@ class RopesTable(StrictTable):
     above_counterweight: Annotated[float, key("m", "2 m", "above_counterweight_m", above=None)] = 0.0
 
 
-class PulleysTable(StrictTable):
+class PulleysTable(Table):
     """`[pulleys]`: inertia of deflector pulleys over the square of their radius."""
 
     car_side: Annotated[float | None, key("kg", "20 kg", "car_pulley_kg")] = None

@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(Path(__file__).parent))
+import house  # noqa: E402
+
 PACKAGE = ROOT / "ropefric"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
@@ -125,3 +128,27 @@ def test_import_stays_light():
         "assert not heavy, heavy\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+
+
+def test_no_room_grows_past_what_the_changelog_states(capsys):
+    sizes, stated = house.rooms(), house.stated()
+    with capsys.disabled():
+        print(f"\n{house.total(sizes)}")  # noqa: T201
+    assert sizes.keys() == stated.keys()
+    for name, size in sizes.items():
+        modules, code = stated[name]
+        assert size.modules <= modules, f"{name}: {size.modules} modules, {modules} stated in CHANGELOG.md"
+        assert size.code <= code, f"{name}: {size.code} lines of code, {code} stated in CHANGELOG.md"
+        assert size.largest <= 500, f"{name}: a module of {size.largest} lines of code"
+
+
+def test_each_room_has_a_map():
+    """What comes in, what goes out and which file does what stands where a newcomer looks first."""
+    for folder in sorted(path.parent for path in PACKAGE.glob("*/__init__.py")):
+        words = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
+        missing = [
+            path.stem
+            for path in sorted(folder.glob("*.py"))
+            if not path.stem.startswith("_") and path.stem not in words
+        ]
+        assert not missing, f"{folder.name}/__init__.py says nothing of {missing}"

@@ -35,14 +35,11 @@ _OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
 
 @cache
 def find_commands() -> Registry[Command]:
-    """Return all commands by name, in the order of work: the files of `commands`, each of which declares one."""
-    modules = [
-        importlib.import_module(f"{commands.__name__}.{m.name}")
-        for m in pkgutil.iter_modules(commands.__path__)
-    ]
-    return Registry(
-        "command", sorted((module.COMMAND for module in modules), key=lambda command: command.order)
-    )
+    """Return all commands by name, in the order of work: what the files of `commands` declare."""
+    files = [found.name for found in pkgutil.iter_modules(commands.__path__)]
+    modules = [importlib.import_module(f"{commands.__name__}.{name}") for name in files]
+    declared = [one for module in modules for one in vars(module).values() if isinstance(one, Command)]
+    return Registry("command", sorted(declared, key=lambda command: command.order))
 
 
 def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | None = None) -> int:

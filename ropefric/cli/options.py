@@ -40,12 +40,17 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One verb of the command line, declared by one file in `cli/commands/`."""
+    """One verb of the command line, declared in a file of `cli/commands/`."""
 
     name: str
     run: Callable[..., Answer]
     example: str
     order: int
+
+
+def command(example: str, *, order: int) -> Callable[[Callable[..., Answer]], Command]:
+    """Declare the command that a function runs, by whose name it is called."""
+    return lambda run: Command(run.__name__.replace("_", "-"), run, example, order)
 
 
 # Files and folders.

@@ -1,6 +1,13 @@
-"""Figures: the only room that knows matplotlib. Each figure carries the data it shows."""
+"""Figures: the only room that knows matplotlib. Each figure carries the data it shows.
 
-__all__: list[str] = []
+In come results; out go a figure with its tables and its words, as PNG and CSV files or as SVG for a page.
+- `figure`: a figure with its data, its legends and its files; `svg`: the same for the inside of a page
+- `style`, `labels`: how figures look, and the words on them
+- `conditions`, `overview`: recordings and trials of a campaign
+- `points`, `fits`: fitted laws against what was measured; `rankings`: laws, budgets and swings in order of size
+- `design_chart`, `sweep`, `chart`, `press`, `saw_chart`: designs, sweeps and machines
+- `work_precision`: what accuracy costs in time
+"""
 
 import os
 

@@ -384,7 +384,7 @@ def test_a_signal_ends_the_work_in_order(call, bench, tmp_path, name, code):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
-@pytest.mark.parametrize("module", ["typer", "ropefric.cli.commands.solve"])
+@pytest.mark.parametrize("module", ["typer", "ropefric.cli.commands.scenes"])
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_a_signal_while_the_program_is_loaded_is_one_line(module, name, code):
     """Even where the module that is being loaded makes another error of the interruption."""

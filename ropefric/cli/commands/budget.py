@@ -8,8 +8,8 @@ from typer import Argument, BadParameter, Option
 from ropefric.cli.options import (
     NOT_TRUSTED,
     Answer,
-    Command,
     campaign_file,
+    command,
     quantity,
     read_fit,
     read_table,
@@ -22,6 +22,11 @@ if TYPE_CHECKING:
     from ropefric.fitting.measured_budget import MeasuredCondition
 
 
+@command(
+    'ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
+    '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
+    order=130,
+)
 def budget(
     out: Output,
     source: Path | None = Argument(
@@ -167,12 +172,3 @@ def _of_fit(
         uncertainty_sections(stated, title),
         0 if stated.trustworthy else NOT_TRUSTED,
     )
-
-
-COMMAND = Command(
-    "budget",
-    budget,
-    'ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
-    '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
-    order=130,
-)

@@ -4,10 +4,11 @@ from pathlib import Path
 
 from typer import Argument, Option
 
-from ropefric.cli.options import Answer, Command, Force, folder_option, open_folder, written_to
+from ropefric.cli.options import Answer, Force, command, folder_option, open_folder, written_to
 from ropefric.cli.output import Output, Progress
 
 
+@command("ropefric cost integral --out cost --quick", order=180)
 def cost(
     out: Output,
     studies: list[str] | None = Argument(
@@ -48,6 +49,3 @@ def cost(
     }
     said = written_to(folder, "cost.html, cost.md, …")
     return Answer(data, [*cost_sections(results, machine), said])
-
-
-COMMAND = Command("cost", cost, "ropefric cost integral --out cost --quick", order=180)

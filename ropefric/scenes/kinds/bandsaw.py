@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
+from ropefric.files.digits import significant
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
@@ -472,7 +473,7 @@ def _resonance_part(found: Mapping[str, Any]) -> Part:
     if advice is not None:
         preload = f"preload {advice['preload_N']:.4g} N: " if "preload_N" in advice else ""
         lines = (preload + advice["advice"],)
-    nearest = sorted(found["crossings"], key=lambda one: abs(one["speed_margin"] or 0.0))[:5]
+    nearest = sorted(found["crossings"], key=lambda one: significant(abs(one["speed_margin"] or 0.0)))[:5]
     return Part(
         "What may resonate, the nearest first",
         lines=lines,

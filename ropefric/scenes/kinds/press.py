@@ -381,6 +381,10 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             },
             "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
         },
+        "creep": {
+            "rim_speed_m_s": dict(zip(slip.rollers, answer.rim_speed_m_s[0].tolist(), strict=True)),
+            "power_lost_W": float(answer.creep_loss_W[0]),
+        },
         **_first(answer),
     }
     return tree if answer.start_up is None else tree | {"start_up": answer.start_up.summary()}
@@ -466,7 +470,21 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
         headings=("roller", *columns),
         rows=tuple((name, *cells(one, columns.values())) for name, one in tree["slip"].items()),
     )
-    return (spans, slip, *([_start_up(tree)] if "start_up" in tree else []))
+    creep = [_creep(tree)] if tree["creep"]["power_lost_W"] else []
+    return (spans, slip, *creep, *([_start_up(tree)] if "start_up" in tree else []))
+
+
+def _creep(tree: Mapping[str, Any]) -> Part:
+    rim_m_s, lost_W = tree["creep"]["rim_speed_m_s"], tree["creep"]["power_lost_W"]
+    return Part(
+        "Creep",
+        lines=(f"the belts' stretch takes {lost_W:.4g} W of the drivers' power",),
+        headings=("roller", "rim [m/s]", "slower by [%]"),
+        rows=tuple(
+            (name, in_words(one, ".6g"), in_words(100.0 * (1.0 - one / tree["speed_m_s"]), ".3g"))
+            for name, one in rim_m_s.items()
+        ),
+    )
 
 
 def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:

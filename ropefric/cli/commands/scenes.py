@@ -1,4 +1,4 @@
-"""`ropefric solve`: the answer to a scene, or to a grid of scenes."""
+"""The commands of scenes: the answer to one or to a grid of them, and how it is come by."""
 
 from contextlib import ExitStack
 from pathlib import Path
@@ -9,9 +9,9 @@ from typer import Option
 from ropefric.cli.options import (
     NOT_TRUSTED,
     Answer,
-    Command,
     Force,
     SceneArgument,
+    command,
     figure_names,
     folder_option,
     open_folder,
@@ -29,6 +29,7 @@ _LISTED_POINTS = 1000
 _SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
 
 
+@command("ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/", order=160)
 def solve(
     out: Output,
     scene: SceneArgument,
@@ -172,9 +173,19 @@ def _tree(found: "Sweep") -> dict[str, Any]:
     }
 
 
-COMMAND = Command(
-    "solve",
-    solve,
-    "ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/",
-    order=160,
-)
+@command("ropefric explain data/scenes/hoist.toml --measure", order=170)
+def explain(
+    _out: Output,
+    scene: SceneArgument,
+    *,
+    measure: bool = Option(
+        False, "--measure", help="Solve with and without each effect, for its worth and its time."
+    ),
+) -> Answer:
+    """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
+    from ropefric.report.scene import explanation_sections  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.scenes.plan import explain_scene  # noqa: PLC0415
+    from ropefric.scenes.scene import load_scene  # noqa: PLC0415
+
+    found = explain_scene(load_scene(scene), measure=measure)
+    return Answer(found.to_dict(), explanation_sections(found))

@@ -1,0 +1,356 @@
+"""The commands before a campaign: templates to fill in, a look at a recording, a check, a virtual rig."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
+from itertools import accumulate
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from typer import Argument, Option
+
+from ropefric.cli.options import Answer, campaign_file, command, parse_assignments, quantity
+from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
+from ropefric.files.write import refuse_input, refuse_special, write_file
+from ropefric.glossary import counted
+from ropefric.registry import did_you_mean
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ropefric.traces.readers.inspection import ColumnSummary, Inspection
+    from ropefric.traces.readers.profile import ImportProfile
+    from ropefric.trials.campaign_model import Campaign
+
+
+@command("ropefric init my-scenes --scene hoist", order=10)
+def init(
+    out: Output,
+    *,
+    folder: Path = Argument(Path(), help="Where to write them; made where it is missing."),
+    scenes: bool = Option(False, "--scenes", help="Write all scenes instead of a campaign."),
+    scene: list[str] | None = Option(
+        None,
+        "--scene",
+        metavar="NAME",
+        help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
+    ),
+    force: bool = Option(False, "--force", help="Write over files that are already there."),
+) -> Answer:
+    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
+    if scenes or scene:
+        from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
+
+        written = write_scenes(folder, () if scenes else scene or (), overwrite=force)
+        first = folder / "hoist.toml"
+        out.note(f"next: ropefric solve {first if first in written else written[0]}")
+    else:
+        from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
+
+        written = write_templates(folder, overwrite=force)
+        out.note(f"next: fill them in, then  ropefric check {written[0]}")
+    return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
+
+
+_MARKS = {"\t": "tab", " ": "space", ",": "comma", ";": "semicolon", ".": "point", "|": "bar"}
+
+
+@command("ropefric inspect run07.csv --write-profile import.toml", order=20)
+def inspect(
+    out: Output,
+    file: Path = Argument(..., metavar="FILE", help="A recording."),
+    *,
+    file_format: str = Option(
+        "auto",
+        "--format",
+        metavar="NAME",
+        help="How it is written, where its name does not tell: delimited, …",
+    ),
+    write_profile: Path | None = Option(
+        None, metavar="PATH", help="Write the suggested [import] section there."
+    ),
+    force: bool = Option(False, "--force", help="Write over a file that is already there."),
+    everything: bool = Option(
+        False, "--all", help="Read a large text whole, not only its first and last megabyte."
+    ),
+    memory: float | None = quantity(
+        None, "--memory", "byte", "QUANTITY", "Most memory that reading it may take [2 GB]."
+    ),
+    time: float | None = quantity(
+        None, "--time", "s", "QUANTITY", "Most time that reading it may take [120 s]."
+    ),
+) -> Answer:
+    """Look at a recording: columns, units, ranges, first rows, doubts, and the profile to read it with.
+
+    Paste the section into campaign.toml, after checking the doubts.
+    """
+    from ropefric.traces.readers.profile import ImportProfile, profile_to_toml  # noqa: PLC0415  (quick start-up)
+    from ropefric.trials.workers import Limits, Lost, guarded  # noqa: PLC0415
+
+    if file.is_dir():
+        raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
+    if write_profile is not None:  # before the work
+        refuse_special(write_profile)
+        refuse_input(write_profile, file)
+        if write_profile.exists() and not force:
+            fix = "choose another name, or add --force"
+            raise InputError("the file is there already", code="RF150", path=write_profile, fix=fix)
+    given = {"memory_bytes": memory, "time_s": time}
+    limits = Limits(**{name: value for name, value in given.items() if value is not None})
+    # By a process that may die of it.
+    look = partial(_inspect, file, ImportProfile(format=file_format), everything)
+    ((_, found),) = guarded(look, 1, limits=limits)
+    if isinstance(found, Lost):
+        raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
+    profile = profile_to_toml(found.profile)
+    if write_profile is not None:
+        write_file(write_profile, profile)
+        out.note(f"wrote {write_profile}")
+
+    def show(console: "Console") -> None:
+        _show(found, console)
+        console.print("\nsuggested for campaign.toml:\n", style="bold")
+        console.print(profile.rstrip(), markup=False, soft_wrap=True)
+
+    return Answer(found.to_dict(), show)
+
+
+def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> "Inspection":  # noqa: FBT001
+    from ropefric.traces.readers.inspection import inspect_file  # noqa: PLC0415
+
+    return inspect_file(file, profile, everything=everything)
+
+
+def _fix_of_folder(folder: Path) -> str:
+    """Return what to name instead of a folder; a campaign's recordings are looked at by other commands."""
+    if (folder / "campaign.toml").is_file():
+        return f"name one file of it; `ropefric check {folder}` looks at the campaign"
+    names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
+
+
+def _show(found: "Inspection", console: "Console") -> None:
+    """Print what was found out about a file: how it is written, its columns, its first rows, what to check."""
+    console.print(_headline(found), markup=False, soft_wrap=True)
+    console.print()
+    headings = ("no.", "column ", "unit ", "from", "to", "missing", "holds ")
+    rows = [_column_row(found, column) for column in found.columns]
+    filled = [place for place in range(len(headings)) if any(row[place] for row in rows)]
+    shown = [[row[place] for place in filled] for row in (headings, *rows)]
+    console.print(make_table(shown[0], shown[1:], left=0))
+    if found.first_rows:
+        _show_first_rows(found, console)
+    if found.doubts:
+        console.print("\nplease check:\n", style="bold yellow")
+        for doubt in found.doubts:
+            console.print(f"- {doubt}", markup=False, soft_wrap=True)
+
+
+def _show_first_rows(found: "Inspection", console: "Console") -> None:
+    console.print("\nfirst rows:\n", style="bold")
+    names = [column.name or f"({column.number})" for column in found.columns]
+    rows = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]
+    widths = [max(map(len, cells)) + 3 for cells in zip(names, *rows, strict=True)]
+    fitting = sum(total <= console.width for total in accumulate(widths))
+    console.print(make_table(names[:fitting], [row[:fitting] for row in rows], left=0))
+    hidden = max(len(row) for row in found.first_rows) - fitting
+    if hidden > 0:
+        console.print(f"({hidden} more columns)")
+
+
+def _headline(found: "Inspection") -> str:
+    rows = f"{found.n_rows} rows"
+    if found.n_rows_about:
+        rows = f"at least {found.n_rows} rows, perhaps {found.n_rows_about:.2g}"
+    facts = [found.format, rows]
+    if found.samples:
+        names = ", ".join(found.samples[:12]) + (" …" if len(found.samples) > 12 else "")
+        facts.append(f"{len(found.samples)} recordings side by side ({names})")
+    if found.separator:
+        facts.append(f"separator {_MARKS.get(found.separator, found.separator)}")
+    if found.decimal:
+        facts.append(f"decimal {_MARKS.get(found.decimal, found.decimal)}")
+    if found.encoding:
+        facts.append(found.encoding)
+    if found.header_row:
+        facts.append(f"header in line {found.header_row}")
+    if found.sampling_rate_Hz is not None:
+        steps = "uniform" if found.is_uniform else "not uniform"
+        facts.append(f"{number(found.sampling_rate_Hz, '.5g')} Hz, {steps}")
+    return f"{found.file}: {', '.join(facts)}"
+
+
+def _column_row(found: "Inspection", column: "ColumnSummary") -> tuple[str, ...]:
+    holds = "whole numbers" if column.is_integer else "numbers" if column.is_numeric else "text"
+    if column.name in found.saturation:
+        holds += ", at a converter's limit"
+    limits = ("" if limit is None else number(limit, ".6g") for limit in (column.minimum, column.maximum))
+    return str(column.number), column.name, column.unit, *limits, str(column.n_missing or ""), holds
+
+
+@command("ropefric check data/prth-bench/campaign.toml", order=30)
+def check(
+    out: Output,
+    campaign: Path = Argument(
+        ..., metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."
+    ),
+) -> Answer:
+    """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
+
+    A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
+    leave it at 0.
+    """
+    from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415
+
+    campaign = campaign_file(campaign)
+    scene = _is_scene(campaign)
+    problems = check_scene(campaign) if scene else check_campaign(campaign)
+    n_errors = sum(problem.severity == "error" for problem in problems)
+    if not out.json:
+        out.problems(problems)
+    summary = f"{campaign}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
+    listed = [problem.to_dict() | {"severity": problem.severity} for problem in problems]
+    data: dict[str, Any] = {"ok": n_errors == 0, "problems": listed}
+    try:
+        raise_problems(problems)
+    except DataError as failure:
+        return Answer(data | failure.to_dict(), summary, DataError.exit_code)
+    if scene:
+        return Answer(data, summary)
+    content = _content(load_campaign(campaign))
+
+    def show(console: "Console") -> None:
+        console.print(summary, markup=False, soft_wrap=True)
+        _show_content(content, console)
+
+    return Answer(data | {"campaign": content}, show)
+
+
+def _is_scene(path: Path) -> bool:
+    """Return whether a file is a scene; one that cannot be read is for the check of campaigns to tell of."""
+    from ropefric.files.toml import is_scene, read_toml  # noqa: PLC0415  (quick start-up)
+
+    try:
+        return is_scene(read_toml(path).data)
+    except DataError:
+        return False
+
+
+def _content(campaign: "Campaign") -> dict[str, Any]:
+    """Return what a campaign holds, in SI: trials, conditions, radii, wraps, end tensions, repeats."""
+    from ropefric.friction.condition import condition_groups  # noqa: PLC0415  (quick start-up)
+
+    trials = campaign.trials
+    settings = [
+        (t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad, t.end_tension_N or 0.0, t.lift_force_N or 0.0)
+        for t in trials
+    ]
+    repeats = Counter(condition_groups(*zip(*settings, strict=True)).tolist() if settings else ())
+    keys = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "lift_force_N")
+    return {
+        "name": campaign.name,
+        "n_trials": len(trials),
+        "n_files": len({t.path for t in trials}),
+        "n_excluded": sum(bool(t.exclude) for t in trials),
+        "n_conditions": len(repeats),
+        "repeats": {"fewest": min(repeats.values(), default=0), "most": max(repeats.values(), default=0)},
+        **{key: sorted({value for t in trials if (value := getattr(t, key)) is not None}) for key in keys},
+        "rejection": campaign.rejection,
+    }
+
+
+def _show_content(content: dict[str, Any], console: "Console") -> None:
+    """Print what a campaign holds in the units people use at the rig."""
+    fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
+    excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
+    rows = [
+        ("campaign", content["name"] or "(no name)"),
+        ("trials", f"{content['n_trials']} in {content['n_files']} files{excluded}"),
+        ("conditions", f"{content['n_conditions']}"),
+        ("repeats", f"{fewest}" if fewest == most else f"{fewest} to {most} per condition"),
+        ("wheel radius R_w", _listed(content["wheel_radius_m"], 1e3, "mm")),
+        ("rope radius R_r", _listed(content["rope_radius_m"], 1e3, "mm")),
+        ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
+        ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
+        ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
+        ("rejection", content["rejection"]),
+    ]
+    table = make_table(("", " "), [row for row in rows if row[1]])
+    table.show_header = False
+    console.print(table)
+
+
+def _listed(values: Iterable[float], factor: float, unit: str) -> str:
+    """Return values as a list with their unit; of very many only how many and their limits."""
+    texts = list(dict.fromkeys(number(value * factor, ".6g") for value in values))
+    if len(texts) > 12:
+        return f"{len(texts)} values from {texts[0]} to {texts[-1]} {unit}"
+    return f"{', '.join(texts)} {unit}" if texts else ""
+
+
+@command("ropefric simulate my-bench --seed 7 --repeats 6", order=40)
+def simulate(
+    out: Output,
+    folder: Path = Argument(Path("simulated"), help="A new or empty folder."),
+    *,
+    seed: int | None = Option(
+        None, min=0, help="The same seed writes the same bytes; default: the bench's own."
+    ),
+    bench: str = Option("prth-bench", help="Which campaign to simulate: prth-bench."),
+    law: str = Option("", help="The friction law that is true, instead of the bench's own."),
+    parameter: list[str] | None = Option(
+        None, "--parameter", "-p", metavar="NAME=VALUE", help="A true parameter of the law; repeatable."
+    ),
+    repeats: int | None = Option(None, min=1, help="Recordings per condition."),
+    conditions: int | None = Option(None, min=1, help="Only the first so many conditions."),
+    fault: list[str] | None = Option(
+        None, metavar="NAME=RATE", help="Only this fault, at this rate (0 to 1); repeatable."
+    ),
+    no_faults: bool = Option(False, "--no-faults", help="Nothing goes wrong."),
+) -> Answer:
+    """Simulate a campaign with known truth: campaign.toml, trials.csv, recordings and truth.toml.
+
+    Rope and cell stiffness, motor ramp, scatter, stick-slip, noise, converter and the usual faults are simulated.
+    Without options it writes data/prth-bench again, byte for byte.
+    """
+    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415  (quick start-up)
+
+    benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
+    if bench not in benches:
+        raise UnknownNameError(f"unknown bench {bench!r}", fix=did_you_mean(bench, benches))
+    make, own_seed = benches[bench]
+    plan = make()
+    given = parse_assignments(parameter or (), option="--parameter")
+    changes: dict[str, Any] = {}
+    if law and law != plan.law:
+        changes |= {"law": law, "parameters": given}
+    elif given:
+        changes["parameters"] = {**plan.parameters, **given}
+    if repeats is not None:
+        changes["repeats"] = repeats
+    if conditions is not None:
+        changes["conditions"] = plan.conditions[:conditions]
+    if fault is not None or no_faults:
+        changes["faults"] = parse_assignments(fault or (), option="--fault")
+    plan = replace(plan, **changes)
+    seed = own_seed if seed is None else seed
+    with Progress(out, "simulate") as progress:
+        written = simulate_campaign(folder, plan, seed=seed, progress=progress.update)
+    campaign = next(path for path in written if path.name == "campaign.toml")
+    out.note(f"next: ropefric extract {campaign} --out out")
+    data = {
+        "campaign": campaign,
+        "bench": bench,
+        "seed": seed,
+        "law": plan.law,
+        "parameters": dict(plan.parameters),
+        "faults": dict(plan.faults),
+        "n_conditions": len(plan.conditions),
+        "n_trials": plan.n_trials,
+    }
+    made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
+    return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")

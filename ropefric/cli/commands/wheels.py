@@ -1,0 +1,336 @@
+"""The commands that ask a stored fit: a wheel's lift force, the smallest wheel that lifts, the next tests."""
+
+import math
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from typer import BadParameter, Option
+
+from ropefric.cli.options import (
+    NOT_TRUSTED,
+    ROPE_DIAMETER,
+    Answer,
+    FitOption,
+    Force,
+    Level,
+    command,
+    exit_code_of,
+    figure_names,
+    folder_option,
+    open_folder,
+    parse_assignments,
+    quantity,
+    read_fit,
+    read_quantity,
+    rope_radius,
+)
+from ropefric.cli.output import Output
+from ropefric.errors import InputError
+from ropefric.files.write import refuse_input, refuse_special, write_file
+
+if TYPE_CHECKING:
+    from ropefric.files.folder import Folder
+    from ropefric.fitting.design import Design
+    from ropefric.fitting.predict import Method
+    from ropefric.fitting.result import FitResult
+    from ropefric.report.section import Section
+
+
+@command(
+    'ropefric predict --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
+    '--end-tension "60 N"',
+    order=120,
+)
+def predict(
+    out: Output,
+    *,
+    fit: FitOption,
+    wheel_radius: float = quantity(..., "--wheel-radius", "m", "LENGTH", 'R_w, such as "35 mm".'),
+    wrap: float = quantity(..., "--wrap", "rad", "ANGLE", 'φ, such as "400 deg" or "1.5 turn".'),
+    end_tension: float = quantity(..., "--end-tension", "N", "FORCE", 'F_B, such as "60 N".'),
+    rope_diameter: float | None = ROPE_DIAMETER,
+    speed: float | None = quantity(None, "--speed", "m/s", "SPEED", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: float | None = quantity(
+        None, "--linear-density", "kg/m", "DENSITY", 'Of a running rope, such as "62 g/m".'
+    ),
+    level: Level = 0.95,
+    method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
+    hand: bool = Option(False, "--hand", help="Print the calculation, to be checked by hand."),
+) -> Answer:
+    """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
+
+    Exits with 4 when the lift force is not supported: undecided, or not judged.
+    """
+    from ropefric.fitting.predict import predict as predict_lift  # noqa: PLC0415
+    from ropefric.friction.condition import one_condition  # noqa: PLC0415
+    from ropefric.report.parts import prediction_section  # noqa: PLC0415
+    from ropefric.report.section import Section  # noqa: PLC0415
+
+    stored = read_fit(fit, out)
+    wheel = one_condition(wheel_radius, rope_radius(stored, rope_diameter), wrap, end_tension)
+    how: Method = method  # type: ignore[assignment]  # the library says what it may be
+    found = predict_lift(
+        stored, wheel, level=level, method=how, speed_m_s=speed, linear_density_kg_m=linear_density
+    )
+    data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
+    sections = [prediction_section(found)]
+    if hand:
+        running = ("for the rope at rest, without the centrifugal term:",) if speed is not None else ()
+        lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
+        data["hand"] = list(lines)
+        sections.append(Section(title="By hand", lines=lines, verbatim=True))
+    return Answer(data, sections, exit_code_of(found.verdict()))
+
+
+_SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius", 1e3, "mm"),
+          "end_tension": ("end tension", 1.0, "N")}  # fmt: skip
+
+
+@command(
+    'ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
+    '--end-tension "80 N"',
+    order=140,
+)
+def design(
+    out: Output,
+    *,
+    fit: FitOption,
+    lift: float = quantity(..., "--lift", "N", "FORCE", 'The load, such as "900 N".'),
+    solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
+    wheel_radius: float | None = quantity(None, "--wheel-radius", "m", "LENGTH", "R_w, unless looked for."),
+    wrap: float | None = quantity(None, "--wrap", "rad", "ANGLE", "φ, unless looked for."),
+    end_tension: float | None = quantity(None, "--end-tension", "N", "FORCE", "F_B, unless looked for."),
+    rope_diameter: float | None = ROPE_DIAMETER,
+    probability: float = Option(
+        0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
+    ),
+    on_average: bool = Option(False, "--on-average", help="Ask only that the mean law lifts the load."),
+    chart: Path | None = folder_option(
+        None, "--chart", help="Draw the lift force over wheel radius and wrap at this end tension there."
+    ),
+    force: Force = False,
+) -> Answer:
+    """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
+
+    Exits with 4 when there is none, or the law is not supported by its fit.
+    """
+    from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (quick start-up)
+
+    stored = read_fit(fit, out)
+    with ExitStack() as stack:
+        if chart is not None:  # before the work
+            target = stack.enter_context(
+                open_folder(
+                    chart, family="chart", names=figure_names("design_chart"), inputs=[fit], force=force
+                )
+            )
+        found = find_design(
+            stored,
+            lift_N=lift,
+            rope_radius_m=rope_radius(stored, rope_diameter),
+            solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
+            probability=None if on_average else probability,
+            wheel_radius_m=wheel_radius,
+            wrap_angle_rad=wrap,
+            end_tension_N=end_tension,
+        )
+        reached = bool(found.reached[0])
+        files = _write_chart(stored, found, target, probability) if chart is not None and reached else ()
+    for path in files:
+        out.note(f"wrote {path}")
+    return Answer(
+        found.to_dict()
+        | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
+        [_section(found)],
+        exit_code_of(stored.verdict) if reached else NOT_TRUSTED,
+    )
+
+
+def _write_chart(fit: "FitResult", found: "Design", folder: "Folder", probability: float) -> tuple[Path, ...]:
+    """Draw the wheels and wraps that were tested, and some way beyond, at the design's end tension."""
+    import numpy as np  # noqa: PLC0415  (these: quick start-up)
+
+    from ropefric.fitting.design import design_chart  # noqa: PLC0415
+    from ropefric.plotting.design_chart import draw_design_chart  # noqa: PLC0415
+    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
+
+    (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
+    radii_m = np.unique(np.append(np.linspace(small_m, large_m, 4), found.wheel_radius_m[0]))
+    farthest_rad = 1.2 * max(most_rad, float(found.wrap_angle_rad[0]))
+    chart = design_chart(
+        fit,
+        radii_m,
+        np.linspace(farthest_rad / 80, farthest_rad, 80),
+        float(found.end_tension_N[0]),
+        rope_radius_m=float(found.rope_radius_m[0]),
+        probability=probability,
+    )
+    drawn = draw_design_chart(chart, required_N=float(found.required_N[0]))
+    files = save_figure(drawn, folder, "design_chart")
+    folder.publish("chart")
+    return files
+
+
+def _section(found: "Design") -> "Section":
+    from ropefric.report.section import Section  # noqa: PLC0415
+
+    title = f"A design for {found.required_N[0]:.4g} N"
+    if not found.reached[0]:
+        return Section(title=title, lines=(found.explain(),))
+    name, factor, unit = _SHOWN[found.solve_for]
+    wrap_deg, average_N = math.degrees(found.wrap_angle_rad[0]), found.lift_force_N[0]
+    where = f"R_w = {1e3 * found.wheel_radius_m[0]:.4g} mm, wrap {wrap_deg:.4g} deg"
+    lines = [
+        f"{name} = {found.value[0] * factor:.4g} {unit}",
+        f"{where}, F_B = {found.end_tension_N[0]:.4g} N: F_A = {average_N:.4g} N on average",
+    ]
+    if found.probability is not None:
+        share, bound_N = 100 * found.probability, found.lower_bound_N[0]
+        lines.append(f"{share:g} % of pulls with a new rope lift more than {bound_N:.4g} N")
+    if found.status[0] != 0:
+        lines.append(found.explain())
+    notes = ("the design lies outside what was tested",) if found.extrapolated[0] else ()
+    return Section(title=title, lines=tuple(lines), notes=notes)
+
+
+@command(
+    'ropefric plan-tests --fit fits/prth-coupled.json --wheels "15 mm, 30 mm, 60 mm" '
+    '--wraps "90 deg .. 1080 deg" --end-tensions "5 N .. 200 N" --max-force "800 N" --wheel-radius "100 mm" '
+    '--wrap "720 deg" --end-tension "80 N"',
+    order=150,
+)
+def plan_tests(
+    out: Output,
+    *,
+    wheels: str = Option(..., metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".'),
+    wraps: str = Option(..., metavar="ANGLES", help='A list, or a range: "90 deg .. 1080 deg".'),
+    end_tensions: str = Option(..., metavar="FORCES", help='A list, or a range: "5 N .. 200 N".'),
+    max_force: float = quantity(..., "--max-force", "N", "FORCE", "The largest F_A the cell takes."),
+    wheel_radius: float = quantity(..., "--wheel-radius", "m", "LENGTH", "R_w of the wanted wheel."),
+    wrap: float = quantity(..., "--wrap", "rad", "ANGLE", "φ of the wanted wheel."),
+    end_tension: float = quantity(..., "--end-tension", "N", "FORCE", "F_B of the wanted wheel."),
+    fit: Path | None = Option(None, metavar="FIT.json", help="What is known already."),
+    law: str = Option("", help="Without a fit: the law."),
+    guess: list[str] | None = Option(None, metavar="NAME=VALUE", help="Its parameters, guessed; repeatable."),
+    hold: list[str] | None = Option(
+        None, metavar="NAME", help="A guessed parameter taken as known; repeatable."
+    ),
+    rope_diameter: float | None = quantity(
+        None, "--rope-diameter", "m", "LENGTH", "Needed with --law.", factor=0.5
+    ),
+    conditions: int = Option(12, min=1, help="Conditions to plan."),
+    repeats: int = Option(12, min=1, help="Pulls of each."),
+    criterion: str = Option(
+        "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
+    ),
+    scatter_within: float | None = quantity(
+        None, "--scatter-within", "", "PART", 'Between repeats, such as "1.7 %".'
+    ),
+    scatter_between: float | None = quantity(None, "--scatter-between", "", "PART", "Between conditions."),
+    u_force: float | None = quantity(None, "--u-force", "N", "FORCE", "Of a force, by the measuring chain."),
+    levels: int = Option(12, min=2, help="Settings a range is divided into."),
+    level: Level = 0.95,
+    starts: int = Option(10, min=1, help="Starts of the search."),
+    seed: int = Option(0, min=0, help="Of those drawn at random."),
+    file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
+    force: bool = Option(False, "--force", help="Write over a file that holds anything else than this plan."),
+) -> Answer:
+    """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
+
+    Starts from a stored fit, or from a law with guessed parameters, and shows the plan's worth beside that of an
+    equal number of tests that vary one factor at a time. Exits with 4 unless the fit supports its law.
+    """
+    if (fit is None) == (not law):
+        raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
+    before = None
+    if file is not None:  # before the work, as far as it can be known
+        refuse_special(file)
+        refuse_input(file, fit)
+        before = file.read_bytes() if file.is_file() and not force else None
+        if before is not None and not before.startswith(b"condition,wheel_radius_mm"):
+            raise _taken(file)
+    radii_m = read_levels(wheels, "m", "--wheels", levels)
+    wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
+    loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
+    from ropefric.fitting.next_tests import MeanScatter, planned_fit, planned_guess  # noqa: PLC0415
+    from ropefric.fitting.next_tests import plan_tests as find_plan  # noqa: PLC0415
+    from ropefric.fitting.plan_search import RigLimits  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.friction.condition import one_condition  # noqa: PLC0415
+    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415
+    from ropefric.report.parts import plan_sections  # noqa: PLC0415
+
+    exit_code, rope_m = 0, rope_diameter
+    known: dict[str, object] = {}
+    scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
+    if fit is not None:
+        stored = read_fit(fit, out)
+        rope_m, exit_code = rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
+        planned = planned_fit(stored, **scatter)
+        known = {"fit": fit, "fit_status": stored.status.value}
+    else:
+        if scatter_within is None:
+            text = 'how far do repeats scatter? Write it like "1.7 %"'
+            raise BadParameter(text, param_hint="--scatter-within")
+        repeats_scatter = MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+        at = parse_assignments(guess or [], option="--guess")
+        planned = planned_guess(ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
+    if rope_m is None:
+        raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
+    found = find_plan(
+        planned,
+        RigLimits(
+            wheel_radius_m=radii_m,
+            wrap_angle_rad=wraps_rad,
+            end_tension_N=loads_N,
+            rope_radius_m=rope_m,
+            largest_force_N=max_force,
+        ),
+        one_condition(wheel_radius, rope_m, wrap, end_tension),
+        n_conditions=conditions,
+        repeats=repeats,
+        criterion=criterion,  # type: ignore[arg-type]  # the library says what it may be
+        level=level,
+        starts=starts,
+        seed=seed,
+    )
+    if file is not None:
+        if before is not None and before != found.to_csv().encode():
+            raise _taken(file)
+        write_file(file, found.to_csv())
+        out.note(f"wrote {file}")
+    return Answer(found.to_dict() | known | {"written": file}, plan_sections(found), exit_code)
+
+
+def _taken(path: Path) -> InputError:
+    # A lab writes into its plans, and nothing tells such a one from one as it was written.
+    return InputError(
+        "the file is there already, with other content than this plan",
+        code="RF150",
+        path=path.as_posix(),
+        fix="choose another name, or replace it with --force",
+    )
+
+
+def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
+    """Return the settings of an option, in SI: a list of quantities, or a range divided into about n.
+
+    Wraps are divided evenly, in whole degrees; lengths and forces in even ratios.
+
+    Examples
+    --------
+    >>> read_levels("15 mm, 40 mm", "m", "--wheels", 12), read_levels("5 N .. 80 N", "N", "--end-tensions", 3)
+    ((0.015, 0.04), (5.0, 20.0, 80.0))
+    """
+    if ".." not in text:
+        parts = [part.strip() for part in text.replace(";", ",").split(",")]
+        return tuple(read_quantity(part, unit, option) for part in parts if part)
+    low, _, high = text.partition("..")
+    ends = [read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
+    from ropefric.fitting.plan_search import geometric_levels, linear_levels  # noqa: PLC0415  (quick start-up)
+
+    if unit != "rad":
+        return geometric_levels(ends[0], ends[1], n)
+    first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
+    step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
+    return tuple(math.radians(degrees) for degrees in linear_levels(first, last, n, step=step))

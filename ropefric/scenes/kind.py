@@ -223,7 +223,7 @@ class SceneTable(Table):
 
     system: Annotated[str, PlainValidator(text)]
     accuracy: Annotated[float, PlainValidator(_accuracy)] = 0.01
-    effects: Annotated[Any, PlainValidator(_effects)] = "auto"
+    effects: Annotated[str | tuple[str, ...], PlainValidator(_effects)] = "auto"
     friction: FrictionTable | None = None
 
 

@@ -197,6 +197,7 @@ class Explanation:
     def to_dict(self) -> dict[str, Any]:
         """Return the explanation as a JSON tree; what is not known is null."""
         worth = self.worth or (EffectWorth(),) * len(self.effects)
+        measured = {"planned_s": self.planned_s, "all_effects_s": self.all_s, "difference": self.difference}
         return {
             "system": self.system,
             "accuracy": self.plan.accuracy,
@@ -206,13 +207,7 @@ class Explanation:
                 _effect_tree(decision, effect, found)
                 for decision, effect, found in zip(self.plan.decisions, self.effects, worth, strict=True)
             ],
-            "measured": None
-            if self.worth is None
-            else {
-                "planned_s": finite(self.planned_s),
-                "all_effects_s": finite(self.all_s),
-                "difference": finite(self.difference),
-            },
+            "measured": None if self.worth is None else {name: finite(one) for name, one in measured.items()},
         }
 
 

@@ -94,7 +94,7 @@ def _si(scene: Scene, key: str, text: str) -> float:
         raise InputError(
             f"{key}: {text!r} is no number", key="--sweep", fix="write it without unit"
         ) from None
-    data = _with(scene.document.data, key, written)
+    data = _replaced(scene.document.data, key, written)
     changed = read_scene(TomlDocument(path=scene.document.path, data=data, lines={}), scene.folder)
     return float(_at(changed.table, key))
 
@@ -133,17 +133,11 @@ def _at(tree: Any, key: str) -> Any:
     return tree
 
 
-def _with(tree: Any, key: str, value: Any) -> dict[str, Any]:
+def _replaced(tree: Any, key: str, value: Any) -> Any:
+    """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again."""
     name, _, rest = key.partition(".")
-    return {**tree, name: _with(tree[name], rest, value) if rest else value}
-
-
-def _replaced(table: Any, key: str, value: float) -> Any:
-    """Return a checked table with another SI value at a key; the value itself is not checked again."""
-    name, _, rest = key.partition(".")
-    if isinstance(table, dict):
-        return {**table, name: _replaced(table[name], rest, value) if rest else value}
-    return table.model_copy(update={name: _replaced(getattr(table, name), rest, value) if rest else value})
+    inner = {name: _replaced(_at(tree, name), rest, value) if rest else value}
+    return {**tree, **inner} if isinstance(tree, dict) else tree.model_copy(update=inner)
 
 
 _BLOCK = 50_000

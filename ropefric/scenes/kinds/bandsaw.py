@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields, replace
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -29,25 +30,16 @@ from ropefric.scenes.kind import (
     key,
     number_where,
 )
+from ropefric.systems.bandsaw import resonance
 from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem
 from ropefric.systems.bandsaw.effects import SYSTEM, answerable
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
-from ropefric.systems.bandsaw.resonance import (
-    Excitation,
-    SawChart,
-    find_crossings,
-    fixed_frequency,
-    margins,
-    recommend_preload,
-    saw_chart,
-    tooth_passing,
-    wheel_rotation,
-)
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
 from ropefric.systems.friction import WrapFriction
 
 _SIDES = tuple(side.value for side in Side)
+_RUNNING = (Side.TIGHT, Side.SLACK)
 
 
 class BladeTable(Table):
@@ -230,16 +222,16 @@ class SawScene(SceneTable):
             )
         return float(tension_difference_N(torque, self.wheel.radius_m()))
 
-    def excitations(self) -> tuple[Excitation, ...]:
+    def excitations(self) -> tuple[resonance.Excitation, ...]:
         """Return what may shake the blade."""
         if self.excitation is None:
             return ()
-        found = [fixed_frequency(f"{one:g} Hz", one) for one in self.excitation.frequencies]
+        found = [resonance.fixed_frequency(f"{one:g} Hz", one) for one in self.excitation.frequencies]
         if self.excitation.tooth_pitch is not None:
-            found.insert(0, tooth_passing(self.excitation.tooth_pitch))
+            found.insert(0, resonance.tooth_passing(self.excitation.tooth_pitch))
         if self.wheel is not None and self.excitation.wheel_harmonics:
             harmonics = tuple(range(1, self.excitation.wheel_harmonics + 1))
-            found.insert(0, wheel_rotation(self.wheel.radius_m(), harmonics))
+            found.insert(0, resonance.wheel_rotation(self.wheel.radius_m(), harmonics))
         return tuple(found)
 
 
@@ -309,9 +301,10 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     tree: dict[str, Any] = {side.value: first(one, *names) for side, one in answer.sides.items()}
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
-    whole, planned = _saw_of(problem), _planned_saw(answer, problem)
-    if whole is None or planned is None:
+    saws = _saws(answer, problem)
+    if saws is None:
         return tree
+    whole, planned = saws
     if problem.excitations:
         tree["resonance"] = _resonance(planned, problem)
     if problem.measurements:
@@ -323,33 +316,27 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     return tree
 
 
-def _saw_of(problem: SawProblem) -> Saw | None:
-    """Return the whole saw of a single case, with all its parts; None where its wheels are not known."""
+def _saws(answer: SawAnswer, problem: SawProblem) -> tuple[Saw, Saw] | None:
+    """Return the whole saw of a single case, and the one planned; None where its wheels are not known.
+
+    The one planned has a stiff blade only if the plan has one: which mounting explains a measurement, and where a
+    mode meets an excitation, depends on it.
+    """
     if problem.speed_m_s is None:
         return None
-    parts: dict[str, Any] = {field.name: getattr(problem, field.name) for field in fields(Saw)}
-    first = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
-    return Saw(**first, ends=problem.ends)
-
-
-def _planned_saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
-    """Return the saw with a stiff blade only if the plan has one; None where its wheels are not known.
-
-    Which mounting explains a measurement, and where a mode meets an excitation, depends on it.
-    """
-    saw = _saw_of(problem)
-    if saw is None or answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any():
-        return saw
-    return replace(saw, bending_stiffness_N_m2=0.0)
+    parts: dict[str, Any] = {one.name: getattr(problem, one.name) for one in fields(Saw)}
+    first_case = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
+    whole = Saw(**first_case, ends=problem.ends)
+    stiff = answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any()
+    return whole, whole if stiff else replace(whole, bending_stiffness_N_m2=0.0)
 
 
 def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    sides = (Side.TIGHT, Side.SLACK)
-    near = margins(saw, sides, problem.excitations, problem.n_modes)[:_NEAREST]
+    near = resonance.margins(saw, _RUNNING, problem.excitations, problem.n_modes)[:_NEAREST]
     met = [
         crossing
-        for side in sides
-        for crossing in find_crossings(
+        for side in _RUNNING
+        for crossing in resonance.find_crossings(
             saw, side, problem.excitations, _speeds_m_s(saw, side), problem.n_modes
         )
     ]
@@ -382,14 +369,12 @@ def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
     margin, range_N = problem.margin_wanted, problem.preload_range_N
     if margin is None or range_N is None:
         return None
-    found = _judged(
-        lambda: recommend_preload(
-            saw, problem.excitations, margin=margin, range_N=range_N, n_modes=problem.n_modes
-        ),
-        *("preload_N", "margin", "forbidden_N"),
-    )
-    forbidden = [list(interval) for interval in found.get("forbidden_N", ())]
-    return found | ({"forbidden_N": forbidden} if "forbidden_N" in found else {})
+    wanted: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": problem.n_modes}
+    find = partial(resonance.recommend_preload, saw, problem.excitations, **wanted)
+    found = _judged(find, "preload_N", "margin", "forbidden_N")
+    if "forbidden_N" in found:
+        found["forbidden_N"] = [list(interval) for interval in found["forbidden_N"]]
+    return found
 
 
 def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
@@ -423,7 +408,7 @@ def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
     return [
         {"mounting_factor": None}
         | _measurement(point)
-        | _judged(lambda point=point: explain_mounting(saw, point), "mounting_factor")  # type: ignore[misc]
+        | _judged(partial(explain_mounting, saw, point), "mounting_factor")
         for point in problem.measurements
         if point.side is not Side.REST
     ]
@@ -431,7 +416,7 @@ def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
 
 def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any]:
     names = ("preload_N", "mounting_factor", "free_mounting_factor", "std")
-    found = _judged(lambda: identify(saw, problem.measurements), *names)
+    found = _judged(partial(identify, saw, problem.measurements), *names)
     if "std" in found:
         std = found.pop("std")
         found["preload_std_N"], found["mounting_factor_std"] = (
@@ -516,14 +501,13 @@ def _comparison_part(found: Mapping[str, Any]) -> Part:
     )
 
 
-def _campbell(answer: SawAnswer, problem: SawProblem) -> SawChart | None:
-    saw = _planned_saw(answer, problem)
-    if saw is None or not problem.excitations:
+def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | None:
+    saws = _saws(answer, problem)
+    if saws is None or not problem.excitations:
         return None
-    speeds = min(
-        (_speeds_m_s(saw, side) for side in (Side.TIGHT, Side.SLACK)), key=lambda one: float(one[-1])
-    )
-    return saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
+    saw = saws[1]
+    speeds = min((_speeds_m_s(saw, side) for side in _RUNNING), key=lambda one: float(one[-1]))
+    return resonance.saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
 KIND = Kind(

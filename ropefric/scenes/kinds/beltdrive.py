@@ -180,9 +180,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
     if "belts" in tree:
-        lines.append(
-            f"the power takes {tree['belts']} belt{'s' if tree['belts'] > 1 else ''} tensioned like this"
-        )
+        belts = "belts" if tree["belts"] > 1 else "belt"
+        lines.append(f"the power takes {tree['belts']} {belts} tensioned like this")
     if best is not None:
         lines.append(
             f"best speed: {best['speed_m_s']:.4g} m/s, {best['rotation_rad_s'] * _PER_MINUTE:.5g} rpm of the driving "
@@ -204,14 +203,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
         )
         for name, one in tree["pulleys"].items()
     )
-    headings = (
-        "pulley",
-        "wrap [deg]",
-        "slips over [deg]",
-        "adheres over [deg]",
-        "mu with groove",
-        "driven [rpm]",
-    )
+    angles = ("wrap [deg]", "slips over [deg]", "adheres over [deg]")
+    headings = ("pulley", *angles, "mu with groove", "driven [rpm]")
     return (Part("Belt and pulleys", lines=tuple(lines), headings=headings, rows=rows),)
 
 
@@ -223,11 +216,10 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     speeds = np.linspace(0.0, fastest, 201)
     share = float((answer.full_pull_N / (problem.tension_N - answer.circling_N))[0])
     power_kW = 1e-3 * share * speeds * (problem.tension_N[0] - problem.linear_density_kg_m[0] * speeds**2)
+    at_best = np.full(2, best[0]), np.array([0.0, power_kW.max()])
     lines = [
         Line("at most", speeds, power_kW),
-        Line(
-            f"best speed {best[0]:.4g} m/s", np.full(2, best[0]), np.array([0.0, power_kW.max()]), limit=True
-        ),
+        Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True),
     ]
     if problem.speed_rad_s is not None:
         work_W = answer.pull_N * problem.belt_speed_m_s

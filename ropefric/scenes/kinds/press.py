@@ -1,6 +1,6 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, Any
 
@@ -30,15 +30,10 @@ from ropefric.scenes.kind import (
     positive,
 )
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press import loads
 from ropefric.systems.press.answer import PressAnswer, PressProblem, StartUpTask, as_operated
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
 from ropefric.systems.press.effects import SYSTEM
-from ropefric.systems.press.loads import (
-    distortion_energy_J_m3,
-    gravity_pull_N,
-    gravity_torque_N_m,
-    squeeze_torque_N_m,
-)
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import CLOSURES, solve_statics
@@ -210,11 +205,11 @@ class PressScene(SceneTable):
                     fix='add force = "2000 N" to it, or preload = "2000 N" to [press] for all',
                     key=f"rollers.{name}.tensioner",
                 )
-        for part, torque, loaded in (
-            ("gravity", "gravity_torque", {} if self.sludge.gravity is None else self.sludge.gravity.zones),
-            ("squeeze", "squeeze_torque", {} if self.sludge.squeeze is None else self.sludge.squeeze.units),
+        for part, torque, shares in (
+            ("gravity", "gravity_torque", "zones"),
+            ("squeeze", "squeeze_torque", "units"),
         ):
-            for name in loaded:
+            for name in getattr(getattr(self.sludge, part), shares, {}):
                 if name not in self.rollers:
                     reject("RF120", f"sludge.{part} names the unknown roller {name!r}", key=f"sludge.{part}")
                 if getattr(self.rollers[name], torque):
@@ -254,14 +249,14 @@ def _roller(table: PressScene, name: str, one: RollerTable) -> Roller:
         parts["tensioner"] = Tensioner(**force | given(one.tensioner))
     gravity, squeeze = table.sludge.gravity, table.sludge.squeeze
     if gravity is not None and name in gravity.zones:
-        pull_N = gravity_pull_N(**given(gravity), zone_length_m=gravity.zones[name])
-        parts["gravity_torque_N_m"] = float(gravity_torque_N_m(pull_N, radius_m=one.radius))
+        pull_N = loads.gravity_pull_N(**given(gravity), zone_length_m=gravity.zones[name])
+        parts["gravity_torque_N_m"] = float(loads.gravity_torque_N_m(pull_N, radius_m=one.radius))
     if squeeze is not None and name in squeeze.units:
-        torque = squeeze_torque_N_m(
+        torque = loads.squeeze_torque_N_m(
             belt_width_m=squeeze.width,
             radius_m=one.radius,
             compression_m=squeeze.compression,
-            distortion_energy_J_m3=distortion_energy_J_m3(**given(squeeze)),
+            distortion_energy_J_m3=loads.distortion_energy_J_m3(**given(squeeze)),
             units=squeeze.units[name],
         )
         parts["squeeze_torque_N_m"] = float(torque)
@@ -353,12 +348,16 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[Failure, ...]
     return (Failure(words, "largest utilisation", largest, largest > 1.0),)
 
 
+def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
+    return dict(zip(names, values[0].tolist(), strict=True))
+
+
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
-    spans, at_speed_N = [span.name for span in press.spans], answer.state.effective_tension_N
+    spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
-        "tension_N": dict(zip(spans, answer.at_rest_N[0].tolist(), strict=True)),
-        "effective_tension_N": dict(zip(spans, at_speed_N[0].tolist(), strict=True)),
+        "tension_N": _by_name(spans, answer.at_rest_N),
+        "effective_tension_N": _by_name(spans, answer.state.effective_tension_N),
         "slip": {
             roller: {measure: finite(slip.of(roller, measure)[0]) for measure in MEASURES}
             for roller in slip.rollers
@@ -382,7 +381,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
         },
         "creep": {
-            "rim_speed_m_s": dict(zip(slip.rollers, answer.rim_speed_m_s[0].tolist(), strict=True)),
+            "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s),
             "power_lost_W": float(answer.creep_loss_W[0]),
         },
         **_first(answer),

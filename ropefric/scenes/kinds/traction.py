@@ -115,15 +115,11 @@ def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[Failure, ...]
 
 
 def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
+    ratio = np.full_like(answer.tight_N, np.inf)
     columns = {
         "tight_N": answer.tight_N,
         "slack_N": answer.slack_N,
-        "tension_ratio": np.divide(
-            answer.tight_N,
-            answer.slack_N,
-            out=np.full_like(answer.tight_N, np.inf),
-            where=answer.slack_N > 0.0,
-        ),
+        "tension_ratio": np.divide(answer.tight_N, answer.slack_N, out=ratio, where=answer.slack_N > 0.0),
         "mu": answer.mu,
         "friction_factor": answer.friction_factor,
         "capacity": np.exp(answer.log_capacity),
@@ -169,11 +165,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
             lines=tuple(lines),
             headings=("load case", *columns, "passes "),
             rows=tuple(
-                (
-                    case,
-                    *cells(one, columns.values()),
-                    "yes" if one["passes"] else "no",
-                )
+                (case, *cells(one, columns.values()), "yes" if one["passes"] else "no")
                 for case, one in cases.items()
             ),
             notes=(tree["note"],),
@@ -183,10 +175,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
 
 def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
     # What stalled ropes must slip at is often ten times what the others must hold: it would hide them.
-    wraps, here = (
-        np.linspace(0.75, 1.25, 101) * problem.wrap_angle_rad[0],
-        np.degrees(problem.wrap_angle_rad[:1]),
-    )
+    wraps = np.linspace(0.75, 1.25, 101) * problem.wrap_angle_rad[0]
+    here = np.degrees(problem.wrap_angle_rad[:1])
     held: dict[float, list[str]] = {}
     for case, factor in zip(CASES[:-1], answer.friction_factor[:, 0], strict=False):
         held.setdefault(float(factor), []).append(case)

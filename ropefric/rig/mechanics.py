@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from math import nan
 
 import numpy as np
@@ -241,13 +242,9 @@ def draw_breakaway(
     bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
 ) -> BreakawayPull:
     """Return what happens in one recording, drawn from the bench; it breaks away at exactly `lift_force_N`."""
-    hang_s = rng.uniform(*bench.idle_s)
-    settle_s = hang_s + rng.uniform(*bench.hang_s)
-    dwell_s = rng.uniform(*bench.dwell_s)
-    ramp_s = settle_s + dwell_s
-    breakaway_s = ramp_s + rng.uniform(*bench.load_s)
-    off_s = breakaway_s + rng.uniform(*bench.slide_s)
-    end_s = off_s + rng.uniform(*bench.off_s)
+    spans = (bench.idle_s, bench.hang_s, bench.dwell_s, bench.load_s, bench.slide_s, bench.off_s)
+    lasting_s = [rng.uniform(*span) for span in spans]
+    hang_s, settle_s, ramp_s, breakaway_s, off_s, end_s = accumulate(lasting_s)
     # The cell cannot read more than the static friction before the pull, however the weights bounce.
     pretension_N = min(end_tension_N * rng.uniform(*bench.pretension), 0.9 * lift_force_N)
     bounce_N = min(pretension_N * rng.uniform(*bench.bounce), 0.6 * (lift_force_N - pretension_N))
@@ -263,7 +260,7 @@ def draw_breakaway(
         pretension_N=pretension_N,
         bounce_N=bounce_N,
         bounce_Hz=rng.uniform(*bench.bounce_Hz),
-        bounce_decay_s=dwell_s * rng.uniform(0.1, 0.2),
+        bounce_decay_s=lasting_s[2] * rng.uniform(0.1, 0.2),
         lift_force_N=lift_force_N,
         ramp_top_N=lift_force_N,
         soft_start=rng.uniform(*bench.soft_start),

@@ -73,12 +73,10 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
         here = in_case(points, case)
         averages = [point for point in here if point.method == "moving average"]
         best, longest = min(averages, key=lambda point: point.error), averages[-1]
-        others = [point for point in here if point.method in {"raw maximum", "chosen window", "two lines"}]
+        others = [f"{point.method} {_percent(point)}" for point in here if point not in averages]
         lines.append(
             f"{case}: of the fixed windows {best.setting} are best, {_percent(best)}; {longest.setting} read "
-            f"{100 * longest.bias:+.2g} % on average. "
-            + "; ".join(f"{point.method} {_percent(point)}" for point in others)
-            + "."
+            f"{100 * longest.bias:+.2g} % on average. {'; '.join(others)}."
         )
     # On which side two fitted lines err, where that is no chance of a few recordings.
     found = [p for p in points if p.method == "two lines" and abs(p.bias) > _ONE_SIDED * p.noise]
@@ -100,12 +98,8 @@ STUDY = Study(
     counted="samples of a recording",
     used="window chosen from the trace",
     cases=(
-        Case(
-            "bench",
-            "3 kHz, 10 bit, noise of 0.3 to 1 counts, as on the bench",
-            partial(_settings, (0.3, 1.0)),
-        ),
+        Case("bench", "3 kHz, 10 bit, noise of 0.3 to 1 counts, as on the bench", partial(_settings, (0.3, 1.0))),
         Case("noisy", "the same with a noise of 6 counts (5.9 N)", partial(_settings, (6.0, 6.0))),
     ),
     findings=_findings,
-)
+)  # fmt: skip

@@ -37,27 +37,16 @@ class RecordingTruth:
     phases: tuple[Phase, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Roughness:
-    """A sum of tones that sets in with sliding."""
+def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArray], FloatArray]:
+    """Return the force [N] of tones between 3 and 15 Hz, of a standard deviation, at times since sliding began [s]."""
+    amplitude_N = std_N * np.sqrt(2.0 * rng.dirichlet(np.full(_TONES, 3.0)))
+    frequency_Hz, phase_rad = rng.uniform(*_BAND_HZ, _TONES), rng.uniform(0.0, 2.0 * np.pi, _TONES)
 
-    amplitude_N: FloatArray
-    frequency_Hz: FloatArray
-    phase_rad: FloatArray
+    def force_N(elapsed_s: FloatArray) -> FloatArray:
+        angle = 2.0 * np.pi * np.multiply.outer(elapsed_s, frequency_Hz) + phase_rad
+        return np.asarray(-np.expm1(-elapsed_s / _ONSET_S) * (np.sin(angle) @ amplitude_N))
 
-    def force_N(self, elapsed_s: FloatArray) -> FloatArray:
-        """Return the force above the level [N] at times since sliding began [s]."""
-        angle = 2.0 * np.pi * np.multiply.outer(elapsed_s, self.frequency_Hz) + self.phase_rad
-        return np.asarray(-np.expm1(-elapsed_s / _ONSET_S) * (np.sin(angle) @ self.amplitude_N))
-
-
-def draw_roughness(rng: np.random.Generator, std_N: float) -> Roughness:
-    """Return tones between 3 and 15 Hz whose sum has a standard deviation of `std_N` [N]."""
-    return Roughness(
-        amplitude_N=std_N * np.sqrt(2.0 * rng.dirichlet(np.full(_TONES, 3.0))),
-        frequency_Hz=rng.uniform(*_BAND_HZ, _TONES),
-        phase_rad=rng.uniform(0.0, 2.0 * np.pi, _TONES),
-    )
+    return force_N
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,7 +143,7 @@ class BreakawayPull:
     snap: Snap
     holding_N: float
     release_s: float
-    roughness: Roughness | None = None
+    roughness: Callable[[FloatArray], FloatArray] | None = None
     hold_loss: float = 0.0
     has_peak: bool = True
 
@@ -205,7 +194,7 @@ class BreakawayPull:
         drift = self.drift * (part + 0.2 * np.sin(np.pi * part)) / 1.03
         rough_N = self.teeth.force_N(elapsed_s, self.snap)
         if self.roughness is not None:
-            rough_N = rough_N + self.roughness.force_N(elapsed_s)
+            rough_N = rough_N + self.roughness(elapsed_s)
         return np.asarray(self.kinetic_N * (1.0 + drift) + rough_N)
 
     def truth(self) -> RecordingTruth:

@@ -1,7 +1,7 @@
 """What a kind of scene is made of: its keys, its machine, and its answer in numbers, words, files and figures."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
@@ -15,7 +15,6 @@ from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.quantities import LARGEST, SMALLEST, in_range
 from ropefric.systems.effect import System
-from ropefric.systems.friction import WrapFriction
 
 
 def number(value: object) -> float:
@@ -33,12 +32,27 @@ def number(value: object) -> float:
     return float(value)
 
 
-def positive(value: object) -> float:
-    """Return a bare number above zero."""
-    found = number(value)
-    if not found > 0.0:
-        reject("RF110", f"{got(value)} is not more than 0", fix="give a positive number")
-    return found
+def number_where(
+    holds: Callable[[float], bool], else_: str, fix: str, code: str = "RF110"
+) -> Callable[[object], float]:
+    """Return a reader of bare numbers for which something holds; what they are else, with the number in its `{}`."""
+
+    def read(value: object) -> float:
+        found = number(value)
+        if not holds(found):
+            reject(code, else_.format(got(value)), fix=fix)
+        return found
+
+    return read
+
+
+positive = number_where(lambda one: one > 0.0, "{} is not more than 0", "give a positive number")
+_accuracy = number_where(
+    lambda one: 0.0 < one <= 1.0,
+    "an accuracy of {} is not above 0 and at most 1",
+    "give the relative error you can live with, such as 0.01 for 1 %",
+    "RF501",
+)
 
 
 def by_name(read: Callable[[object], float], like: str) -> PlainValidator:
@@ -137,17 +151,6 @@ def arrays(table: StrictTable) -> dict[str, FloatArray]:
     return found
 
 
-def _accuracy(value: object) -> float:
-    found = number(value)
-    if not 0.0 < found <= 1.0:
-        reject(
-            "RF501",
-            f"an accuracy of {got(value)} is not above 0 and at most 1",
-            fix="give the relative error you can live with, such as 0.01 for 1 %",
-        )
-    return found
-
-
 def _effects(value: object) -> str | tuple[str, ...]:
     if value in ("auto", "all"):
         return str(value)
@@ -214,8 +217,7 @@ class SceneTable(StrictTable):
     friction: FrictionTable | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Quantity:
+class Quantity(NamedTuple):
     """One number of an answer that people read, and that friction may make uncertain."""
 
     name: str
@@ -223,8 +225,7 @@ class Quantity:
     positive: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Failure:
+class Failure(NamedTuple):
     """A way in which a machine does not do what it is for, however well that is known."""
 
     words: str
@@ -318,8 +319,6 @@ class Kind:
         By file name without ending.
     words : mapping of str to str
         What the numbers of its answer are, with unit, where the glossary does not say it.
-    template : mapping of str to str
-        Commented scenes to start from, by name, beside those in `scenes/templates/`.
 
     Examples
     --------
@@ -332,7 +331,7 @@ class Kind:
     schema: type[SceneTable]
     system: System[Any, Any, Any]
     own_wheel: Callable[[Any], tuple[float, float]]
-    problem: Callable[[Any, WrapFriction | None], Any]
+    problem: Callable[[Any, Any], Any]
     quantities: Callable[[Any, Any], tuple[Quantity, ...]]
     tree: Callable[[Any, Any], dict[str, Any]]
     contacts: Callable[[Any], Mapping[str, FloatArray]]
@@ -344,7 +343,6 @@ class Kind:
     histories: Mapping[str, Callable[[Any], Mapping[str, FloatArray] | None]] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
-    template: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def sweep_fields(self) -> dict[str, Becomes]:
@@ -368,6 +366,27 @@ class Kind:
 def finite(value: float) -> float | None:
     """Return a number as a float, None (null) where it is not finite."""
     return float(value) if math.isfinite(value) else None
+
+
+def first(answer: Any, *names: str) -> dict[str, Any]:
+    """Return these arrays of an answer in its first case, as JSON; those it does not have are left out."""
+    arrays = {name: getattr(answer, name) for name in names}
+    return {
+        name: finite(values[0]) if values.ndim == 1 else values[0].tolist()
+        for name, values in arrays.items()
+        if values is not None
+    }
+
+
+def at_contact(problem: Any, end_tension_N: FloatArray) -> dict[str, FloatArray]:
+    """Return the conditions on the one wheel of a problem."""
+    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
+    return {name: getattr(problem, name) for name in names} | {"end_tension_N": end_tension_N}
+
+
+def cells(one: Mapping[str, Any], columns: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """Return a row of a table: the numbers of these names, each in its format."""
+    return tuple(in_words(one.get(name), form) for name, form in columns)
 
 
 def in_words(value: float | None, form: str = ".4g") -> str:

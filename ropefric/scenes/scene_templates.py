@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from ropefric.errors import UnknownNameError
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
-from ropefric.scenes.kinds import KINDS
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
@@ -22,16 +21,9 @@ _BUNDLED_FIT = re.compile(r'"\.\./\.\./(fits/[\w-]+\.json)"')
 
 
 def bundled_scenes() -> dict[str, str]:
-    """Return the scenes as they stand in data/scenes, by name: those of the kinds, and files of this package."""
-    files_here = (Path(entry.name) for entry in _folder().iterdir())
-    texts = {
-        path.stem: (_folder() / path.name).read_bytes().decode("utf-8")
-        for path in files_here
-        if path.suffix == ".toml"
-    }
-    for kind in KINDS.values():
-        texts |= kind.template
-    return dict(sorted(texts.items()))
+    """Return the scenes as they stand in data/scenes, by name."""
+    entries = [entry for entry in _folder().iterdir() if entry.name.endswith(".toml")]
+    return dict(sorted((Path(entry.name).stem, entry.read_bytes().decode("utf-8")) for entry in entries))
 
 
 def scene_text(name: str) -> str:

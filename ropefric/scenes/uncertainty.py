@@ -1,7 +1,7 @@
 """How uncertain a scene's answer is because its friction was fitted: the fit's covariance, carried through."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,7 @@ _STEP = 1e-3
 """Of a standard error, for the derivative along a direction: its square is the error of a central difference."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Uncertain:
+class Uncertain(NamedTuple):
     """A number of an answer with its uncertainty."""
 
     name: str
@@ -28,12 +27,8 @@ class Uncertain:
 
 def known(quantity: Quantity) -> Uncertain:
     """Return a number that no fit makes uncertain."""
-    return Uncertain(
-        name=quantity.name,
-        value=quantity.value,
-        std=np.zeros_like(quantity.value),
-        interval=np.stack([quantity.value, quantity.value], axis=-1),
-    )
+    ends = np.stack([quantity.value, quantity.value], axis=-1)
+    return Uncertain(quantity.name, quantity.value, np.zeros_like(quantity.value), ends)
 
 
 def carry_through(
@@ -79,7 +74,5 @@ def _with_std(quantity: Quantity, std: FloatArray, reach: float) -> Uncertain:
     middle, half = _read(quantity), reach * std
     ends = np.stack([middle - half, middle + half], axis=-1)
     if quantity.positive:
-        return Uncertain(
-            name=quantity.name, value=quantity.value, std=quantity.value * std, interval=np.exp(ends)
-        )
-    return Uncertain(name=quantity.name, value=quantity.value, std=std, interval=ends)
+        std, ends = quantity.value * std, np.exp(ends)
+    return Uncertain(quantity.name, quantity.value, std, ends)

@@ -13,7 +13,7 @@ def files_below(folder, pattern):
 
 
 def test_the_package_holds_the_bundled_scenes_and_their_fits_byte_by_byte(scenes_folder):
-    """After a change in data/scenes or fits/, copy it into ropefric/scenes/templates or the kind's template."""
+    """After a change in data/scenes or fits/, copy it into ropefric/scenes/templates."""
     root = scenes_folder.parents[1]
     package = root / "ropefric" / "scenes" / "templates"
     bundled = {f"{name}.toml": text.encode() for name, text in bundled_scenes().items()}

@@ -10,7 +10,8 @@ from pydantic import Field, PlainValidator, model_validator
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.files.toml_model import StrictTable, choice, got, reject, whole_number
+from ropefric.files.digits import significant
+from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Figure,
@@ -19,12 +20,14 @@ from ropefric.scenes.kind import (
     Quantity,
     SceneTable,
     arrays,
+    cells,
     finite,
+    first,
     in_words,
     key,
-    number,
+    number_where,
 )
-from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, SideAnswer
+from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem
 from ropefric.systems.bandsaw.effects import SYSTEM, answerable
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
 from ropefric.systems.bandsaw.resonance import (
@@ -124,12 +127,11 @@ class WheelTable(StrictTable):
         return self.radius if self.radius is not None else 0.5 * (self.diameter or 0.0)
 
 
-def _share(value: object) -> float:
-    fix = "give 0 for fixed wheel axles, 1 for a constant-force mounting"
-    found = number(value)
-    if not 0.0 <= found <= 1.0:
-        reject("RF110", f"a mounting factor of {got(value)} is not from 0 to 1", fix=fix)
-    return found
+_share = number_where(
+    lambda one: 0.0 <= one <= 1.0,
+    "a mounting factor of {} is not from 0 to 1",
+    "give 0 for fixed wheel axles, 1 for a constant-force mounting",
+)
 
 
 class TensionTable(StrictTable):
@@ -163,11 +165,9 @@ class DriveTable(StrictTable):
         return self
 
 
-def _margin(value: object) -> float:
-    found = number(value)
-    if not 0.0 < found < 1.0:
-        reject("RF110", f"a margin of {got(value)} is not between 0 and 1", fix="write 0.1 for 10 %")
-    return found
+_margin = number_where(
+    lambda one: 0.0 < one < 1.0, "a margin of {} is not between 0 and 1", "write 0.1 for 10 %"
+)
 
 
 class ExcitationTable(StrictTable):
@@ -289,15 +289,15 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
     )
 
 
-def _quantities(answer: SawAnswer, problem: SawProblem) -> tuple[Quantity, ...]:
-    del problem
-    found = [
-        Quantity(name=f"{side.value}.first_frequency_Hz", value=one.frequencies_Hz[:, 0], positive=True)
-        for side, one in answer.sides.items()
-    ]
-    if answer.wheel_utilisation is not None:
-        found.append(Quantity(name="wheel.utilisation", value=answer.wheel_utilisation))
-    return tuple(found)
+def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[Quantity, ...]:
+    wheel = answer.wheel_utilisation
+    return (
+        *(
+            Quantity(f"{side.value}.first_frequency_Hz", one.frequencies_Hz[:, 0], positive=True)
+            for side, one in answer.sides.items()
+        ),
+        *(() if wheel is None else (Quantity("wheel.utilisation", wheel),)),
+    )
 
 
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
@@ -320,7 +320,9 @@ _FASTEST = 0.98
 
 
 def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
-    tree: dict[str, Any] = {side.value: _side(one) for side, one in answer.sides.items()}
+    # A constant-force mounting has no critical speed.
+    names = ("frequencies_Hz", "tension_N", "wave_speed_m_s", "critical_speed_m_s", "torsion_Hz")
+    tree: dict[str, Any] = {side.value: first(one, *names) for side, one in answer.sides.items()}
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
     whole, planned = _saw_of(problem), _planned_saw(answer, problem)
@@ -355,19 +357,6 @@ def _planned_saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
     if saw is None or answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any():
         return saw
     return replace(saw, bending_stiffness_N_m2=0.0)
-
-
-def _side(one: SideAnswer) -> dict[str, Any]:
-    tree = {
-        "frequencies_Hz": one.frequencies_Hz[0].tolist(),
-        "tension_N": float(one.tension_N[0]),
-        "wave_speed_m_s": float(one.wave_speed_m_s[0]),
-        # A constant-force mounting has no critical speed.
-        "critical_speed_m_s": finite(float(one.critical_speed_m_s[0])),
-    }
-    if one.torsion_Hz is not None:
-        tree["torsion_Hz"] = one.torsion_Hz[0].tolist()
-    return tree
 
 
 def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
@@ -500,18 +489,16 @@ def _resonance_part(found: Mapping[str, Any]) -> Part:
     if advice is not None:
         preload = f"preload {advice['preload_N']:.4g} N: " if "preload_N" in advice else ""
         lines = (preload + advice["advice"],)
-    nearest = sorted(found["crossings"], key=lambda one: abs(one["speed_margin"] or 0.0))[:5]
+    nearest = sorted(found["crossings"], key=lambda one: significant(abs(one["speed_margin"] or 0.0)))[:5]
     return Part(
         "What may resonate, the nearest first",
         lines=lines,
         headings=("side", "mode", "excitation ", "mode [Hz]", "excitation [Hz]", "margin"),
         rows=tuple(
             (
-                one["side"],
-                str(one["mode"]),
+                *(one["side"], str(one["mode"])),
                 f"{one['harmonic']} × {one['excitation']}",
-                in_words(one["mode_Hz"], ".2f"),
-                in_words(one["excitation_Hz"], ".2f"),
+                *cells(one, (("mode_Hz", ".2f"), ("excitation_Hz", ".2f"))),
                 f"{100 * one['margin']:+.1f} %",
             )
             for one in found["nearest"]
@@ -535,11 +522,8 @@ def _comparison_part(found: Mapping[str, Any]) -> Part:
         headings=("model", "side", "mode", "measured [Hz]", "model [Hz]", "deviation"),
         rows=tuple(
             (
-                one["model"],
-                one["side"],
-                str(one["mode"]),
-                in_words(one["measured_Hz"], ".2f"),
-                in_words(one["model_Hz"], ".2f"),
+                *(one["model"], one["side"], str(one["mode"])),
+                *cells(one, (("measured_Hz", ".2f"), ("model_Hz", ".2f"))),
                 "–" if one["relative"] is None else f"{100 * one['relative']:+.1f} %",
             )
             for one in found["deviations"]

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import PlainValidator, model_validator
 
-from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
@@ -21,7 +20,9 @@ from ropefric.scenes.kind import (
     Quantity,
     SceneTable,
     arrays,
+    at_contact,
     finite,
+    first,
     in_words,
     key,
 )
@@ -100,46 +101,38 @@ class DriveScene(SceneTable):
         return self
 
 
-def _problem(table: DriveScene, friction: WrapFriction | None) -> DriveProblem:
-    assert friction is not None  # noqa: S101  (the schema asks for it)
+def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:
     # An open belt wraps both pulleys by one turn together.
     open_belt = {} if table.driven is None else {"driven_wrap_rad": np.array([_TURN - table.driving.wrap])}
     return DriveProblem(friction=friction, closure=table.tension.closure, **open_belt | arrays(table))
 
 
 def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[Quantity, ...]:
-    found = {"full_pull_N": answer.full_pull_N, "full_tight_N": answer.full_tight_N}
-    found["full_slack_N"] = answer.full_slack_N
+    found = {name: getattr(answer, name) for name in ("full_pull_N", "full_tight_N", "full_slack_N")}
     found["initial_tension_N"] = 0.5 * (answer.full_tight_N + answer.full_slack_N)
     if problem.speed_rad_s is not None:
         found["full_power_W"] = answer.full_power_W
     if problem.power_W is not None:
         found["utilisation"] = answer.utilisation
         found["belts_needed"] = answer.utilisation * problem.belt_count
-    return tuple(Quantity(name=name, value=value, positive=True) for name, value in found.items())
+    return tuple(Quantity(name, value, positive=True) for name, value in found.items())
 
 
 def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[Failure, ...]:
     if problem.power_W is None:
         return ()
     use, slack_N = answer.utilisation, answer.slack_N
-    words = "the belts slip: they do not carry the power"
     return (
-        Failure(words=words, measure="utilisation", value=use, fails=use > 1.0),
-        Failure(
-            words="a belt goes slack at work", measure="slack side in N", value=slack_N, fails=slack_N <= 0.0
-        ),
+        Failure("the belts slip: they do not carry the power", "utilisation", use, use > 1.0),
+        Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0),
     )
 
 
 def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
-    tree: dict[str, Any] = {"closure": problem.closure, "circling_N": float(answer.circling_N[0])}
+    tree: dict[str, Any] = {"closure": problem.closure, **first(answer, "circling_N")}
     tree["belt_speed_m_s"] = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
     work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
-    tree["at_work"] = {
-        "tight_N": float(answer.tight_N[0]),
-        "slack_N": float(answer.slack_N[0]),
-        "pull_N": float(answer.pull_N[0]),
+    tree["at_work"] = first(answer, "tight_N", "slack_N", "pull_N") | {
         "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),
         "power_W": work_W,
     }
@@ -274,15 +267,6 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     )
 
 
-def _contacts(problem: DriveProblem) -> Mapping[str, FloatArray]:
-    return {
-        "wheel_radius_m": problem.wheel_radius_m,
-        "rope_radius_m": problem.rope_radius_m,
-        "wrap_angle_rad": problem.wrap_angle_rad,
-        "end_tension_N": problem.tension_N,
-    }
-
-
 KIND = Kind(
     name="beltdrive",
     schema=DriveScene,
@@ -291,7 +275,7 @@ KIND = Kind(
     problem=_problem,
     quantities=_quantities,
     tree=_tree,
-    contacts=_contacts,
+    contacts=lambda problem: at_contact(problem, problem.tension_N),
     answerable=answerable,
     failures=_failures,
     sections=_sections,
@@ -304,60 +288,5 @@ KIND = Kind(
         "full_power_W": "Largest power of all belts at this speed [W]",
         "utilisation": "Share of the largest pull at work",
         "belts_needed": "Belts that the power takes, before rounding up",
-    },
-    template={
-        "belt-drive": """\
-# Two V belts between two pulleys: what they carry, how they creep.   ropefric solve belt-drive.toml
-system   = "beltdrive"
-accuracy = 0.001     # relative error you can live with
-effects  = "auto"    # "auto", "all", or a list of names; ropefric explain shows them
-
-[driving]
-diameter = "300 mm"
-wrap     = "180 deg"
-speed    = "1500 rpm"
-
-[driven]             # leave it out for a drum, a capstan or a band brake
-diameter = "600 mm"
-wrap     = "180 deg" # where it is left out, an open belt is meant: one turn less the driving pulley's wrap
-
-[belt]
-count           = 2
-thickness       = "13 mm"
-linear_density  = "0.9 kg/m"   # of one belt
-groove_angle    = "30 deg"     # of a wedge groove, flank to flank; leave it out for flat belts and ropes on drums
-axial_stiffness = "400 kN"     # EA of one belt, for its creep
-
-[tension]            # of one belt, with what keeps it on its circle
-closure = "limit"    # limit: the tight side's most; tensioner: the slack side's; fixed: pretension of fixed centres
-force   = "5250 N"
-
-[load]
-power = "120 kW"     # leave it out for the largest there is
-
-[friction]
-mu = 0.12            # or law and parameters, or fit = "FIT.json"
-""",
-        "band-brake": """\
-# A band brake: the band held at one end with a given force.   ropefric solve band-brake.toml
-system   = "beltdrive"
-accuracy = 0.01
-effects  = "auto"
-
-[driving]            # the drum
-diameter = "300 mm"
-wrap     = "270 deg"
-speed    = "20 rpm"
-
-[belt]
-thickness = "5 mm"
-
-[tension]
-closure = "tensioner"  # the force pulls at the slack end; the answer also tells the torque of the other direction
-force   = "500 N"
-
-[friction]
-mu = 0.25
-""",
     },
 )

@@ -4,9 +4,19 @@ from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
+from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import StrictTable, reject
-from ropefric.scenes.kind import Failure, FrictionTable, Kind, Quantity, SceneTable, arrays, key
-from ropefric.systems.friction import WrapFriction
+from ropefric.scenes.kind import (
+    Failure,
+    FrictionTable,
+    Kind,
+    Quantity,
+    SceneTable,
+    arrays,
+    at_contact,
+    first,
+    key,
+)
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift
 from ropefric.systems.hoist.effects import SYSTEM, answerable
 
@@ -56,42 +66,34 @@ class HoistScene(SceneTable):
     friction: FrictionTable
 
 
-def _problem(table: HoistScene, friction: WrapFriction | None) -> HoistProblem:
-    assert friction is not None  # noqa: S101  (the schema asks for it)
-    return HoistProblem(friction=friction, **arrays(table))
+def _weight_N(problem: HoistProblem) -> FloatArray | None:
+    return None if problem.payload_kg is None else problem.payload_kg * GRAVITY_M_S2
 
 
 def _quantities(lift: Lift, problem: HoistProblem) -> tuple[Quantity, ...]:
-    found = [
-        Quantity(name="lift_force_N", value=lift.lift_force_N, positive=True),
-        Quantity(name="mu_average", value=lift.average_mu, positive=True),
-    ]
-    if problem.payload_kg is not None:
-        weight_N = problem.payload_kg * GRAVITY_M_S2
-        found += [
-            Quantity(name="lift_margin", value=lift.lift_force_N / weight_N, positive=True),
-            Quantity(name="margin_N", value=lift.lift_force_N - weight_N),
-        ]
-    return tuple(found)
+    force_N, weight_N = lift.lift_force_N, _weight_N(problem)
+    found = (
+        Quantity("lift_force_N", force_N, positive=True),
+        Quantity("mu_average", lift.average_mu, positive=True),
+    )
+    if weight_N is None:
+        return found
+    margin = Quantity("lift_margin", force_N / weight_N, positive=True)
+    return (*found, margin, Quantity("margin_N", force_N - weight_N))
 
 
 def _failures(lift: Lift, problem: HoistProblem) -> tuple[Failure, ...]:
-    if problem.payload_kg is None:
+    weight_N = _weight_N(problem)
+    if weight_N is None:
         return ()
-    margin = lift.lift_force_N / (problem.payload_kg * GRAVITY_M_S2)
-    words = "the hoist does not lift its payload"
-    return (Failure(words=words, measure="lift margin", value=margin, fails=margin < 1.0),)
+    margin = lift.lift_force_N / weight_N
+    return (Failure("the hoist does not lift its payload", "lift margin", margin, margin < 1.0),)
 
 
 def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
-    tree: dict[str, Any] = {
-        "contact_rad": float(lift.contact_rad[0]),
-        "log_lift": float(lift.log_lift[0]),
-        "end_tension_N": float(lift.end_tension_N[0]),
-    }
-    if problem.payload_kg is not None:
-        tree["payload_N"] = float(problem.payload_kg[0] * GRAVITY_M_S2)
-        tree["lifts_payload"] = bool(lift.lift_force_N[0] >= tree["payload_N"])
+    tree, weight_N = first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
+    if weight_N is not None:
+        tree |= {"payload_N": float(weight_N[0]), "lifts_payload": bool(lift.lift_force_N[0] >= weight_N[0])}
     return tree
 
 
@@ -100,13 +102,10 @@ KIND = Kind(
     schema=HoistScene,
     system=SYSTEM,
     own_wheel=lambda table: (table.wheel.radius, 0.5 * table.rope.diameter),
-    problem=_problem,
+    problem=lambda table, friction: HoistProblem(friction=friction, **arrays(table)),
     quantities=_quantities,
     tree=_tree,
-    contacts=lambda problem: {
-        name: getattr(problem, name)
-        for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-    },
+    contacts=lambda problem: at_contact(problem, problem.end_tension_N),
     answerable=answerable,
     failures=_failures,
 )

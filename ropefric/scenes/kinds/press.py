@@ -234,8 +234,7 @@ class PressScene(SceneTable):
         return self
 
 
-def _problem(table: PressScene, friction: WrapFriction | None) -> PressProblem:
-    assert friction is not None  # noqa: S101  (the schema asks for it)
+def _problem(table: PressScene, friction: WrapFriction) -> PressProblem:
     speed_m_s = table.press.speed
     if speed_m_s is None:
         drivers = [roller for roller in table.rollers.values() if roller.role == "driver"]
@@ -336,22 +335,19 @@ def _answerable(problem: PressProblem) -> BoolArray:
     return np.asarray(~still.slack)
 
 
-def _quantities(answer: PressAnswer, problem: PressProblem) -> tuple[Quantity, ...]:
-    del problem
-    slip, spans = answer.slip, answer.model.press.spans
+def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[Quantity, ...]:
+    slip, tensions_N = answer.slip, answer.state.effective_tension_N
     return (
-        Quantity(name="largest_utilisation", value=slip.utilisation.max(axis=-1)),
-        Quantity(name="power_W", value=drive_power_W(answer.state)),
+        Quantity("largest_utilisation", slip.utilisation.max(axis=-1)),
+        Quantity("power_W", drive_power_W(answer.state)),
         *(
-            Quantity(name=f"slip.{name}.{measure}", value=getattr(slip, measure)[..., place])
+            Quantity(f"slip.{name}.{measure}", getattr(slip, measure)[..., place])
             for measure in ("utilisation", "as_plotted", "as_printed")
             for place, name in enumerate(slip.rollers)
         ),
         *(
-            Quantity(
-                name=f"effective_tension_N.{span.name}", value=answer.state.effective_tension_N[..., place]
-            )
-            for place, span in enumerate(spans)
+            Quantity(f"effective_tension_N.{span.name}", tensions_N[..., place])
+            for place, span in enumerate(answer.model.press.spans)
         ),
     )
 
@@ -362,11 +358,10 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[Failure, ...]
         return ()
     largest = answer.slip.utilisation.max(axis=-1)
     words = "a roller slips, so the belts cannot be pulled like this"
-    return (Failure(words=words, measure="largest utilisation", value=largest, fails=largest > 1.0),)
+    return (Failure(words, "largest utilisation", largest, largest > 1.0),)
 
 
-def _tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
-    del problem
+def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
@@ -393,6 +388,10 @@ def _tree(answer: PressAnswer, problem: PressProblem) -> dict[str, Any]:
                 if one.torque_N_m
             },
             "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
+        },
+        "creep": {
+            "rim_speed_m_s": dict(zip(slip.rollers, answer.rim_speed_m_s[0].tolist(), strict=True)),
+            "power_lost_W": float(answer.creep_loss_W[0]),
         },
         **_first(answer),
     }
@@ -484,7 +483,21 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
             for name, one in tree["slip"].items()
         ),
     )
-    return (spans, slip, *([_start_up(tree)] if "start_up" in tree else []))
+    creep = [_creep(tree)] if tree["creep"]["power_lost_W"] else []
+    return (spans, slip, *creep, *([_start_up(tree)] if "start_up" in tree else []))
+
+
+def _creep(tree: Mapping[str, Any]) -> Part:
+    rim_m_s, lost_W = tree["creep"]["rim_speed_m_s"], tree["creep"]["power_lost_W"]
+    return Part(
+        "Creep",
+        lines=(f"the belts' stretch takes {lost_W:.4g} W of the drivers' power",),
+        headings=("roller", "rim [m/s]", "slower by [%]"),
+        rows=tuple(
+            (name, in_words(one, ".6g"), in_words(100.0 * (1.0 - one / tree["speed_m_s"]), ".3g"))
+            for name, one in rim_m_s.items()
+        ),
+    )
 
 
 def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:

@@ -20,11 +20,11 @@ from ropefric.scenes.kind import (
     Quantity,
     SceneTable,
     arrays,
+    at_contact,
+    cells,
     finite,
-    in_words,
     key,
 )
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
 
@@ -93,31 +93,25 @@ class TractionScene(SceneTable):
     pulleys: PulleysTable = Field(default_factory=PulleysTable)
 
 
-def _problem(table: TractionScene, friction: WrapFriction | None) -> TractionProblem:
-    return TractionProblem(friction=friction, groove=table.sheave.groove, **arrays(table))
-
-
 def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[Quantity, ...]:
-    found = [
-        Quantity(name="largest_utilisation", value=answer.utilisation.max(axis=0), positive=True),
-        Quantity(name="needed_wrap_rad", value=answer.needed_wrap_rad, positive=True),
-    ]
-    if problem.groove in {"undercut", "semicircular"}:
-        found.append(Quantity(name="needed_undercut_rad", value=answer.needed_undercut_rad))
-    found += [
-        Quantity(name=f"cases.{case}.utilisation", value=answer.utilisation[i], positive=True)
-        for i, case in enumerate(CASES)
-    ]
-    return tuple(found)
+    undercut = (Quantity("needed_undercut_rad", answer.needed_undercut_rad),)
+    return (
+        Quantity("largest_utilisation", answer.utilisation.max(axis=0), positive=True),
+        Quantity("needed_wrap_rad", answer.needed_wrap_rad, positive=True),
+        *(undercut if problem.groove in {"undercut", "semicircular"} else ()),
+        *(
+            Quantity(f"cases.{case}.utilisation", use, positive=True)
+            for case, use in zip(CASES, answer.utilisation, strict=True)
+        ),
+    )
 
 
-def _failures(answer: TractionAnswer, problem: TractionProblem) -> tuple[Failure, ...]:
-    del problem
-    held = {case: f"the ropes slip in the load case {case}" for case in CASES[:-1]}
-    words = held | {CASES[-1]: "the ropes do not slip when the car is stalled"}
+def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[Failure, ...]:
+    held = [f"the ropes slip in the load case {case}" for case in CASES[:-1]]
+    words = (*held, "the ropes do not slip when the car is stalled")
     return tuple(
-        Failure(words=words[case], measure="utilisation", value=use, fails=use > 1.0)
-        for case, use in zip(CASES, answer.utilisation, strict=True)
+        Failure(said, "utilisation", use, use > 1.0)
+        for said, use in zip(words, answer.utilisation, strict=True)
     )
 
 
@@ -178,7 +172,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
             rows=tuple(
                 (
                     case,
-                    *(in_words(one[key], form) for key, form in columns.values()),
+                    *cells(one, columns.values()),
                     "yes" if one["passes"] else "no",
                 )
                 for case, one in cases.items()
@@ -216,12 +210,8 @@ def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
 
 
 def _contacts(problem: TractionProblem) -> Mapping[str, FloatArray]:
-    return {
-        "wheel_radius_m": problem.wheel_radius_m,
-        "rope_radius_m": problem.rope_radius_m,
-        "wrap_angle_rad": problem.wrap_angle_rad,
-        "end_tension_N": 9.81 * np.minimum(problem.car_kg, problem.counterweight_kg) / problem.rope_count,
-    }
+    lighter_kg = np.minimum(problem.car_kg, problem.counterweight_kg)
+    return at_contact(problem, 9.81 * lighter_kg / problem.rope_count)
 
 
 KIND = Kind(
@@ -229,7 +219,9 @@ KIND = Kind(
     schema=TractionScene,
     system=SYSTEM,
     own_wheel=lambda table: (0.5 * table.sheave.diameter, 0.5 * table.ropes.diameter),
-    problem=_problem,
+    problem=lambda table, friction: TractionProblem(
+        friction=friction, groove=table.sheave.groove, **arrays(table)
+    ),
     quantities=_quantities,
     tree=_tree,
     contacts=_contacts,
@@ -241,43 +233,5 @@ KIND = Kind(
         "largest_utilisation": "Largest utilisation of the four load cases",
         "needed_wrap_rad": "Least wrap that holds while loading and braking [rad]",
         "needed_undercut_rad": "Least undercut that holds while loading and braking [rad]",
-    },
-    template={
-        "traction": """\
-# A lift's traction sheave after EN 81-50, 5.11: will its ropes hold?   ropefric solve traction.toml
-# This checks one clause of the standard; it is no certificate.
-system   = "traction"
-accuracy = 0.01      # relative error you can live with
-effects  = "auto"    # "auto", "all", or a list of names; ropefric explain shows them
-
-[lift]               # roping 1:1
-car           = "700 kg"
-rated_load    = "630 kg"
-counterweight = "1015 kg"
-travel        = "18 m"
-speed         = "1 m/s"      # lowers the coefficient in an emergency stop
-deceleration  = "0.5 m/s^2"  # of the emergency stop; 0.8 m/s^2 with reduced buffers
-
-[sheave]
-diameter     = "400 mm"
-wrap         = "160 deg"
-groove       = "undercut"    # semicircular, undercut, v, v-hardened
-groove_angle = "35 deg"
-undercut     = "90 deg"      # of undercut and v grooves; the standard ends at 106 deg
-
-[ropes]
-count          = 4
-diameter       = "10 mm"
-linear_density = "0.336 kg/m"
-above_car           = "2 m"     # from the car at the highest stop to the sheave
-above_counterweight = "2.57 m"  # from the counterweight at its highest to the sheave
-
-[pulleys]            # of deflector pulleys: inertia over the square of the radius
-counterweight_side = "21 kg"
-
-# Without [friction] the standard's coefficients hold: 0.1 loading, 0.1/(1 + v/10) braking, 0.2 stalled.
-# [friction]
-# mu = 0.12          # or law and parameters, or fit = "FIT.json", for one rope in a plain groove
-"""
     },
 )

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.files.digits import significant
 from ropefric.systems.bandsaw.roots import roots_between
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, preloads_for_N
 from ropefric.systems.checks import checked
@@ -137,9 +138,12 @@ def find_crossings(
         )
         for (excitation, harmonic, mode), speed in zip(pairs, meeting.tolist(), strict=True)
     ]
-    return tuple(
-        sorted(crossings, key=lambda crossing: (crossing.speed_m_s, crossing.mode, crossing.harmonic))
-    )
+    return in_order(crossings)
+
+
+def in_order(crossings: list[Crossing]) -> tuple[Crossing, ...]:
+    """Return crossings by speed. On a string mode n meets n turns at one speed: rounding must not order them."""
+    return tuple(sorted(crossings, key=lambda one: (significant(one.speed_m_s), one.mode, one.harmonic)))
 
 
 def margins(
@@ -165,7 +169,9 @@ def margins(
                 if excited_Hz > 0.0
                 for mode, mode_Hz in enumerate(of_modes.tolist(), start=1)
             ]
-    return tuple(sorted(found, key=lambda margin: abs(margin.relative)))
+    return tuple(
+        sorted(found, key=lambda margin: (significant(abs(margin.relative)), margin.mode, margin.harmonic))
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -196,7 +202,7 @@ def saw_chart(
         speed_m_s=speeds,
         mode_Hz={side: frequencies_Hz(saw, side, n_modes, speed_m_s=speeds) for side in sides},
         excitations=excitations,
-        crossings=tuple(sorted(found, key=lambda crossing: crossing.speed_m_s)),
+        crossings=in_order(found),
     )
 
 

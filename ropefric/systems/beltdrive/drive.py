@@ -8,6 +8,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
+from ropefric.systems.creep import speed_ratio
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio
 
 CLOSURES = ("limit", "tensioner", "fixed")
@@ -131,7 +132,7 @@ class DriveAnswer:
     def speed_ratio(self) -> FloatArray:
         """Return the rim speed of the driven pulley over that of the driving one, (1 + T2/EA)/(1 + T1/EA)."""
         tight, slack = self.strain
-        return np.asarray((1.0 + slack) / (1.0 + tight))
+        return speed_ratio(slack, tight)
 
     @cached_property
     def slip_arc_rad(self) -> FloatArray:

@@ -4,15 +4,17 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Rule, side_by_side
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import SlipTable, slip_table, steady_contacts
-from ropefric.systems.press.statics import Statics, solve_statics
+from ropefric.systems.press.statics import Statics, incidence, solve_statics
 from ropefric.systems.press.steady import Parts, SteadyState, respond
 from ropefric.systems.press.transient.integrators import Settings
 from ropefric.systems.press.transient.start_up import StartUp, start_up
@@ -119,6 +121,23 @@ class PressAnswer:
     at_rest_N: FloatArray
     slip: SlipTable
     start_up: StartUp | None = None
+
+    @property
+    def rim_speed_m_s(self) -> FloatArray:
+        """Return how fast the rims run, shape (n, n_rollers) [m/s]: alike where creep is left out."""
+        state = self.state
+        ratios = np.ones((state.speed_m_s.size, len(state.press.rollers)))
+        if "elastic-creep" in self.model.effects:
+            has_mass = self.model.parts.mass
+            ratios = rim_speed_ratios(state.press, state.tension_N if has_mass else state.effective_tension_N)
+        return np.asarray(state.speed_m_s[:, np.newaxis] * ratios)
+
+    @property
+    def creep_loss_W(self) -> FloatArray:
+        """Return the power that creep takes, shape (n,) [W]: what the drivers supply less what the loads take."""
+        pulls_N = -self.state.effective_tension_N @ incidence(self.state.press).T
+        slower_m_s = self.rim_speed_m_s - self.state.speed_m_s[:, np.newaxis]  # Σ pulls = 0
+        return np.asarray((pulls_N * slower_m_s).sum(axis=-1))
 
 
 def solve_press(model: PressModel) -> PressAnswer:

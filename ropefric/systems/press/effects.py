@@ -3,8 +3,8 @@
 Tensions are linear: each load, the preload and the speed have their own share, got by one small linear solution each.
 So the tensions of every subset of effects are sums of the same few columns, and the largest change that an effect
 makes among all subsets bounds it. What is bounded is |ΔT'| of each span over its T' with everything in, |ΔU| of each
-roller over the largest U with everything in, and |ΔP| of the drivers over their P; leaving out several effects adds
-their bounds up at most.
+roller over the largest U with everything in, |ΔP| of the drivers over their P, and |Δv| of each rim over the largest v
+with everything in; leaving out several effects adds their bounds up at most.
 """
 
 import math
@@ -29,9 +29,10 @@ from ropefric.systems.press.answer import (
     told_by,
     without_load,
 )
+from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.machine import missing_elasticity, missing_masses
 from ropefric.systems.press.slip import contacts_of, utilisation
-from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.statics import solve_statics, span_density_kg_m
 from ropefric.systems.press.steady import Parts, drive_power_W, speed_shift_kg_m
 
 _ROUNDING = 1e-9
@@ -39,15 +40,21 @@ _ROUNDING = 1e-9
 
 def _largest_change(name: str, problem: PressProblem) -> float:
     names = _applicable(problem)
+    whole = (-1,) * len(names)
+    if name == "elastic-creep":  # tensions and slip know nothing of it
+        pace = _corners(problem)[2]
+        return float((np.abs(pace - 1.0) / pace[whole].max(axis=-1, keepdims=True)).max())
     if name not in names:
         return 0.0
-    tension_N, use = _corners(problem)
-    axis, whole = names.index(name), (-1,) * len(names)
+    tension_N, use, pace = _corners(problem)
+    axis = names.index(name)
     by_span = np.abs(np.diff(tension_N, axis=axis)) / tension_N[whole]
     change = np.abs(np.diff(use, axis=axis))
     largest = np.broadcast_to(use[whole].max(axis=-1, keepdims=True), change.shape)
     by_roller = np.divide(change, largest, out=np.zeros_like(change), where=change > 0.0)
-    return max(float(by_span.max()), float(by_roller.max()), _share_of_pull(name, problem))
+    by_rim = np.abs(np.diff(pace, axis=axis)) / pace[whole].max(axis=-1, keepdims=True)
+    found = (float(one.max()) for one in (by_span, by_roller, by_rim))
+    return max(*found, _share_of_pull(name, problem))
 
 
 def _share_of_pull(name: str, problem: PressProblem) -> float:
@@ -63,8 +70,8 @@ def _share_of_pull(name: str, problem: PressProblem) -> float:
 
 
 @lru_cache(maxsize=4)
-def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray]:
-    """Return T' and U of every subset of effects: one axis of length 2 an effect, then points, then spans or rollers.
+def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return T', U and the rims' pace of every subset of effects: an axis of length 2 each, then points, then places.
 
     The bounds of all effects are read off the same table.
     """
@@ -100,7 +107,10 @@ def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray]:
         told = told_by(frozenset(name for name, flag in zip(telling, flags, strict=True) if flag))
         place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
         use[place] = utilisation(contacts_of(press, tension_N[place]), problem.friction, told=told)
-    return tension_N, use
+    whole_N = tension_N.copy()
+    if "belt-inertia" in names:
+        whole_N[(slice(None),) * names.index("belt-inertia") + (1,)] += squared * span_density_kg_m(press)
+    return tension_N, use, rim_speed_ratios(press, whole_N)
 
 
 def _applicable(problem: PressProblem) -> list[str]:
@@ -188,6 +198,14 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             lambda problem: _scene_keys(missing_elasticity(problem.press)),
         ),
         _steady(
+            "elastic-creep",
+            "belts that are strained by T/EA, so that driven rollers run slower than the drivers and power is lost",
+            "rims that all run at the speed of the drivers",
+            lambda problem: _scene_keys(
+                key for key in missing_elasticity(problem.press) if "axial_stiffness" in key
+            ),
+        ),
+        _steady(
             "wrap-dependence",
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
@@ -242,6 +260,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
         _relative(answer.state.effective_tension_N, reference.state.effective_tension_N),
         _of_largest(answer.slip.utilisation, reference.slip.utilisation),
         _of_largest(*(drive_power_W(one.state)[..., np.newaxis] for one in (answer, reference))),
+        _of_largest(answer.rim_speed_m_s, reference.rim_speed_m_s),
     ]
     moved, other = answer.start_up, reference.start_up
     if other is not None:

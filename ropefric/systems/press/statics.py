@@ -83,7 +83,7 @@ class Closure:
         return np.array(matrix).reshape(len(values), len(press.spans)), values
 
 
-def _arriving(press: Press, roller: str, belt: str) -> str:
+def arriving(press: Press, roller: str, belt: str) -> str:
     """Return the name of the span in which a belt reaches a roller."""
     return next(span.name for span in press.spans if span.end == roller and belt in span.belts)
 
@@ -111,25 +111,30 @@ def _alone(press: Press, end: Callable[[Span], str]) -> list[tuple[str, str, str
     ]
 
 
+def meetings(press: Press) -> list[tuple[str, str, str]]:
+    """Return (roller, belt, next belt) wherever belts arrive at one roller each alone."""
+    return _alone(press, lambda span: span.end)
+
+
 def creep_statements(
     press: Press, *, axial_stiffness_N: Mapping[str, float], overspeed: Mapping[str, float]
 ) -> list[Statement]:
     """Return what steady creep says about the tensions."""
     drivers, stated = _drivers(press), []
-    for roller, first, second in _alone(press, lambda span: span.end):
+    for roller, first, second in meetings(press):
         if drivers[first] and drivers[second]:
             one, other = drivers[first][0], drivers[second][0]
             softness = axial_stiffness_N[first] / axial_stiffness_N[second]
             factors = {
-                _arriving(press, one, first): 1.0,
-                _arriving(press, roller, first): -1.0,
-                _arriving(press, other, second): -softness,
-                _arriving(press, roller, second): softness,
+                arriving(press, one, first): 1.0,
+                arriving(press, roller, first): -1.0,
+                arriving(press, other, second): -softness,
+                arriving(press, roller, second): softness,
             }
             stated.append((factors, axial_stiffness_N[first] * (overspeed[one] - overspeed[other])))
     for belt, names in drivers.items():
         for other in names[1:]:
-            factors = {_arriving(press, names[0], belt): 1.0, _arriving(press, other, belt): -1.0}
+            factors = {arriving(press, names[0], belt): 1.0, arriving(press, other, belt): -1.0}
             stated.append((factors, axial_stiffness_N[belt] * (overspeed[names[0]] - overspeed[other])))
     return stated
 
@@ -155,7 +160,7 @@ def _equal_torque(press: Press) -> list[Statement]:
     for first, second in pairwise(roller for roller in press.rollers if roller.role == "driver"):
         factors: dict[str, float] = {}
         for driver, lever in ((first, 1.0), (second, -second.radius_m / first.radius_m)):
-            into = _arriving(press, driver.name, belt_of[driver.name])
+            into = arriving(press, driver.name, belt_of[driver.name])
             out_of = _leaving(press, driver.name, belt_of[driver.name])
             factors[into] = factors.get(into, 0.0) + lever
             factors[out_of] = factors.get(out_of, 0.0) - lever

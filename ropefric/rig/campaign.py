@@ -183,7 +183,7 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
     dealt: list[list[str]] = [[] for _ in range(law_N.size)]
     spoilt = np.zeros(law_N.size, dtype=bool)
     for name, rate in plan.faults.items():
-        mechanical = FAULTS[name].is_mechanical
+        mechanical = (FAULTS[name].on_pull or FAULTS[name].on_setup) is not None
         can = ~spoilt if mechanical else np.ones_like(spoilt)
         if name == "saturation":
             # The honest cause is a cell too small for the force; only where there is none does a rope jam. Whole

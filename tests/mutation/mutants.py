@@ -135,64 +135,59 @@ def _run(folder: Path, *words: str) -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
-def _copy(folder: Path) -> None:
-    for name in (
-        "ropefric",
-        "tests",
-        "data",
-        "fits",
-        "notebooks",
-        "pyproject.toml",
-        "README.md",
-        "CHANGELOG.md",
-    ):
-        source = ROOT / name
-        if source.is_dir():
-            shutil.copytree(source, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy(source, folder / name)
+def _copy(place: Path) -> Path:
+    """Return a copy of the project as it stands now, with the real recordings beside it where there are any."""
+    folder = place / "project"
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for name in listed.stdout.splitlines():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, folder / name)
+    (place / "shared").symlink_to(ROOT.parent / "shared")
+    return folder
 
 
-def _tests_of(room: str, folder: Path) -> list[str]:
-    """Return the tests of a room, then all others but those of the code's size and these."""
-    first = folder / "tests" / room
-    everything = [
-        path.as_posix()
+def _noticed(folder: Path, room: str) -> str:
+    """Return the first test that fails, those of a room tried first; "" if none does.
+
+    The tests of the code's size and of this study are left out, and those of speed.
+    """
+    out = {"mutation", "benchmarks", "__pycache__", "test_architecture.py"}
+    tests = [
+        path
         for path in sorted((folder / "tests").iterdir())
-        if (path.is_dir() or path.name.startswith("test_"))
-        and path.name not in {"mutation", "benchmarks", "__pycache__", "test_architecture.py"}
+        if (path.is_dir() or path.name.startswith("test_")) and path.name not in out
     ]
-    own = [first.as_posix()] if first.exists() else []
-    return own + [path for path in everything if path not in own]
+    tests.sort(key=lambda path: path.name != room)
+    quiet = ("-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=no")
+    code, said = _run(folder, *quiet, *(path.as_posix() for path in tests), str(folder / "ropefric"))
+    failed = [line.split()[1] for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return "" if not code else failed[0] if failed else said.strip()[-80:]
+
+
+def _probed(folder: Path) -> tuple[int, str]:
+    return _run(folder, str(Path(__file__).with_name("probe.py")), str(folder))
 
 
 def fate(mutant: Mutant, expected: str) -> str:
     """Return what became of a mutant: the test that noticed it, "no result changed", or "MISSED"."""
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name) / "project"
-        folder.mkdir()
-        _copy(folder)
+        folder = _copy(Path(name))
         (folder / mutant.path).write_text(mutant.text, encoding="utf-8")
-        tests = _tests_of(mutant.path.parts[1], folder)
-        quiet = ("-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=no")
-        code, said = _run(folder, *quiet, *tests, str(folder / "ropefric"))
-        if code:
-            noticed = [line for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
-            return f"noticed by {noticed[0].split()[1] if noticed else said.strip()[-80:]}"
-        after = _run(folder, str(Path(__file__).with_name("probe.py")), str(folder))[1]
-        return "no result changed" if after == expected else "MISSED"
+        noticed = _noticed(folder, mutant.path.parts[1])
+        if noticed:
+            return f"noticed by {noticed}"
+        return "no result changed" if _probed(folder)[1] == expected else "MISSED"
 
 
 def study(count: int, seed: int, jobs: int = 2, tell: Callable[[str], object] = print) -> tuple[int, int]:
     """Return how many of the mutants that change a result were noticed, and how many there were."""
     mutants = draw(count, seed)
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name) / "project"
-        folder.mkdir()
-        _copy(folder)
-        code, expected = _run(folder, str(Path(__file__).with_name("probe.py")), str(folder))
-        if code:
-            raise RuntimeError("the probe fails on the unbroken project")
+        folder = _copy(Path(name))
+        code, expected = _probed(folder)
+        failed = "the probe" if code else _noticed(folder, "")
+        if failed:
+            raise RuntimeError(f"{failed} fails on the unbroken project")
     noticed = counted = 0
     with ThreadPoolExecutor(jobs) as pool:
         for mutant, found in zip(mutants, pool.map(lambda one: fate(one, expected), mutants), strict=True):

@@ -19,7 +19,7 @@ from ropefric.errors import InputError
 from ropefric.fitting.predict import degrees_of_freedom, linear_std, new_rope_std, outside_range
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, as_floats
-from ropefric.friction.law import FrictionLaw, LiftModel
+from ropefric.friction.law import LiftModel
 from ropefric.uncertainty.quantity import quantile
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
@@ -148,36 +148,27 @@ class Design:
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiftBound:
-    """ln F_A of a fitted law and what one new rope exceeds with a probability."""
+    """ln F_A of a fitted law and what one new rope exceeds with a probability; the mean law itself for None."""
 
-    law: FrictionLaw
-    theta: FloatArray
-    covariance: FloatArray
-    reach: float
-    scatter: float
-
-    @classmethod
-    def of(cls, fit: FitResult, probability: float | None) -> "LiftBound":
-        """Return the bound of a fit."""
-        reach, scatter = 0.0, 0.0
-        if probability is not None:
-            if not 0.5 <= probability < 1.0:
-                raise InputError(
-                    f"the probability is {probability:g}",
-                    key="probability",
-                    fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
-                )
-            reach, scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
-            if not (math.isfinite(scatter) and np.isfinite(fit.covariance).all()):
-                raise InputError(
-                    f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
-                    key="probability",
-                    fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
-                )
-        law, theta, covariance = fit.friction_law, np.asarray(fit.theta), np.asarray(fit.covariance)
-        return cls(law=law, theta=theta, covariance=covariance, reach=reach, scatter=scatter)
+    def __init__(self, fit: FitResult, probability: float | None) -> None:
+        self.law, self.theta, self.covariance = fit.friction_law, fit.theta, fit.covariance
+        self.reach = self.scatter = 0.0
+        if probability is None:
+            return
+        if not 0.5 <= probability < 1.0:
+            raise InputError(
+                f"the probability is {probability:g}",
+                key="probability",
+                fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
+            )
+        self.reach, self.scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
+        if not (math.isfinite(self.scatter) and np.isfinite(fit.covariance).all()):
+            raise InputError(
+                f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
+                key="probability",
+                fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
+            )
 
     def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
         """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
@@ -220,7 +211,7 @@ def design(
         lift_N=lift_N, rope_radius_m=rope_radius_m, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    n, bound, log_load = load_N.size, LiftBound.of(fit, probability), np.log(load_N)
+    n, bound, log_load = load_N.size, LiftBound(fit, probability), np.log(load_N)
     parts = []
     for part in (slice(first, first + _CHUNK) for first in range(0, n, _CHUNK)):
         some = {name: values[part] for name, values in given.items()}
@@ -392,7 +383,7 @@ def design_chart(
         wrap_angle_rad=grid[1].ravel(),
         end_tension_N=np.array(end_tension_N),
     )
-    eta, lower = LiftBound.of(fit, probability).evaluate(conditions)
+    eta, lower = LiftBound(fit, probability).evaluate(conditions)
     with np.errstate(over="ignore"):
         return DesignChart(
             wheel_radius_m=radii,

@@ -15,7 +15,6 @@ import numpy as np
 
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import ACCURACIES, Measured, Setting, Study, cheapest, in_case, pareto_front
-from ropefric.errors import InputError
 
 _CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
@@ -42,10 +41,6 @@ class Machine:
         made = f"Python {self.python}, numpy {self.numpy}, scipy {self.scipy}"
         return f"{self.cpu}, {cores}, {self.system}; {made}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as plain data."""
-        return asdict(self)
-
 
 def this_machine() -> Machine:
     """Return the machine this runs on; its processor where a file tells it, else the platform's word for it."""
@@ -61,21 +56,13 @@ def this_machine() -> Machine:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effort:
+class Effort(NamedTuple):
     """How much time is spent on timing one call."""
 
     batch_s: float
     budget_s: float
     fewest: int
     most: int
-
-    def __post_init__(self) -> None:
-        if not (0.0 < self.batch_s <= self.budget_s and 1 <= self.fewest <= self.most):
-            raise InputError(
-                f"{self.fewest} to {self.most} batches of {self.batch_s} s in {self.budget_s} s makes no sense",
-                fix="give 0 < batch_s <= budget_s and 1 <= fewest <= most",
-            )
 
 
 FULL = Effort(batch_s=5e-3, budget_s=0.15, fewest=5, most=15)

@@ -49,16 +49,12 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
+class Measured(Outcome):
     """Error and time of one setting; without a time where none was taken."""
 
     case: str
     method: str
     setting: str
-    error: float
-    evaluations: float
-    bias: float = nan
-    noise: float = nan
     seconds: float = nan
     lower_s: float = nan
     upper_s: float = nan
@@ -220,7 +216,6 @@ def time_text(seconds: float) -> str:
     """Return a time with the unit that suits it; a dash where there is none."""
     if not isfinite(seconds):
         return "–"
-    size, unit = next(
-        (one for one in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")) if seconds >= 0.9995 * one[0]), (1e-9, "ns")
-    )
+    units = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"))
+    size, unit = next((one for one in units if seconds >= 0.9995 * one[0]), (1e-9, "ns"))
     return f"{seconds / size:.{2 if seconds < 99.5 * size else 3}g} {unit}"

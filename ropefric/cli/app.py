@@ -9,6 +9,7 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from functools import cache
+from itertools import takewhile
 from typing import Annotated, Any
 
 import typer
@@ -51,11 +52,9 @@ def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | No
         return 0 if isinstance(stop.__context__, BrokenPipeError) else int(stop.code or 0)
     except BaseException as error:  # noqa: BLE001  (the boundary: everything becomes words and a code)
         # The user's wishes, where typer did not get as far as reading them.
-        words = list(argv)[: list(argv).index("--")] if "--" in argv else list(argv)
-        quiet = "--quiet" in words or "-q" in words
-        return report_failure(
-            error, Output(json="--json" in words, quiet=quiet, color="--no-color" not in words)
-        )
+        words = set(takewhile(lambda word: word != "--", argv))
+        wishes = {"json": "--json" in words, "quiet": bool(words & {"--quiet", "-q"})}
+        return report_failure(error, Output(**wishes, color="--no-color" not in words))
     return code if isinstance(code, int) else 0
 
 

@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -15,7 +16,7 @@ from ropefric.errors import InputError, RopefricError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ropefric.files.folder import OutputFolder
+    from ropefric.files.folder import Folder
     from ropefric.fitting.result import FitResult
     from ropefric.fitting.verdict import Verdict
     from ropefric.report.section import Section
@@ -128,9 +129,11 @@ def exit_code_of(verdict: "Verdict") -> int:
 
 
 def open_folder(
-    path: Path, *, family: str, names: Iterable[str], inputs: Iterable[Path] = (), force: bool
-) -> "OutputFolder":
-    """Return a command's folder, to be used as a context; see `OutputFolder`."""
+    path: Path | None, *, family: str, names: Iterable[str], inputs: Iterable[Path] = (), force: bool
+) -> AbstractContextManager[Any]:
+    """Return a command's folder, to be used as a context, see `OutputFolder`; of none given, nothing."""
+    if path is None:
+        return nullcontext()
     from ropefric.files.folder import OutputFolder  # noqa: PLC0415  (quick start-up)
 
     lend_fonts_a_place(path)
@@ -154,6 +157,14 @@ def lend_fonts_a_place(folder: Path) -> None:
         wished = os.environ.get("MPLCONFIGDIR")
         if not wished or not os.access(wished, os.W_OK):
             os.environ["MPLCONFIGDIR"] = str((folder / CACHE / "matplotlib").absolute())
+
+
+def publish(out: Output, folder: "Folder", family: str, files: Sequence[Path]) -> Sequence[Path]:
+    """Publish what was written to a folder, say so, and return its paths."""
+    folder.publish(family)
+    for path in files:
+        out.note(f"wrote {path}")
+    return files
 
 
 def written_to(folder: Path, files: str) -> "Section":

@@ -14,7 +14,6 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import least_squares
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, RopefricError, UnknownNameError
@@ -434,6 +433,8 @@ def _end_tension_fit(
     problem: FitProblem, theta: FloatArray, count: FloatArray, *, fresh: bool
 ) -> tuple[FloatArray, bool]:
     """Return the fit of residuals whose slopes no law states: by differences, with scipy."""
+    from scipy.optimize import least_squares  # noqa: PLC0415  (a stored fit is shown without)
+
     free, weight = problem.vary, np.sqrt(count) / problem.std
 
     def full(part: FloatArray) -> FloatArray:

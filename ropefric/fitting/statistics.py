@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import bisect
 from scipy.special import fdtrc
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
@@ -484,6 +483,7 @@ def scatter_fit(residual: FloatArray, means: ConditionMeans) -> ScatterFit:
 
 def _between_variance(squared: FloatArray, known: FloatArray) -> float:
     """Return the τ² ≥ 0 of greatest likelihood, by bisection of its score."""
+    from scipy.optimize import bisect  # noqa: PLC0415  (a stored fit is shown without)
 
     def score(extra: float) -> float:
         variance = known + extra

@@ -75,10 +75,8 @@ class Bench:
 
     def cell_for(self, lift_force_N: float) -> ForceCell:
         """Return the smallest cell that measures a lift force with headroom, or the largest there is."""
-        for cell in self.cells:
-            if lift_force_N <= self.cell_use * cell.full_scale_N:
-                return cell
-        return self.cells[-1]
+        good = (cell for cell in self.cells if lift_force_N <= self.cell_use * cell.full_scale_N)
+        return next(good, self.cells[-1])
 
     def cell_named(self, name: str) -> ForceCell:
         """Return the cell of that name."""

@@ -6,7 +6,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -136,7 +136,7 @@ def prth_bench_plan() -> CampaignPlan:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class PlannedTrial:
     """One recording to be made."""
 
@@ -174,15 +174,8 @@ def plan_trials(plan: CampaignPlan, *, seed: int) -> tuple[PlannedTrial, ...]:
         cell = plan.bench.cell_for(force_N if way.measures_lift else condition.end_tension_N).name
         for repeat in range(plan.repeats):
             index = number * plan.repeats + repeat
-            trial = PlannedTrial(
-                name=f"c{number + 1:02d}-r{repeat + 1:02d}",
-                index=index,
-                condition=condition,
-                lift_force_N=float(lift_N[number, repeat]),
-                cell=cell,
-                faults=tuple(dealt[index]),
-            )
-            trials.append(trial)
+            name, one_N = f"c{number + 1:02d}-r{repeat + 1:02d}", float(lift_N[number, repeat])
+            trials.append(PlannedTrial(name, index, condition, one_N, cell, tuple(dealt[index])))
     return tuple(trials)
 
 
@@ -190,7 +183,7 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
     dealt: list[list[str]] = [[] for _ in range(law_N.size)]
     spoilt = np.zeros(law_N.size, dtype=bool)
     for name, rate in plan.faults.items():
-        mechanical = FAULTS[name].is_mechanical
+        mechanical = (FAULTS[name].on_pull or FAULTS[name].on_setup) is not None
         can = ~spoilt if mechanical else np.ones_like(spoilt)
         if name == "saturation":
             # The honest cause is a cell too small for the force; only where there is none does a rope jam. Whole
@@ -301,18 +294,13 @@ def campaign_text(plan: CampaignPlan) -> str:
             f"wheels.{name}", radius=_quantity(1e3 * radius_m, "mm"), material="aluminium (simulated)"
         )
     for cell in bench.cells:
-        chain = ("linearity", "hysteresis", "repeatability", "transmitter")
-        nominal = {"zero_voltage": (cell.zero_V, 0.0), "full_scale_voltage": (cell.full_scale_V, 5.0)}
-        lines += _table(
-            f"cells.{cell.name}",
-            full_scale=_thousands(cell.full_scale_N, "N"),
-            **{name: _quantity(100.0 * getattr(cell, name), "%FS") for name in chain},
-            **{
-                name: _quantity(value_V, "V")
-                for name, (value_V, usual) in nominal.items()
-                if value_V != usual
-            },
-        )
+        limits = ("linearity", "hysteresis", "repeatability", "transmitter")
+        chain = {name: _quantity(100.0 * getattr(cell, name), "%FS") for name in limits}
+        if cell.zero_V != 0.0:
+            chain["zero_voltage"] = _quantity(cell.zero_V, "V")
+        if cell.full_scale_V != 5.0:
+            chain["full_scale_voltage"] = _quantity(cell.full_scale_V, "V")
+        lines += _table(f"cells.{cell.name}", full_scale=_thousands(cell.full_scale_N, "N"), **chain)
     idle_s = math.floor(20.0 * (bench.idle_s[0] - 0.01)) / 20.0
     adc, design = bench.adc, plan.design
     lines += [
@@ -368,13 +356,7 @@ def _truth_lines(
     )
     for kind, conditions in (("conditions", plan.conditions), ("unseen", (plan.design, *plan.unseen))):
         for condition, force_N in zip(conditions, plan.lift_force_N(conditions).tolist(), strict=True):
-            yield from _table(
-                f"[{kind}]",
-                wheel_radius_m=condition.wheel_radius_m,
-                wrap_angle_rad=condition.wrap_angle_rad,
-                end_tension_N=condition.end_tension_N,
-                lift_force_N=force_N,
-            )
+            yield from _table(f"[{kind}]", **asdict(condition), lift_force_N=force_N)
     inside = RIG_PROTOCOLS[plan.protocol].scatters_inside
     yield from _table("trials")
     for trial, truth in zip(trials, truths, strict=True):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from math import nan
 
 import numpy as np
@@ -36,27 +37,16 @@ class RecordingTruth:
     phases: tuple[Phase, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Roughness:
-    """A sum of tones that sets in with sliding."""
+def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArray], FloatArray]:
+    """Return the force [N] of tones between 3 and 15 Hz, of a standard deviation, at times since sliding began [s]."""
+    amplitude_N = std_N * np.sqrt(2.0 * rng.dirichlet(np.full(_TONES, 3.0)))
+    frequency_Hz, phase_rad = rng.uniform(*_BAND_HZ, _TONES), rng.uniform(0.0, 2.0 * np.pi, _TONES)
 
-    amplitude_N: FloatArray
-    frequency_Hz: FloatArray
-    phase_rad: FloatArray
+    def force_N(elapsed_s: FloatArray) -> FloatArray:
+        angle = 2.0 * np.pi * np.multiply.outer(elapsed_s, frequency_Hz) + phase_rad
+        return np.asarray(-np.expm1(-elapsed_s / _ONSET_S) * (np.sin(angle) @ amplitude_N))
 
-    def force_N(self, elapsed_s: FloatArray) -> FloatArray:
-        """Return the force above the level [N] at times since sliding began [s]."""
-        angle = 2.0 * np.pi * np.multiply.outer(elapsed_s, self.frequency_Hz) + self.phase_rad
-        return np.asarray(-np.expm1(-elapsed_s / _ONSET_S) * (np.sin(angle) @ self.amplitude_N))
-
-
-def draw_roughness(rng: np.random.Generator, std_N: float) -> Roughness:
-    """Return tones between 3 and 15 Hz whose sum has a standard deviation of `std_N` [N]."""
-    return Roughness(
-        amplitude_N=std_N * np.sqrt(2.0 * rng.dirichlet(np.full(_TONES, 3.0))),
-        frequency_Hz=rng.uniform(*_BAND_HZ, _TONES),
-        phase_rad=rng.uniform(0.0, 2.0 * np.pi, _TONES),
-    )
+    return force_N
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,7 +143,7 @@ class BreakawayPull:
     snap: Snap
     holding_N: float
     release_s: float
-    roughness: Roughness | None = None
+    roughness: Callable[[FloatArray], FloatArray] | None = None
     hold_loss: float = 0.0
     has_peak: bool = True
 
@@ -204,7 +194,7 @@ class BreakawayPull:
         drift = self.drift * (part + 0.2 * np.sin(np.pi * part)) / 1.03
         rough_N = self.teeth.force_N(elapsed_s, self.snap)
         if self.roughness is not None:
-            rough_N = rough_N + self.roughness.force_N(elapsed_s)
+            rough_N = rough_N + self.roughness(elapsed_s)
         return np.asarray(self.kinetic_N * (1.0 + drift) + rough_N)
 
     def truth(self) -> RecordingTruth:
@@ -241,13 +231,9 @@ def draw_breakaway(
     bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
 ) -> BreakawayPull:
     """Return what happens in one recording, drawn from the bench; it breaks away at exactly `lift_force_N`."""
-    hang_s = rng.uniform(*bench.idle_s)
-    settle_s = hang_s + rng.uniform(*bench.hang_s)
-    dwell_s = rng.uniform(*bench.dwell_s)
-    ramp_s = settle_s + dwell_s
-    breakaway_s = ramp_s + rng.uniform(*bench.load_s)
-    off_s = breakaway_s + rng.uniform(*bench.slide_s)
-    end_s = off_s + rng.uniform(*bench.off_s)
+    spans = (bench.idle_s, bench.hang_s, bench.dwell_s, bench.load_s, bench.slide_s, bench.off_s)
+    lasting_s = [rng.uniform(*span) for span in spans]
+    hang_s, settle_s, ramp_s, breakaway_s, off_s, end_s = accumulate(lasting_s)
     # The cell cannot read more than the static friction before the pull, however the weights bounce.
     pretension_N = min(end_tension_N * rng.uniform(*bench.pretension), 0.9 * lift_force_N)
     bounce_N = min(pretension_N * rng.uniform(*bench.bounce), 0.6 * (lift_force_N - pretension_N))
@@ -263,7 +249,7 @@ def draw_breakaway(
         pretension_N=pretension_N,
         bounce_N=bounce_N,
         bounce_Hz=rng.uniform(*bench.bounce_Hz),
-        bounce_decay_s=dwell_s * rng.uniform(0.1, 0.2),
+        bounce_decay_s=lasting_s[2] * rng.uniform(0.1, 0.2),
         lift_force_N=lift_force_N,
         ramp_top_N=lift_force_N,
         soft_start=rng.uniform(*bench.soft_start),

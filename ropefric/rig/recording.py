@@ -67,11 +67,6 @@ class Fault:
     on_samples: Callable[[Samples, Sensor, float, Rng], Samples] | None = None
     on_bytes: Callable[[bytes, Rng], bytes] | None = None
 
-    @property
-    def is_mechanical(self) -> bool:
-        """Return whether it changes what happens or what measures it."""
-        return self.on_pull is not None or self.on_setup is not None
-
     def check_protocol(self, protocol: str) -> None:
         """Refuse a protocol that this fault cannot befall."""
         if self.protocols and protocol not in self.protocols:

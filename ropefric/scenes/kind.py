@@ -165,7 +165,19 @@ def _effects(value: object) -> str | tuple[str, ...]:
     return tuple(value)
 
 
-class ReferenceTable(StrictTable):
+class Table(StrictTable):
+    """A TOML table of a scene."""
+
+    def _check(self) -> None:
+        """Refuse what does not go together."""
+
+    @model_validator(mode="after")
+    def _checked(self) -> Self:
+        self._check()
+        return self
+
+
+class ReferenceTable(Table):
     """`[friction.reference]`: the condition that stands in for what the law is not told."""
 
     wheel_radius: Annotated[float | None, key("m", "40 mm", "wheel_radius_m")] = None
@@ -174,14 +186,14 @@ class ReferenceTable(StrictTable):
     end_tension: Annotated[float | None, key("N", "60 N", "end_tension_N")] = None
 
 
-class ScaleTable(StrictTable):
+class ScaleTable(Table):
     """`friction.scale_to`."""
 
     mu: Annotated[float, PlainValidator(positive), Becomes("mu")]
     wrap: Annotated[float, key("rad", "180 deg", "wrap_angle_rad")]
 
 
-class FrictionTable(StrictTable):
+class FrictionTable(Table):
     """`[friction]`: a number, a law with its parameters, or a stored fit."""
 
     mu: Annotated[float | None, PlainValidator(positive)] = None
@@ -191,8 +203,7 @@ class FrictionTable(StrictTable):
     scale_to: ScaleTable | None = None
     reference: ReferenceTable = Field(default_factory=ReferenceTable)
 
-    @model_validator(mode="after")
-    def _has_one_source(self) -> Self:
+    def _check(self) -> None:
         named = [name for name in ("mu", "law", "fit") if getattr(self, name) is not None]
         if not named:
             reject("RF121", "no friction is given", fix="add mu = 0.2, or law and parameters, or fit")
@@ -205,15 +216,14 @@ class FrictionTable(StrictTable):
             reject("RF111", "parameters are given without a law", fix="name the law", key="parameters")
         if self.mu is not None and self.scale_to is not None:
             reject("RF111", "a bare coefficient needs no scale_to", fix="remove scale_to", key="scale_to")
-        return self
 
 
-class SceneTable(StrictTable):
+class SceneTable(Table):
     """What every scene has at its top."""
 
     system: Annotated[str, PlainValidator(text)]
     accuracy: Annotated[float, PlainValidator(_accuracy)] = 0.01
-    effects: Annotated[Any, PlainValidator(_effects)] = "auto"
+    effects: Annotated[str | tuple[str, ...], PlainValidator(_effects)] = "auto"
     friction: FrictionTable | None = None
 
 

@@ -152,12 +152,8 @@ def _decide(
 
 def method_tree(method: Method) -> dict[str, Any]:
     """Return how a model was solved as a JSON tree."""
-    return {
-        "name": method.name,
-        "settings": dict(method.settings),
-        "error": finite(method.error),
-        "why": method.why,
-    }
+    settings = dict(method.settings)
+    return {"name": method.name, "settings": settings, "error": finite(method.error), "why": method.why}
 
 
 _REPEATS = 5
@@ -201,6 +197,7 @@ class Explanation:
     def to_dict(self) -> dict[str, Any]:
         """Return the explanation as a JSON tree; what is not known is null."""
         worth = self.worth or (EffectWorth(),) * len(self.effects)
+        measured = {"planned_s": self.planned_s, "all_effects_s": self.all_s, "difference": self.difference}
         return {
             "system": self.system,
             "accuracy": self.plan.accuracy,
@@ -210,13 +207,7 @@ class Explanation:
                 _effect_tree(decision, effect, found)
                 for decision, effect, found in zip(self.plan.decisions, self.effects, worth, strict=True)
             ],
-            "measured": None
-            if self.worth is None
-            else {
-                "planned_s": finite(self.planned_s),
-                "all_effects_s": finite(self.all_s),
-                "difference": finite(self.difference),
-            },
+            "measured": None if self.worth is None else {name: finite(one) for name, one in measured.items()},
         }
 
 

@@ -20,7 +20,7 @@ from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
-from ropefric.scenes.kind import FrictionTable, Kind, SceneTable, given
+from ropefric.scenes.kind import Kind, SceneTable, given
 from ropefric.scenes.kinds import KINDS
 from ropefric.systems.friction import ScaleTo, WrapFriction
 
@@ -44,10 +44,11 @@ class FrictionSource:
         return replace(self.friction, theta=theta)
 
 
-def friction_source(
-    table: FrictionTable, folder: Path, *, wheel_radius_m: float, rope_radius_m: float
-) -> FrictionSource:
-    """Return the friction that a scene's `[friction]` names."""
+def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | None:
+    """Return the friction that the `[friction]` of a checked scene names; None where there is none."""
+    table = scene.friction
+    if table is None:
+        return None
     known: dict[str, Any] = {}
     if table.fit is not None:
         fit = load_fit(_find(table.fit, folder))
@@ -61,7 +62,7 @@ def friction_source(
             "warnings": () if sound else (f"the fit's status is {fit.status.value}", *fit.advice),
         }
     else:
-        reference = one_condition(wheel_radius_m, rope_radius_m, _HALF_A_TURN, _USUAL_TENSION_N)
+        reference = one_condition(*kind.own_wheel(scene), _HALF_A_TURN, _USUAL_TENSION_N)
         law = ALL_LAWS["constant" if table.law is None else table.law]
         theta = law.theta_from(table.parameters or {}) if table.mu is None else np.array([table.mu])
         values = ", ".join(f"{name} = {value:g}" for name, value in law.as_mapping(theta).items())
@@ -135,8 +136,7 @@ class Scene:
     @property
     def effects(self) -> str | tuple[str, ...]:
         """Return "auto", "all" or the effects asked for."""
-        asked: str | tuple[str, ...] = self.table.effects
-        return asked
+        return self.table.effects
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
@@ -214,15 +214,11 @@ def _kind(document: TomlDocument) -> Kind:
         return KINDS[name]
     if is_campaign(document.data):
         fix = f"use `ropefric run {document.path}`"
-        raise_problems([document.problem((), "RF121", "this is a campaign, not a scene", fix=fix)])
+        raise data_error([document.problem((), "RF121", "this is a campaign, not a scene", fix=fix)])
+    code, message, fix = "RF120", f"unknown system {name!r:.60}", did_you_mean(str(name), KINDS)
     if name is None:
-        message, fix = "'system' is missing", f'add system = "hoist" ({", ".join(KINDS)})'
-        code = "RF121"
-    else:
-        message, fix = f"unknown system {name!r:.60}", did_you_mean(str(name), KINDS)
-        code = "RF120"
-    raise_problems([document.problem(("system",), code, message, fix=fix)])
-    raise AssertionError  # pragma: no cover - an error is always raised above
+        code, message, fix = "RF121", "'system' is missing", f'add system = "hoist" ({", ".join(KINDS)})'
+    raise data_error([document.problem(("system",), code, message, fix=fix)])
 
 
 def _unknown_effects(kind: Kind, document: TomlDocument) -> tuple[Problem, ...]:
@@ -237,11 +233,3 @@ def _unknown_effects(kind: Kind, document: TomlDocument) -> tuple[Problem, ...]:
         for place, name in enumerate(asked)
         if isinstance(name, str) and name not in known
     )
-
-
-def source_of(kind: Kind, table: SceneTable, folder: Path) -> FrictionSource | None:
-    """Return the friction that a checked table names; None where it names none."""
-    if table.friction is None:
-        return None
-    wheel_radius_m, rope_radius_m = kind.own_wheel(table)
-    return friction_source(table.friction, folder, wheel_radius_m=wheel_radius_m, rope_radius_m=rope_radius_m)

@@ -8,6 +8,7 @@ import csv
 import io
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -77,12 +78,9 @@ def _range(scene: Scene, key: str, text: str) -> Axis:
             fix="write it like  90deg:1440deg:50  or, in equal ratios,  90deg:1440deg:50:log",
         )
     start, stop = (_si(scene, key, part) for part in parts[:2])
-    if spaced == "log":
-        if not (start > 0.0 and stop > 0.0):
-            raise InputError(f"{text!r} has no equal ratios: both ends must be positive", key="--sweep")
-        values = np.geomspace(start, stop, count)
-    else:
-        values = np.linspace(start, stop, count)
+    if spaced == "log" and not (start > 0.0 and stop > 0.0):
+        raise InputError(f"{text!r} has no equal ratios: both ends must be positive", key="--sweep")
+    values = (np.geomspace if spaced == "log" else np.linspace)(start, stop, count)
     unit, factor = _unit(parts[1], stop)
     return Axis(key=key, values=values, unit=unit, factor=factor)
 
@@ -90,21 +88,15 @@ def _range(scene: Scene, key: str, text: str) -> Axis:
 def _si(scene: Scene, key: str, text: str) -> float:
     """Return a value in SI, read and checked by the scene itself."""
     now = _at(scene.document.data, key)
-    written: Any = text if isinstance(now, str) else _bare(key, text)
-    changed = read_scene(
-        TomlDocument(path=scene.document.path, data=_with(scene.document.data, key, written), lines={}),
-        scene.folder,
-    )
-    return float(_at(changed.table, key))
-
-
-def _bare(key: str, text: str) -> float:
     try:
-        return float(text)
+        written = text if isinstance(now, str) else float(text)
     except ValueError:
         raise InputError(
             f"{key}: {text!r} is no number", key="--sweep", fix="write it without unit"
         ) from None
+    data = _replaced(scene.document.data, key, written)
+    changed = read_scene(TomlDocument(path=scene.document.path, data=data, lines={}), scene.folder)
+    return float(_at(changed.table, key))
 
 
 def _unit(text: str, si_value: float) -> tuple[str, float]:
@@ -141,17 +133,11 @@ def _at(tree: Any, key: str) -> Any:
     return tree
 
 
-def _with(tree: Any, key: str, value: Any) -> dict[str, Any]:
+def _replaced(tree: Any, key: str, value: Any) -> Any:
+    """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again."""
     name, _, rest = key.partition(".")
-    return {**tree, name: _with(tree[name], rest, value) if rest else value}
-
-
-def _replaced(table: Any, key: str, value: float) -> Any:
-    """Return a checked table with another SI value at a key; the value itself is not checked again."""
-    name, _, rest = key.partition(".")
-    if isinstance(table, dict):
-        return {**table, name: _replaced(table[name], rest, value) if rest else value}
-    return table.model_copy(update={name: _replaced(getattr(table, name), rest, value) if rest else value})
+    inner = {name: _replaced(_at(tree, name), rest, value) if rest else value}
+    return {**tree, **inner} if isinstance(tree, dict) else tree.model_copy(update=inner)
 
 
 _BLOCK = 50_000
@@ -253,7 +239,7 @@ def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | No
         simulated=tuple(name for name in scene.kind.system.effects if name in found.simulated),
         error_bound=found.error_bound,
         accuracy=scene.accuracy,
-        failures=found.failures,
+        failures=dict(+found.failures),
     )
 
 
@@ -262,10 +248,11 @@ class _Found:
 
     def __init__(self, scene: Scene, keys: list[str], total: int) -> None:
         self.scene, self.keys, self.total = scene, keys, total
+        self.effects = scene.effects if scene.effects != "auto" or total <= _PLANNED_POINTS else "all"
         self.columns: dict[str, FloatArray] = {}
         self.failed, self.first_failure, self.error_bound = 0, "", 0.0
         self.simulated: set[str] = set()
-        self.failures: dict[str, int] = {}
+        self.failures: Counter[str] = Counter()
 
     def solve_answerable(self, places: IntArray, values: list[FloatArray]) -> None:
         """Solve the points that can have an answer in one call, and one of the others, to hear why not."""
@@ -297,9 +284,8 @@ class _Found:
 
     def _solve_block(self, places: IntArray, values: list[FloatArray]) -> None:
         """Solve points in one call; where one of them has no answer, halve the block until it stands alone."""
-        planned = self.scene.effects != "auto" or self.total <= _PLANNED_POINTS
         try:
-            self._solve(self._problem(values), places, self.scene.effects if planned else "all")
+            self._solve(self._problem(values), places, self.effects)
         except RopefricError as error:
             if places.size == 1:
                 self._fail(error)
@@ -320,8 +306,7 @@ class _Found:
             column[places] = quantity.value
         self.simulated.update(plan.simulated)
         for failure in kind.failures(answer, problem):
-            if failure.fails.any():
-                self.failures[failure.words] = self.failures.get(failure.words, 0) + int(failure.fails.sum())
+            self.failures[failure.words] += int(failure.fails.sum())
         self.error_bound = max(self.error_bound, plan.error_bound)
 
 

@@ -82,6 +82,14 @@ class System(Generic[P, M, A]):
     distance: Callable[[A, A], float]
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes
+class Model(Generic[P]):
+    """A problem with the effects that are simulated."""
+
+    problem: P
+    effects: frozenset[str] = frozenset()
+
+
 def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:
     """Return the model of a problem with the named effects in it and no others."""
     wanted = {system.effects[name].name for name in simulated}

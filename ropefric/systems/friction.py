@@ -1,5 +1,6 @@
 """The friction of a machine: a law, the condition it falls back on, and what of a contact it is told."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +14,13 @@ from ropefric.friction.law import FrictionLaw
 
 EVERYTHING = frozenset({"wrap", "end-tension", "size"})
 """What of a contact a law may be told: how far the rope wraps, how tight it is, how large the wheel is."""
+TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
+"""What of a contact each effect tells a law, where the tension goes with the wrap."""
+
+
+def told_by(effects: Collection[str]) -> frozenset[str]:
+    """Return what a law is told of a contact with these effects in."""
+    return frozenset().union(*(told for name, told in TOLD.items() if name in effects))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

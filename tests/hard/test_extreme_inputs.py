@@ -11,7 +11,7 @@ from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.systems.bandsaw.beam import beam_frequencies_Hz, critical_speeds_m_s
+from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED, Span, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import HoistProblem
@@ -200,7 +200,7 @@ def test_blades_answer_or_refuse(finite_or_refused):
         if finite_or_refused(lambda parts=parts: Span(**parts).tension_N) is None:
             continue
         span = Span(**parts)
-        assert not np.isnan(critical_speeds_m_s(span, CLAMPED, 3)).any()
+        assert not np.isnan(span.critical_speed_m_s(CLAMPED)).any()
         answered += finite_or_refused(lambda span=span: beam_frequencies_Hz(span, CLAMPED, 2)) is not None
         finite_or_refused(lambda span=span: string_frequencies_Hz(span, 2))
         finite_or_refused(lambda span=span: beam_frequencies_Hz(span, PINNED, 2))

@@ -27,6 +27,15 @@ BLADE = {
 BOTH = pytest.mark.parametrize("ends", ENDS.values(), ids=list(ENDS))
 
 
+def at_shortfall(stiffness, shortfall, ends):
+    """Return the beam at V = (1 − δ) V_c, as exact as δ is."""
+    limit_squared = 1.0 + ends.buckling * stiffness
+    margin = limit_squared * shortfall * (2.0 - shortfall)
+    speed = math.sqrt(limit_squared) * (1.0 - shortfall)
+    net = margin - ends.buckling * stiffness
+    return ScaledBeam(stiffness=stiffness, speed=speed, net=net, margin=margin, ends=ends)
+
+
 @once(REGIME)
 def measured():
     errors = []
@@ -34,7 +43,7 @@ def measured():
     for number, shortfall in enumerate(SHORTFALLS):
         stiffness = STIFFNESSES[number % len(STIFFNESSES)]
         for ends in ENDS.values():
-            beam = ScaledBeam.at_shortfall(stiffness, shortfall, ends)
+            beam = at_shortfall(stiffness, shortfall, ends)
             found = solve_beam(beam, 2, accuracy=1e-12).frequencies
             truth = beam_frequencies(found, stiffness, ends, shortfall=shortfall)
             errors += [relative(*pair) for pair in zip(found, truth, strict=True)]
@@ -55,7 +64,7 @@ def test_nothing_is_lost():
 def test_the_first_frequency_vanishes_with_the_root_of_the_margin(ends):
     """ω² (m + gᵀK⁻¹g) = margin · k for the buckling mode, whose inertia the gyroscopic forces only raise."""
     rates = [
-        solve_beam(ScaledBeam.at_shortfall(1e-3, shortfall, ends), 1).frequencies[0] / math.sqrt(shortfall)
+        solve_beam(at_shortfall(1e-3, shortfall, ends), 1).frequencies[0] / math.sqrt(shortfall)
         for shortfall in (1e-8, 1e-11, 1e-14)
     ]
     np.testing.assert_allclose(rates[1:], rates[:-1], rtol=1e-4)
@@ -73,9 +82,3 @@ def test_at_the_critical_speed_and_above_it_is_refused_with_its_value(ends, abov
         lambda: ScaledBeam.at_speed(1e-2, scaled * (1.0 + above) * (1.0 + 1e-15), ends),
         f"not below the critical {scaled:.9g}",
     )
-
-
-@BOTH
-@pytest.mark.parametrize("shortfall", [0.0, -1e-9, 1.5, math.nan])
-def test_a_shortfall_that_is_none_is_refused(ends, shortfall, refused):
-    refused(lambda: ScaledBeam.at_shortfall(1e-2, shortfall, ends), "must be above 0 and at most 1")

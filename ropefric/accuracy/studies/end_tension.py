@@ -110,17 +110,13 @@ def _error_of_angle(answer: npt.ArrayLike, reference: npt.ArrayLike) -> float:
 
 def _iterated(values: Values, upper: FloatArray, exact: FloatArray) -> tuple[Setting, ...]:
     judged = partial(against, exact, work="calls", error=_error_of_angle)
-    return (
-        *(
-            judged("bisection", f"{n} halvings", partial(bisection, upper=upper, n=n), values,
-                   quick=n in _QUICK_HALVINGS)
-            for n in _HALVINGS
-        ),
-        *(
-            judged("Newton in φ", f"{n} steps", partial(newton, upper=upper, n=n), values, quick=n in _QUICK_STEPS)
-            for n in _STEPS
-        ),
-    )  # fmt: skip
+    ways = (("bisection", "halvings", bisection, _HALVINGS, _QUICK_HALVINGS),
+            ("Newton in φ", "steps", newton, _STEPS, _QUICK_STEPS))  # fmt: skip
+    return tuple(
+        judged(name, f"{n} {what}", partial(solve, upper=upper, n=n), values, quick=n in quick)
+        for name, what, solve, counts, quick in ways
+        for n in counts
+    )
 
 
 # Methods below evaluate G in their own way, so that their work is given and not counted.
@@ -139,13 +135,11 @@ def _power_settings(b: float) -> tuple[Setting, ...]:
     return (
         *_iterated(values, upper, exact),
         *(
-            judged(
-                "Newton in ln φ", f"{n} steps", partial(log_newton, y, b, n), work=n, quick=n in _QUICK_STEPS
-            )
+            judged("Newton in ln φ", f"{n} steps", partial(log_newton, y, b, n), work=n, quick=n in _QUICK_STEPS)
             for n in _STEPS
         ),
         judged("ropefric", "", partial(power_log_start, y, A, b, C), work=_steps_to_stop(y, b)),
-    )
+    )  # fmt: skip
 
 
 def _exponential_settings() -> tuple[Setting, ...]:
@@ -155,17 +149,18 @@ def _exponential_settings() -> tuple[Setting, ...]:
     def values(phi: FloatArray) -> tuple[FloatArray, FloatArray]:
         return A_EXP * np.expm1(B_EXP * phi) / B_EXP + C_EXP * phi - y, A_EXP * np.exp(B_EXP * phi) + C_EXP
 
-    def polished(n: int) -> FloatArray:
-        return newton(values, np.exp(omega(y)), n)
-
     def house() -> FloatArray:
         return np.asarray(np.log(exponential_start_rad(y, A_EXP, B_EXP, C_EXP)))
 
     return (
         *_iterated(values, y / C_EXP, exact),
         judged("Wright omega", "alone", partial(omega, y), work=0.0),
-        judged("Wright omega", "1 step", partial(polished, 1), work=1.0),
-        judged("Wright omega", "2 steps", partial(polished, 2), work=2.0),
+        *(
+            judged(
+                "Wright omega", text, partial(lambda n: newton(values, np.exp(omega(y)), n), n), work=float(n)
+            )
+            for n, text in ((1, "1 step"), (2, "2 steps"))
+        ),
         # One step from there moves φ0 by less than the library's 1e-9, where it stops.
         judged("ropefric", "", house, work=1.0),
     )

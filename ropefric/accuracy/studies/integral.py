@@ -5,8 +5,10 @@ All methods are written for arrays of conditions, so that one condition and ten 
 
 from collections.abc import Callable
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from scipy.integrate import quad
 
 from ropefric.accuracy.study import (
@@ -118,7 +120,7 @@ def _unchecked(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
 
 
 def _settings(
-    start: tuple[float, ...], wrap: tuple[float, ...], reference: tuple[float, ...], b: float = -0.5, *,
+    start: npt.ArrayLike, wrap: npt.ArrayLike, reference: npt.ArrayLike, b: float = -0.5, *,
     copies: int = 1, most_pieces: int = _PIECES[-1],
 ) -> tuple[Setting, ...]:  # fmt: skip
     p, delta, exact = (np.tile(np.array(values), copies) for values in (start, wrap, reference))
@@ -221,6 +223,10 @@ def _of_the_hoist(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
     return (f"A hoist's plan takes the closed form at every accuracy: {'; '.join(parts)}.",) if parts else ()
 
 
+def _case(name: str, title: str, *problem: Any, **more: int) -> Case:
+    return Case(name, f"one condition, {title}", partial(_settings, *problem, **more))
+
+
 STUDY = Study(
     name="integral",
     title="Lift-force integral of the power law μ = 0.2 φ^b + 0.1 over the wrap",
@@ -229,38 +235,19 @@ STUDY = Study(
     counted="evaluations of μ(φ)",
     used="closed form, in its stable form; a hoist's plan takes it at every accuracy",
     cases=(
-        Case(
-            "regular",
-            "one condition, b = −0.5, wrap of 9.4 rad from φ0 = 1.7 rad (F_B = 2 N)",
-            partial(_settings, (1.7,), (9.4,), (REGULAR,)),
-        ),
+        _case("regular", "b = −0.5, wrap of 9.4 rad from φ0 = 1.7 rad (F_B = 2 N)", (1.7,), (9.4,), (REGULAR,)),
         Case(
             "many",
             "10 000 conditions at once, b = −0.5, wraps of 1.5 and 12 rad from φ0 = 0.5 to 15 rad",
-            partial(
-                _settings,
-                (0.5, 0.5, 1.7, 1.7, 5.0, 5.0, 15.0, 15.0),
-                (1.5, 12.0) * 4,
-                MANY,
-                copies=COPIES,
-                most_pieces=_MOST_PIECES,
-            ),
+            partial(_settings, np.repeat((0.5, 1.7, 5.0, 15.0), 2), (1.5, 12.0) * 4, MANY,
+                    copies=COPIES, most_pieces=_MOST_PIECES),
         ),
-        Case(
-            "from-zero",
-            "one condition, b = −0.5, wrap of 9.4 rad from φ0 = 0 (F_B = F_0): μ is infinite at the start",
-            partial(_settings, (0.0,), (9.4,), (FROM_ZERO,)),
-        ),
-        Case(
-            "near-minus-one",
-            "one condition, b = −1 + 1e-12, wrap of 9.4 rad from φ0 = 0.001 rad",
-            partial(_settings, (1e-3,), (9.4,), (NEAR_MINUS_ONE,), NEARLY),
-        ),
-        Case(
-            "short-wrap",
-            "one condition, b = −0.5, wrap of 1e-6 rad from φ0 = 10 rad: a step of a longer sum",
-            partial(_settings, (10.0,), (1e-6,), (SHORT_WRAP,), most_pieces=_MOST_PIECES),
-        ),
+        _case("from-zero", "b = −0.5, wrap of 9.4 rad from φ0 = 0 (F_B = F_0): μ is infinite at the start",
+              (0.0,), (9.4,), (FROM_ZERO,)),
+        _case("near-minus-one", "b = −1 + 1e-12, wrap of 9.4 rad from φ0 = 0.001 rad",
+              (1e-3,), (9.4,), (NEAR_MINUS_ONE,), NEARLY),
+        _case("short-wrap", "b = −0.5, wrap of 1e-6 rad from φ0 = 10 rad: a step of a longer sum",
+              (10.0,), (1e-6,), (SHORT_WRAP,), most_pieces=_MOST_PIECES),
     ),
     findings=_findings,
-)
+)  # fmt: skip

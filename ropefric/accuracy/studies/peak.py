@@ -5,7 +5,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from ropefric.accuracy.study import Case, Measured, Setting, Study, in_case, over_seeds
+from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case, over_seeds
 from ropefric.rig.bench import Bench
 from ropefric.rig.recording import simulate_recording
 from ropefric.traces.breakaway import PickSettings
@@ -41,27 +41,23 @@ def _recording(bench: Bench, seed: int) -> ForceTrace:
     return ForceTrace(time_s=made.time_s, force_N=force_N, saturation=saturation, name=f"seed {seed}")
 
 
-def highest_average(trace: ForceTrace, n_window: int) -> float:
-    """Return the maximum of the moving average over the whole recording [N], the way of the paper."""
-    return float(average_over_samples(trace.force_N, n_window).max())
-
-
 def _settings(noise_counts: tuple[float, float]) -> tuple[Setting, ...]:
     traces = recordings(noise_counts)
     size = float(np.mean([trace.force_N.size for trace in traces]))
 
     def setting(method: str, pick: Callable[[ForceTrace], float], n_window: int = 0) -> Setting:
-        return Setting(
-            method,
-            f"{n_window} samples" if n_window else "",
-            call=lambda: pick(traces[0]),
-            assess=lambda: over_seeds([pick(trace) / LIFT_N - 1.0 for trace in traces], size),
-            quick=n_window in {0, *_QUICK_SAMPLES},
-        )
+        def assess() -> Outcome:
+            return over_seeds([pick(trace) / LIFT_N - 1.0 for trace in traces], size)
+
+        name, quick = f"{n_window} samples" if n_window else "", n_window in {0, *_QUICK_SAMPLES}
+        return Setting(method, name, partial(pick, traces[0]), assess, quick)
+
+    def highest_average(n_window: int, trace: ForceTrace) -> float:  # the way of the paper
+        return float(average_over_samples(trace.force_N, n_window).max())
 
     return (
         setting("raw maximum", lambda trace: float(trace.force_N.max())),
-        *(setting("moving average", partial(highest_average, n_window=n), n) for n in _SAMPLES),
+        *(setting("moving average", partial(highest_average, n), n) for n in _SAMPLES),
         setting("chosen window", lambda trace: pick_breakaway(trace, PickSettings())[0].peak_N),
         setting("two lines", lambda trace: pick_breakaway(trace, PickSettings())[0].two_line_N),
     )
@@ -73,12 +69,10 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
         here = in_case(points, case)
         averages = [point for point in here if point.method == "moving average"]
         best, longest = min(averages, key=lambda point: point.error), averages[-1]
-        others = [point for point in here if point.method in {"raw maximum", "chosen window", "two lines"}]
+        others = [f"{point.method} {_percent(point)}" for point in here if point not in averages]
         lines.append(
             f"{case}: of the fixed windows {best.setting} are best, {_percent(best)}; {longest.setting} read "
-            f"{100 * longest.bias:+.2g} % on average. "
-            + "; ".join(f"{point.method} {_percent(point)}" for point in others)
-            + "."
+            f"{100 * longest.bias:+.2g} % on average. {'; '.join(others)}."
         )
     # On which side two fitted lines err, where that is no chance of a few recordings.
     found = [p for p in points if p.method == "two lines" and abs(p.bias) > _ONE_SIDED * p.noise]
@@ -100,12 +94,8 @@ STUDY = Study(
     counted="samples of a recording",
     used="window chosen from the trace",
     cases=(
-        Case(
-            "bench",
-            "3 kHz, 10 bit, noise of 0.3 to 1 counts, as on the bench",
-            partial(_settings, (0.3, 1.0)),
-        ),
+        Case("bench", "3 kHz, 10 bit, noise of 0.3 to 1 counts, as on the bench", partial(_settings, (0.3, 1.0))),
         Case("noisy", "the same with a noise of 6 counts (5.9 N)", partial(_settings, (6.0, 6.0))),
     ),
     findings=_findings,
-)
+)  # fmt: skip

@@ -68,20 +68,11 @@ def machine(stiffness_N: float, damping_s: float) -> Press:
         damping_N_s_m=500.0,
         downstream_angle_rad=0.347,
     )
+    small = partial(Roller, radius_m=0.075, inertia_kg_m2=0.37, gravity_torque_N_m=26.2)
     rollers = (
         Roller(name="driver", radius_m=0.175, wrap_angle_rad=3.1, role="driver"),
-        Roller(
-            name="support", radius_m=0.075, wrap_angle_rad=0.49, inertia_kg_m2=0.37, gravity_torque_N_m=26.2
-        ),
-        Roller(
-            name="tensioner",
-            radius_m=0.075,
-            wrap_angle_rad=2.85,
-            role="tensioner",
-            inertia_kg_m2=0.37,
-            gravity_torque_N_m=26.2,
-            tensioner=tensioner,
-        ),
+        small(name="support", wrap_angle_rad=0.49),
+        small(name="tensioner", wrap_angle_rad=2.85, role="tensioner", tensioner=tensioner),
         Roller(name="press", radius_m=0.25, wrap_angle_rad=0.99, inertia_kg_m2=13.9, squeeze_torque_N_m=99.0),
     )
     belt = Belt(
@@ -124,24 +115,20 @@ def _settings(case: str) -> tuple[Setting, ...]:
 
         return Setting(integrator, text, partial(tensions_N, problem, integrator, chosen), assess, quick)
 
-    made = [
-        setting("rk4", f"step {ms:g} ms", Settings(step_s=1e-3 * ms), quick=ms in _QUICK[case])
+    quick = _QUICK[case]
+    steps = [
+        setting("rk4", f"step {ms:g} ms", Settings(step_s=1e-3 * ms), quick=ms in quick)
         for ms in _RK4_STEPS_MS[case]
     ]
-    made += [
-        setting(
-            name,
-            f"tolerance {tolerance:g}",
-            Settings(tolerance=tolerance),
-            # Explicit steps on a stiff belt take the same time at every tolerance: once is enough.
-            quick=tolerance in _QUICK[case] and (tolerance < 1e-6 or (name, case) != ("dop853", "stiff")),
-        )
-        for name in ("dop853", "radau", "lsoda")
-        for tolerance in _TOLERANCES
-        # Of fifth order, and explicit on a stiff belt: beyond this they take seconds.
-        if tolerance >= 1e-8 or name == "lsoda" or (name, case) == ("dop853", "pliant")
-    ]
-    return (*made, setting("exact", "", Settings(), quick=True))
+    # Explicit steps on a stiff belt take the same time at every tolerance: once is enough. Beyond 1e-8 the method of
+    # fifth order, and the explicit one on a stiff belt, take seconds.
+    tolerated = [
+        setting(name, f"tolerance {one:g}", Settings(tolerance=one),
+                quick=one in quick and (one < 1e-6 or (name, case) != ("dop853", "stiff")))
+        for name in ("dop853", "radau", "lsoda") for one in _TOLERANCES
+        if one >= 1e-8 or name == "lsoda" or (name, case) == ("dop853", "pliant")
+    ]  # fmt: skip
+    return (*steps, *tolerated, setting("exact", "", Settings(), quick=True))
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:

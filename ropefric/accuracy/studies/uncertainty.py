@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtri
 
-from ropefric.accuracy.study import Case, Setting, Study, against, over_seeds
+from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
 from ropefric.fitting.intervals import bootstrap, profile_intervals
 from ropefric.fitting.predict import drawn_range
@@ -26,6 +26,7 @@ SIZE_SHARE = 0.25
 WRAPS_RAD = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 LEVEL = 0.95
 N_SEEDS = 12
+_FACTOR = float(ndtri(0.5 + 0.5 * LEVEL))
 
 _COUNTS = (100, 300, 1000, 3000, 10_000, 30_000)
 _QUICK_COUNTS = {100, 1000}
@@ -78,7 +79,7 @@ def exact_interval(law: str) -> tuple[float, float, float]:
     problem, phi = interval_problem(law), np.array(WRAPS_RAD)
     rise = problem.log_lift - np.log(problem.conditions.end_tension_N)
     best = phi @ rise / (phi @ phi)
-    half_width = float(ndtri(0.5 + 0.5 * LEVEL)) * _SCATTER[law] / np.sqrt(phi @ phi)
+    half_width = _FACTOR * _SCATTER[law] / np.sqrt(phi @ phi)
     middle, low, high = mu_of_exponent(law, [best, best - half_width, best + half_width]).tolist()
     return middle, low, high
 
@@ -93,10 +94,7 @@ def _settings(law: str) -> tuple[Setting, ...]:
         return np.array([estimate - below, above - estimate])
 
     def by_covariance() -> FloatArray:
-        half_width = float(ndtri(0.5 + 0.5 * LEVEL)) * np.sqrt(
-            plain_covariance(problem.jacobian(theta))[0, 0]
-        )
-        return np.array([half_width, half_width])
+        return np.full(2, _FACTOR * np.sqrt(plain_covariance(problem.jacobian(theta))[0, 0]))
 
     def by_profile() -> FloatArray:
         return arms(profile_intervals(problem, theta, level=LEVEL, absolute_std=True).ci[0])
@@ -115,15 +113,11 @@ def _settings(law: str) -> tuple[Setting, ...]:
         return arms(mu_of_exponent(law, (ends[0] - log_end) / wrap))
 
     def drawn(method: str, solve: Callable[[int, int], FloatArray], n: int) -> Setting:
-        return Setting(
-            method,
-            f"n = {n}",
-            call=lambda: solve(n, 0),
-            assess=lambda: over_seeds(
-                np.concatenate([solve(n, seed) / exact - 1.0 for seed in range(N_SEEDS)]), float(n)
-            ),
-            quick=n in _QUICK_COUNTS,
-        )
+        def assess() -> Outcome:
+            errors = [solve(n, seed) / exact - 1.0 for seed in range(N_SEEDS)]
+            return over_seeds(np.concatenate(errors), float(n))
+
+        return Setting(method, f"n = {n}", partial(solve, n, 0), assess, n in _QUICK_COUNTS)
 
     curves = profile_intervals(problem, theta, level=LEVEL, absolute_std=True).curves
     n_profile = sum(curve.value.size for curve in curves)

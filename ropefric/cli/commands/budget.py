@@ -80,7 +80,7 @@ def budget(
             "wrap_angle_rad": u_wrap or 0.0,
             "end_tension_N": u_end_tension or 0.0,
         }
-        return _of_fit(out, fit, wheel, rope_diameter, uncertainty, one_pull=one_pull, check=check)
+        return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
     from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.report.parts import budgets_section, uncertainty_sections  # noqa: PLC0415
 
@@ -103,12 +103,9 @@ def budget(
         each.to_dict()
         | {
             "condition": item.number,
-            "wheel_radius_m": item.wheel_radius_m,
-            "rope_radius_m": item.rope_radius_m,
-            "wrap_angle_rad": item.wrap_angle_rad,
             "lift_force_N": item.lift.force_N,
             "end_tension_N": item.end.force_N,
-            "n": item.n,
+            **{key: getattr(item, key) for key in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "n")},
         }
         for item, each in stated
     ]
@@ -143,15 +140,9 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[Measur
 
 
 def _of_fit(
-    out: Output,
-    path: Path,
-    wheel: dict[str, float | None],
-    rope_m: float | None,
-    uncertainty: dict[str, float],
-    *,
-    one_pull: bool,
-    check: dict[str, Any],
-) -> Answer:
+    out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
+    uncertainty: dict[str, float], *, check: dict[str, Any],
+) -> Answer:  # fmt: skip
     from ropefric.fitting.lift_budget import WheelUncertainty, state_lift  # noqa: PLC0415  (all: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.parts import uncertainty_sections  # noqa: PLC0415
@@ -164,7 +155,7 @@ def _of_fit(
     known = {name: float(value or 0.0) for name, value in wheel.items()}
     stored = read_fit(path, out)
     at = one_condition(rope_radius_m=rope_radius(stored, rope_m), **known)
-    stated = state_lift(stored, at, WheelUncertainty(**uncertainty), one_pull=one_pull, **check)
+    stated = state_lift(stored, at, WheelUncertainty(**uncertainty), **check)
     more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
     title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
     return Answer(

@@ -2,8 +2,8 @@
 
 import logging
 import math
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -71,20 +71,15 @@ def extract(
     # Before the work, so that a folder that cannot be used costs nothing.
     lend_fonts_a_place(folder)
     target = campaign_folder(loaded, folder, answers=False, force=force)
-    try:
-        with target:
-            with Progress(out, "extract") as progress:
-                extraction = extract_campaign(
-                    loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
-                )
-            write_tables(extraction, target)
-            target.publish("tables")
-            if figures:
-                with ExitStack() as stack:
-                    start_figures(extraction, target, n_jobs, out, stack)()
-    except KeyboardInterrupt:
-        out.note(what_was_kept(cache_folder))
-        raise
+    with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
+        with Progress(out, "extract") as progress:
+            extraction = extract_campaign(
+                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
+            )
+        write_tables(extraction, target)
+        target.publish("tables")
+        if figures:
+            start_figures(extraction, target, n_jobs, out, stack)()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -101,11 +96,15 @@ def extract(
     return Answer(data, lambda console: _show(extraction, console), exit_code)
 
 
-def what_was_kept(cache_folder: Path | None) -> str:
-    """Return what an interrupted run leaves for the next one."""
-    if cache_folder is None:
-        return "nothing is kept (--no-cache)"
-    return f"finished recordings are kept in {cache_folder}; the same command goes on from there"
+@contextmanager
+def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[None]:
+    """Say what an interrupted run leaves for the next one."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = f"finished recordings are kept in {cache_folder}; the same command goes on from there"
+        out.note("nothing is kept (--no-cache)" if cache_folder is None else kept)
+        raise
 
 
 def start_figures(
@@ -177,7 +176,7 @@ def _show(extraction: "Extraction", console: "Console") -> None:
 
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
-    headings = (
+    names = (
         "R_w [mm]",
         "φ [deg]",
         f"{known} [N]",
@@ -188,7 +187,7 @@ def _show(extraction: "Extraction", console: "Console") -> None:
         "rejected ",
     )
     rows = [_condition_row(condition, slack=slack) for condition in extraction.conditions]
-    console.print(make_table(headings, rows, left=0))
+    console.print(make_table(names, rows, left=0))
     flagged = _without_force(extraction)
     if not flagged:
         return
@@ -289,32 +288,28 @@ def work_through(
             # Other processes draw while this one fits; what is published is one part at a time.
             to_finish.append(start_figures(extraction, target, n_jobs, out, stack))
 
-    try:
-        with target, ExitStack() as stack:
-            try:
-                with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
-                    result = run_campaign(
-                        campaign,
-                        target,
-                        law=law,
-                        jobs=n_jobs,
-                        cache_dir=cache_dir,
-                        extract_progress=extracting.update,
-                        fit_progress=lambda name, done, total: fitting.update(done, total, name),
-                        on_extracted=draw,
-                    )
-            except RopefricError:
-                for finish in to_finish:
-                    finish()
-                raise
-            with Progress(out, "report") as reporting:
-                pages = write_report(result, target, figures="report" in drawing, progress=reporting.update)
-            target.publish("answer")
+    with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
+        try:
+            with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
+                result = run_campaign(
+                    campaign,
+                    target,
+                    law=law,
+                    jobs=n_jobs,
+                    cache_dir=cache_dir,
+                    extract_progress=extracting.update,
+                    fit_progress=lambda name, done, total: fitting.update(done, total, name),
+                    on_extracted=draw,
+                )
+        except RopefricError:
             for finish in to_finish:
                 finish()
-    except KeyboardInterrupt:
-        out.note(what_was_kept(cache_dir))
-        raise
+            raise
+        with Progress(out, "report") as reporting:
+            pages = write_report(result, target, figures="report" in drawing, progress=reporting.update)
+        target.publish("answer")
+        for finish in to_finish:
+            finish()
     said = written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
     return Answer(
         result.to_dict() | {"written": [*result.written, *pages]},

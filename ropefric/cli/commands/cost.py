@@ -1,5 +1,6 @@
 """`ropefric cost`: error and time of every numerical choice, measured here and now."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 from typer import Argument, Option
@@ -42,7 +43,7 @@ def cost(
             results = measure_studies(chosen, quick=quick, progress=progress.update)
         written = write_cost(results, machine, target)
     data = {
-        "machine": machine.to_dict(),
+        "machine": asdict(machine),
         "quick": quick,
         "studies": [result.to_dict() for result in results],
         "written": list(written),

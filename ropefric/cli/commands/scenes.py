@@ -1,6 +1,6 @@
 """The commands of scenes: the answer to one or to a grid of them, and how it is come by."""
 
-from contextlib import ExitStack
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from ropefric.cli.options import (
     figure_names,
     folder_option,
     open_folder,
+    publish,
 )
 from ropefric.cli.output import Output, Progress, json_text
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 
 _LISTED_POINTS = 1000
+_TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
 _SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
 
 
@@ -57,15 +59,11 @@ def solve(
     from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
 
     loaded = load_scene(scene)
+    family, names = ("sweep", _SWEPT) if sweep else ("scene", _solved_names())
     # Before the work, so that a folder that cannot be used costs nothing.
-    with ExitStack() as stack:
-        target = None
-        if folder is not None:
-            family, names = ("sweep", _SWEPT) if sweep else ("scene", _solved_names())
-            inputs = (scene, *_fits(loaded))
-            target = stack.enter_context(
-                open_folder(folder, family=family, names=names, inputs=inputs, force=force)
-            )
+    with open_folder(
+        folder, family=family, names=names, inputs=(scene, *_fits(loaded)), force=force
+    ) as target:
         return _swept(out, loaded, sweep, target, plot) if sweep else _solved(out, loaded, level, target)
 
 
@@ -99,7 +97,7 @@ def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") 
     )
 
 
-def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> list[Path]:
+def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> Sequence[Path]:
     from ropefric.plotting.chart import scene_figures  # noqa: PLC0415
     from ropefric.plotting.figure import save_figure  # noqa: PLC0415
     from ropefric.scenes.sweep import columns_text  # noqa: PLC0415
@@ -111,10 +109,7 @@ def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Fol
         columns = history(solution.answer)
         if columns is not None:
             files += folder.write({name: columns_text(columns)})
-    folder.publish("answer")
-    for path in files:
-        out.note(f"wrote {path}")
-    return files
+    return publish(out, folder, "answer", files)
 
 
 def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None", plot: str) -> Answer:
@@ -132,7 +127,7 @@ def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None
     )
 
 
-def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> list[Path]:
+def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> Sequence[Path]:
     from ropefric.scenes.sweep import write_sweep  # noqa: PLC0415
 
     files = [write_sweep(found, folder, "sweep.csv")]
@@ -141,10 +136,7 @@ def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> li
         from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
 
         files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")
-    folder.publish("answer")
-    for path in files:
-        out.note(f"wrote {path}")
-    return files
+    return publish(out, folder, "answer", files)
 
 
 def _tree(found: "Sweep") -> dict[str, Any]:
@@ -163,13 +155,8 @@ def _tree(found: "Sweep") -> dict[str, Any]:
         "axes": axes,
         "points": points,
         "columns": columns,
-        "failed": found.failed,
-        "first_failure": found.first_failure,
-        "effects": {"simulated": list(found.simulated)},
-        "error_bound": found.error_bound,
-        "accuracy": found.accuracy,
-        "failures": found.failures,
-        "warnings": list(found.warnings),
+        "effects": {"simulated": found.simulated},
+        **{key: getattr(found, key) for key in _TOLD},
     }
 
 

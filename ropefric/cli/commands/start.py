@@ -169,10 +169,8 @@ def _headline(found: "Inspection") -> str:
     if found.samples:
         names = ", ".join(found.samples[:12]) + (" …" if len(found.samples) > 12 else "")
         facts.append(f"{len(found.samples)} recordings side by side ({names})")
-    if found.separator:
-        facts.append(f"separator {_MARKS.get(found.separator, found.separator)}")
-    if found.decimal:
-        facts.append(f"decimal {_MARKS.get(found.decimal, found.decimal)}")
+    marks = {"separator": found.separator, "decimal": found.decimal}
+    facts += [f"{what} {_MARKS.get(mark, mark)}" for what, mark in marks.items() if mark]
     if found.encoding:
         facts.append(found.encoding)
     if found.header_row:
@@ -245,12 +243,9 @@ def _content(campaign: "Campaign") -> dict[str, Any]:
     from ropefric.friction.condition import condition_groups  # noqa: PLC0415  (quick start-up)
 
     trials = campaign.trials
-    settings = [
-        (t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad, t.end_tension_N or 0.0, t.lift_force_N or 0.0)
-        for t in trials
-    ]
-    repeats = Counter(condition_groups(*zip(*settings, strict=True)).tolist() if settings else ())
     keys = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "lift_force_N")
+    settings = [[getattr(trial, key) or 0.0 for trial in trials] for key in keys]
+    repeats = Counter(condition_groups(*settings).tolist() if trials else ())
     return {
         "name": campaign.name,
         "n_trials": len(trials),

@@ -1,7 +1,6 @@
 """The commands that ask a stored fit: a wheel's lift force, the smallest wheel that lifts, the next tests."""
 
 import math
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +19,7 @@ from ropefric.cli.options import (
     folder_option,
     open_folder,
     parse_assignments,
+    publish,
     quantity,
     read_fit,
     read_quantity,
@@ -32,7 +32,6 @@ from ropefric.files.write import refuse_input, refuse_special, write_file
 if TYPE_CHECKING:
     from ropefric.files.folder import Folder
     from ropefric.fitting.design import Design
-    from ropefric.fitting.predict import Method
     from ropefric.fitting.result import FitResult
     from ropefric.report.section import Section
 
@@ -69,10 +68,9 @@ def predict(
 
     stored = read_fit(fit, out)
     wheel = one_condition(wheel_radius, rope_radius(stored, rope_diameter), wrap, end_tension)
-    how: Method = method  # type: ignore[assignment]  # the library says what it may be
-    found = predict_lift(
-        stored, wheel, level=level, method=how, speed_m_s=speed, linear_density_kg_m=linear_density
-    )
+    running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
+    # The library says what the method may be.
+    found = predict_lift(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
     data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
     sections = [prediction_section(found)]
     if hand:
@@ -118,13 +116,9 @@ def design(
     from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (quick start-up)
 
     stored = read_fit(fit, out)
-    with ExitStack() as stack:
-        if chart is not None:  # before the work
-            target = stack.enter_context(
-                open_folder(
-                    chart, family="chart", names=figure_names("design_chart"), inputs=[fit], force=force
-                )
-            )
+    names = figure_names("design_chart")
+    # Before the work, so that a folder that cannot be used costs nothing.
+    with open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
         found = find_design(
             stored,
             lift_N=lift,
@@ -136,9 +130,10 @@ def design(
             end_tension_N=end_tension,
         )
         reached = bool(found.reached[0])
-        files = _write_chart(stored, found, target, probability) if chart is not None and reached else ()
-    for path in files:
-        out.note(f"wrote {path}")
+        files: tuple[Path, ...] = ()
+        if target is not None and reached:
+            files = _write_chart(stored, found, target, probability)
+            publish(out, target, "chart", files)
     return Answer(
         found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
@@ -167,9 +162,7 @@ def _write_chart(fit: "FitResult", found: "Design", folder: "Folder", probabilit
         probability=probability,
     )
     drawn = draw_design_chart(chart, required_N=float(found.required_N[0]))
-    files = save_figure(drawn, folder, "design_chart")
-    folder.publish("chart")
-    return files
+    return save_figure(drawn, folder, "design_chart")
 
 
 def _section(found: "Design") -> "Section":

@@ -3,15 +3,16 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields, replace
-from typing import Annotated, Any, Self
+from functools import partial
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.files.digits import significant
-from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
+from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Figure,
@@ -19,36 +20,29 @@ from ropefric.scenes.kind import (
     Part,
     Quantity,
     SceneTable,
+    Table,
     arrays,
     cells,
     finite,
     first,
+    given,
     in_words,
     key,
     number_where,
 )
+from ropefric.systems.bandsaw import resonance
 from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem
 from ropefric.systems.bandsaw.effects import SYSTEM, answerable
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
-from ropefric.systems.bandsaw.resonance import (
-    Excitation,
-    SawChart,
-    find_crossings,
-    fixed_frequency,
-    margins,
-    recommend_preload,
-    saw_chart,
-    tooth_passing,
-    wheel_rotation,
-)
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
 from ropefric.systems.friction import WrapFriction
 
 _SIDES = tuple(side.value for side in Side)
+_RUNNING = (Side.TIGHT, Side.SLACK)
 
 
-class BladeTable(StrictTable):
+class BladeTable(Table):
     """`[blade]`."""
 
     free_span: Annotated[float, key("m", "1.6 m", "free_span_m")]
@@ -62,8 +56,7 @@ class BladeTable(StrictTable):
     ends: Annotated[str, PlainValidator(choice(lambda: ENDS))] = "clamped"
     modes: Annotated[int, PlainValidator(whole_number(1, 40))] = 6
 
-    @model_validator(mode="after")
-    def _has_a_mass(self) -> Self:
+    def _check(self) -> None:
         section = (self.width, self.thickness, self.density)
         if self.linear_density is None and None in section:
             reject(
@@ -78,7 +71,6 @@ class BladeTable(StrictTable):
                 fix="keep one of them",
                 key="linear_density",
             )
-        return self
 
     def mass(self) -> float:
         """Return ρA [kg/m]."""
@@ -106,7 +98,7 @@ class BladeTable(StrictTable):
         )
 
 
-class WheelTable(StrictTable):
+class WheelTable(Table):
     """`[wheel]`."""
 
     radius: Annotated[float | None, key("m", "0.35 m")] = None
@@ -114,13 +106,11 @@ class WheelTable(StrictTable):
     speed: Annotated[float, key("rad/s", "970 rpm", "wheel_speed_rad_s", many=False, above=None)] = 0.0
     wrap: Annotated[float, key("rad", "180 deg")] = np.pi
 
-    @model_validator(mode="after")
-    def _has_one_size(self) -> Self:
+    def _check(self) -> None:
         if (self.radius is None) == (self.diameter is None):
             reject("RF121", "give either radius or diameter of the wheels", fix='write diameter = "0.7 m"')
         if self.speed < 0.0:
             reject("RF110", "a wheel's speed is counted without sign", fix="remove the minus", key="speed")
-        return self
 
     def radius_m(self) -> float:
         """Return R [m]."""
@@ -134,14 +124,14 @@ _share = number_where(
 )
 
 
-class TensionTable(StrictTable):
+class TensionTable(Table):
     """`[tension]`."""
 
     preload: Annotated[float, key("N", "3412 N", "preload_N")]
     mounting_factor: Annotated[float | None, PlainValidator(_share), Becomes("mounting_factor")] = None
 
 
-class DriveTable(StrictTable):
+class DriveTable(Table):
     """`[drive]`."""
 
     power: Annotated[float | None, key("W", "7.5 kW", above=None)] = None
@@ -149,20 +139,16 @@ class DriveTable(StrictTable):
     tension_difference: Annotated[float | None, key("N", "211 N", "tension_difference_N", above=None)] = None
     printed_factor: bool = False
 
-    @model_validator(mode="after")
-    def _says_one_thing(self) -> Self:
-        given = [
-            name for name in ("power", "torque", "tension_difference") if getattr(self, name) is not None
-        ]
-        if len(given) != 1:
-            reject(
-                "RF111" if given else "RF121",
-                f"{' and '.join(given)} are given" if given else "the drive gives nothing",
-                fix="give one of power, torque, tension_difference",
-            )
-        if getattr(self, given[0]) < 0.0:
-            reject("RF110", f"{given[0]} is negative", fix="give it zero or more", key=given[0])
-        return self
+    def _check(self) -> None:
+        names = ("power", "torque", "tension_difference")
+        said = [name for name in names if getattr(self, name) is not None]
+        fix = f"give one of {', '.join(names)}"
+        if not said:
+            reject("RF121", "the drive gives nothing", fix=fix)
+        if len(said) > 1:
+            reject("RF111", f"{' and '.join(said)} are given", fix=fix)
+        if getattr(self, said[0]) < 0.0:
+            reject("RF110", f"{said[0]} is negative", fix="give it zero or more", key=said[0])
 
 
 _margin = number_where(
@@ -170,7 +156,7 @@ _margin = number_where(
 )
 
 
-class ExcitationTable(StrictTable):
+class ExcitationTable(Table):
     """`[excitation]`."""
 
     wheel_harmonics: Annotated[int, PlainValidator(whole_number(0, 50))] = 3
@@ -179,8 +165,7 @@ class ExcitationTable(StrictTable):
     margin: Annotated[float | None, PlainValidator(_margin)] = None
     preload_range: list[Annotated[float, key("N", "3000 N")]] | None = None
 
-    @model_validator(mode="after")
-    def _wants_a_margin_over_a_range(self) -> Self:
+    def _check(self) -> None:
         if (self.margin is None) != (self.preload_range is None):
             reject(
                 "RF121",
@@ -191,16 +176,15 @@ class ExcitationTable(StrictTable):
             len(self.preload_range) != 2 or not self.preload_range[0] < self.preload_range[1]
         ):
             reject("RF110", "a range is two preloads, the lower first", key="preload_range")
-        return self
 
 
-class MeasuredTable(StrictTable):
+class MeasuredTable(Table):
     """`[[measured]]`."""
 
     side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
-    frequency: Annotated[float, key("Hz", "24.9 Hz")]
-    mode: Annotated[int, PlainValidator(whole_number(1, 40))] = 1
-    uncertainty: Annotated[float | None, key("Hz", "0.1 Hz")] = None
+    frequency: Annotated[float, key("Hz", "24.9 Hz", "frequency_Hz")]
+    mode: Annotated[int, PlainValidator(whole_number(1, 40)), Becomes("mode")] = 1
+    uncertainty: Annotated[float | None, key("Hz", "0.1 Hz", "std_Hz")] = None
 
 
 class SawScene(SceneTable):
@@ -213,8 +197,7 @@ class SawScene(SceneTable):
     excitation: ExcitationTable | None = None
     measured: list[MeasuredTable] = Field(default_factory=list)
 
-    @model_validator(mode="after")
-    def _drives_a_wheel(self) -> Self:
+    def _check(self) -> None:
         if self.drive is not None and self.wheel is None:
             reject("RF121", "a drive needs a wheel", fix="add [wheel] with diameter and speed", key="drive")
         needs_speed = self.drive is not None and self.drive.power is not None
@@ -225,7 +208,6 @@ class SawScene(SceneTable):
                 fix='add speed = "970 rpm" to [wheel]',
                 key="wheel.speed",
             )
-        return self
 
     def pull_N(self) -> float | None:
         """Return ΔF [N] where the scene gives it."""
@@ -240,16 +222,16 @@ class SawScene(SceneTable):
             )
         return float(tension_difference_N(torque, self.wheel.radius_m()))
 
-    def excitations(self) -> tuple[Excitation, ...]:
+    def excitations(self) -> tuple[resonance.Excitation, ...]:
         """Return what may shake the blade."""
         if self.excitation is None:
             return ()
-        found = [fixed_frequency(f"{one:g} Hz", one) for one in self.excitation.frequencies]
+        found = [resonance.fixed_frequency(f"{one:g} Hz", one) for one in self.excitation.frequencies]
         if self.excitation.tooth_pitch is not None:
-            found.insert(0, tooth_passing(self.excitation.tooth_pitch))
+            found.insert(0, resonance.tooth_passing(self.excitation.tooth_pitch))
         if self.wheel is not None and self.excitation.wheel_harmonics:
             harmonics = tuple(range(1, self.excitation.wheel_harmonics + 1))
-            found.insert(0, wheel_rotation(self.wheel.radius_m(), harmonics))
+            found.insert(0, resonance.wheel_rotation(self.wheel.radius_m(), harmonics))
         return tuple(found)
 
 
@@ -268,8 +250,7 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
         "tension_difference_N": table.pull_N(),
         "bending_stiffness_N_m2": table.blade.stiffness(),
     }
-    excitation = table.excitation
-    preloads_N = None if excitation is None else excitation.preload_range
+    shaken = table.excitation or ExcitationTable()
     return SawProblem(
         n_modes=table.blade.modes,
         ends=ENDS[table.blade.ends],
@@ -277,14 +258,11 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
         friction=friction,
         wheel_wrap_rad=np.pi if table.wheel is None else table.wheel.wrap,
         excitations=table.excitations(),
-        measurements=tuple(
-            Measurement(
-                side=Side(one.side), frequency_Hz=one.frequency, mode=one.mode, std_Hz=one.uncertainty
-            )
-            for one in table.measured
-        ),
-        margin_wanted=None if excitation is None else excitation.margin,
-        preload_range_N=None if preloads_N is None else (preloads_N[0], preloads_N[1]),
+        measurements=tuple(Measurement(side=Side(one.side), **given(one)) for one in table.measured),
+        margin_wanted=shaken.margin,
+        preload_range_N=None
+        if shaken.preload_range is None
+        else (shaken.preload_range[0], shaken.preload_range[1]),
         **arrays(table) | {name: np.array([value]) for name, value in computed.items() if value is not None},
     )
 
@@ -301,13 +279,11 @@ def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[Quantity, ...]:
 
 
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
-    half_m = 0.5 * _UNKNOWN_THICKNESS_M
-    if problem.section is not None:
-        half_m = 0.5 * problem.section.thickness_m
+    thickness_m = _UNKNOWN_THICKNESS_M if problem.section is None else problem.section.thickness_m
     radius_m = np.ones(problem.m) if problem.wheel_radius_m is None else problem.wheel_radius_m
     return {
         "wheel_radius_m": radius_m,
-        "rope_radius_m": np.full(problem.m, half_m),
+        "rope_radius_m": np.full(problem.m, 0.5 * thickness_m),
         "wrap_angle_rad": np.full(problem.m, problem.wheel_wrap_rad),
         "end_tension_N": problem.preload_N,
     }
@@ -325,9 +301,10 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     tree: dict[str, Any] = {side.value: first(one, *names) for side, one in answer.sides.items()}
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
-    whole, planned = _saw_of(problem), _planned_saw(answer, problem)
-    if whole is None or planned is None:
+    saws = _saws(answer, problem)
+    if saws is None:
         return tree
+    whole, planned = saws
     if problem.excitations:
         tree["resonance"] = _resonance(planned, problem)
     if problem.measurements:
@@ -339,33 +316,27 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     return tree
 
 
-def _saw_of(problem: SawProblem) -> Saw | None:
-    """Return the whole saw of a single case, with all its parts; None where its wheels are not known."""
-    if problem.wheel_radius_m is None or problem.wheel_speed_rad_s is None:
-        return None
-    parts: dict[str, Any] = {field.name: getattr(problem, field.name) for field in fields(Saw)}
-    first = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
-    return Saw(**first, ends=problem.ends)
+def _saws(answer: SawAnswer, problem: SawProblem) -> tuple[Saw, Saw] | None:
+    """Return the whole saw of a single case, and the one planned; None where its wheels are not known.
 
-
-def _planned_saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
-    """Return the saw with a stiff blade only if the plan has one; None where its wheels are not known.
-
-    Which mounting explains a measurement, and where a mode meets an excitation, depends on it.
+    The one planned has a stiff blade only if the plan has one: which mounting explains a measurement, and where a
+    mode meets an excitation, depends on it.
     """
-    saw = _saw_of(problem)
-    if saw is None or answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any():
-        return saw
-    return replace(saw, bending_stiffness_N_m2=0.0)
+    if problem.speed_m_s is None:
+        return None
+    parts: dict[str, Any] = {one.name: getattr(problem, one.name) for one in fields(Saw)}
+    first_case = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
+    whole = Saw(**first_case, ends=problem.ends)
+    stiff = answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any()
+    return whole, whole if stiff else replace(whole, bending_stiffness_N_m2=0.0)
 
 
 def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    sides = (Side.TIGHT, Side.SLACK)
-    near = margins(saw, sides, problem.excitations, problem.n_modes)[:_NEAREST]
+    near = resonance.margins(saw, _RUNNING, problem.excitations, problem.n_modes)[:_NEAREST]
     met = [
         crossing
-        for side in sides
-        for crossing in find_crossings(
+        for side in _RUNNING
+        for crossing in resonance.find_crossings(
             saw, side, problem.excitations, _speeds_m_s(saw, side), problem.n_modes
         )
     ]
@@ -398,14 +369,12 @@ def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
     margin, range_N = problem.margin_wanted, problem.preload_range_N
     if margin is None or range_N is None:
         return None
-    found = _judged(
-        lambda: recommend_preload(
-            saw, problem.excitations, margin=margin, range_N=range_N, n_modes=problem.n_modes
-        ),
-        *("preload_N", "margin", "forbidden_N"),
-    )
-    forbidden = [list(interval) for interval in found.get("forbidden_N", ())]
-    return found | ({"forbidden_N": forbidden} if "forbidden_N" in found else {})
+    wanted: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": problem.n_modes}
+    find = partial(resonance.recommend_preload, saw, problem.excitations, **wanted)
+    found = _judged(find, "preload_N", "margin", "forbidden_N")
+    if "forbidden_N" in found:
+        found["forbidden_N"] = [list(interval) for interval in found["forbidden_N"]]
+    return found
 
 
 def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
@@ -439,7 +408,7 @@ def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
     return [
         {"mounting_factor": None}
         | _measurement(point)
-        | _judged(lambda point=point: explain_mounting(saw, point), "mounting_factor")  # type: ignore[misc]
+        | _judged(partial(explain_mounting, saw, point), "mounting_factor")
         for point in problem.measurements
         if point.side is not Side.REST
     ]
@@ -447,7 +416,7 @@ def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
 
 def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any]:
     names = ("preload_N", "mounting_factor", "free_mounting_factor", "std")
-    found = _judged(lambda: identify(saw, problem.measurements), *names)
+    found = _judged(partial(identify, saw, problem.measurements), *names)
     if "std" in found:
         std = found.pop("std")
         found["preload_std_N"], found["mounting_factor_std"] = (
@@ -532,14 +501,13 @@ def _comparison_part(found: Mapping[str, Any]) -> Part:
     )
 
 
-def _campbell(answer: SawAnswer, problem: SawProblem) -> SawChart | None:
-    saw = _planned_saw(answer, problem)
-    if saw is None or not problem.excitations:
+def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | None:
+    saws = _saws(answer, problem)
+    if saws is None or not problem.excitations:
         return None
-    speeds = min(
-        (_speeds_m_s(saw, side) for side in (Side.TIGHT, Side.SLACK)), key=lambda one: float(one[-1])
-    )
-    return saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
+    saw = saws[1]
+    speeds = min((_speeds_m_s(saw, side) for side in _RUNNING), key=lambda one: float(one[-1]))
+    return resonance.saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
 KIND = Kind(

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import PlainValidator, model_validator
+from pydantic import PlainValidator
 
-from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
+from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Chart,
@@ -19,6 +19,7 @@ from ropefric.scenes.kind import (
     Part,
     Quantity,
     SceneTable,
+    Table,
     arrays,
     at_contact,
     finite,
@@ -34,7 +35,7 @@ _TURN = 2.0 * math.pi
 _PER_MINUTE = 60.0 / _TURN
 
 
-class DrivingTable(StrictTable):
+class DrivingTable(Table):
     """`[driving]`."""
 
     diameter: Annotated[float, key("m", "300 mm", "wheel_radius_m", factor=0.5)]
@@ -42,14 +43,14 @@ class DrivingTable(StrictTable):
     speed: Annotated[float | None, key("rad/s", "1500 rpm", "speed_rad_s")] = None
 
 
-class DrivenTable(StrictTable):
+class DrivenTable(Table):
     """`[driven]`."""
 
     diameter: Annotated[float, key("m", "600 mm", "driven_radius_m", factor=0.5)]
     wrap: Annotated[float | None, key("rad", "200 deg", "driven_wrap_rad")] = None
 
 
-class BeltTable(StrictTable):
+class BeltTable(Table):
     """`[belt]`."""
 
     count: Annotated[int, PlainValidator(whole_number(1, 1000)), Becomes("belt_count", many=False)] = 1
@@ -59,14 +60,14 @@ class BeltTable(StrictTable):
     axial_stiffness: Annotated[float | None, key("N", "200 kN", "axial_stiffness_N")] = None
 
 
-class TensionTable(StrictTable):
+class TensionTable(Table):
     """`[tension]`: of one belt, and what it is."""
 
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
     force: Annotated[float, key("N", "1200 N", "tension_N")]
 
 
-class LoadTable(StrictTable):
+class LoadTable(Table):
     """`[load]`."""
 
     power: Annotated[float | None, key("W", "7.5 kW", "power_W")] = None
@@ -82,8 +83,7 @@ class DriveScene(SceneTable):
     load: LoadTable | None = None
     friction: FrictionTable
 
-    @model_validator(mode="after")
-    def _can_run(self) -> Self:
+    def _check(self) -> None:
         if self.load is not None and self.load.power is not None and self.driving.speed is None:
             reject(
                 "RF121",
@@ -98,7 +98,6 @@ class DriveScene(SceneTable):
                 fix='add wrap = "180 deg" to [driven]',
                 key="driven.wrap",
             )
-        return self
 
 
 def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:
@@ -181,9 +180,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
     if "belts" in tree:
-        lines.append(
-            f"the power takes {tree['belts']} belt{'s' if tree['belts'] > 1 else ''} tensioned like this"
-        )
+        belts = "belts" if tree["belts"] > 1 else "belt"
+        lines.append(f"the power takes {tree['belts']} {belts} tensioned like this")
     if best is not None:
         lines.append(
             f"best speed: {best['speed_m_s']:.4g} m/s, {best['rotation_rad_s'] * _PER_MINUTE:.5g} rpm of the driving "
@@ -205,14 +203,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
         )
         for name, one in tree["pulleys"].items()
     )
-    headings = (
-        "pulley",
-        "wrap [deg]",
-        "slips over [deg]",
-        "adheres over [deg]",
-        "mu with groove",
-        "driven [rpm]",
-    )
+    angles = ("wrap [deg]", "slips over [deg]", "adheres over [deg]")
+    headings = ("pulley", *angles, "mu with groove", "driven [rpm]")
     return (Part("Belt and pulleys", lines=tuple(lines), headings=headings, rows=rows),)
 
 
@@ -224,11 +216,10 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     speeds = np.linspace(0.0, fastest, 201)
     share = float((answer.full_pull_N / (problem.tension_N - answer.circling_N))[0])
     power_kW = 1e-3 * share * speeds * (problem.tension_N[0] - problem.linear_density_kg_m[0] * speeds**2)
+    at_best = np.full(2, best[0]), np.array([0.0, power_kW.max()])
     lines = [
         Line("at most", speeds, power_kW),
-        Line(
-            f"best speed {best[0]:.4g} m/s", np.full(2, best[0]), np.array([0.0, power_kW.max()]), limit=True
-        ),
+        Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True),
     ]
     if problem.speed_rad_s is not None:
         work_W = answer.pull_N * problem.belt_speed_m_s

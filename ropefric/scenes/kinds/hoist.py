@@ -1,17 +1,16 @@
 """Scenes of a rope on a wheel that lifts."""
 
-from typing import Annotated, Any, Self
-
-from pydantic import model_validator
+from typing import Annotated, Any
 
 from ropefric.arrays import FloatArray
-from ropefric.files.toml_model import StrictTable, reject
+from ropefric.files.toml_model import reject
 from ropefric.scenes.kind import (
     Failure,
     FrictionTable,
     Kind,
     Quantity,
     SceneTable,
+    Table,
     arrays,
     at_contact,
     first,
@@ -21,7 +20,7 @@ from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift
 from ropefric.systems.hoist.effects import SYSTEM, answerable
 
 
-class WheelTable(StrictTable):
+class WheelTable(Table):
     """`[wheel]`."""
 
     radius: Annotated[float, key("m", "40 mm", "wheel_radius_m")]
@@ -29,7 +28,7 @@ class WheelTable(StrictTable):
     speed: Annotated[float | None, key("m/s", "0.3 m/s", "speed_m_s", above=None)] = None
 
 
-class RopeTable(StrictTable):
+class RopeTable(Table):
     """`[rope]`."""
 
     diameter: Annotated[float, key("m", "9.8 mm", "rope_radius_m", factor=0.5)]
@@ -38,14 +37,13 @@ class RopeTable(StrictTable):
     bending_stiffness: Annotated[float | None, key("N*m^2", "2e-3 N*m^2", "bending_stiffness_N_m2")] = None
 
 
-class LoadTable(StrictTable):
+class LoadTable(Table):
     """`[load]`."""
 
     end_tension: Annotated[float | None, key("N", "80 N", "end_tension_N")] = None
     payload: Annotated[float | None, key("kg", "120 kg", "payload_kg")] = None
 
-    @model_validator(mode="after")
-    def _has_an_end_tension(self) -> Self:
+    def _check(self) -> None:
         if self.end_tension is None:
             also = " for the payload" if self.payload is not None else ""
             reject(
@@ -54,7 +52,6 @@ class LoadTable(StrictTable):
                 fix='add end_tension = "80 N"',
                 key="end_tension",
             )
-        return self
 
 
 class HoistScene(SceneTable):

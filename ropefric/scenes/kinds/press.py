@@ -1,14 +1,14 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, PlainValidator
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, whole_number
+from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Failure,
@@ -18,8 +18,10 @@ from ropefric.scenes.kind import (
     Part,
     Quantity,
     SceneTable,
+    Table,
     arrays,
     by_name,
+    cells,
     finite,
     given,
     in_words,
@@ -28,15 +30,10 @@ from ropefric.scenes.kind import (
     positive,
 )
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press import loads
 from ropefric.systems.press.answer import PressAnswer, PressProblem, StartUpTask, as_operated
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
 from ropefric.systems.press.effects import SYSTEM
-from ropefric.systems.press.loads import (
-    distortion_energy_J_m3,
-    gravity_pull_N,
-    gravity_torque_N_m,
-    squeeze_torque_N_m,
-)
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import CLOSURES, solve_statics
@@ -53,7 +50,7 @@ def _names(value: object) -> tuple[str, ...]:
     return tuple(value)
 
 
-class TensionerTable(StrictTable):
+class TensionerTable(Table):
     """`[rollers.NAME.tensioner]`."""
 
     spring: Annotated[float, key("N/m", "20 N/mm", "spring_N_m", above=None)] = 0.0
@@ -65,7 +62,7 @@ class TensionerTable(StrictTable):
     downstream_angle: Annotated[float, key("rad", "19.9 deg", "downstream_angle_rad", above=None)] = 0.0
 
 
-class RollerTable(StrictTable):
+class RollerTable(Table):
     """`[rollers.NAME]`."""
 
     radius: Annotated[float, key("m", "75 mm", "radius_m")]
@@ -77,8 +74,7 @@ class RollerTable(StrictTable):
     overspeed: Annotated[float | None, PlainValidator(number), Becomes("overspeed")] = None
     tensioner: TensionerTable | None = None
 
-    @model_validator(mode="after")
-    def _carries_what_its_role_says(self) -> Self:
+    def _check(self) -> None:
         if (self.role == "tensioner") != (self.tensioner is not None):
             reject(
                 "RF121",
@@ -86,10 +82,9 @@ class RollerTable(StrictTable):
                 fix='write role = "tensioner" and [rollers.NAME.tensioner], or neither',
                 key="role",
             )
-        return self
 
 
-class BeltTable(StrictTable):
+class BeltTable(Table):
     """`[belts.NAME]`."""
 
     loop: Annotated[tuple[str, ...], PlainValidator(_names), Becomes("loop")]
@@ -103,14 +98,12 @@ class BeltTable(StrictTable):
         None
     )
 
-    @model_validator(mode="after")
-    def _has_one_mass(self) -> Self:
+    def _check(self) -> None:
         if (self.density is None) == (self.linear_density is None):
             reject("RF121", "give either density or linear_density", fix='add density = "1500 kg/m^3"')
-        return self
 
 
-class MachineTable(StrictTable):
+class MachineTable(Table):
     """`[press]`."""
 
     speed: Annotated[float | None, key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None
@@ -119,8 +112,7 @@ class MachineTable(StrictTable):
     load_factor: Annotated[float, PlainValidator(number), Becomes("load_factor")] = 1.0
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))] = "share"
 
-    @model_validator(mode="after")
-    def _has_one_speed(self) -> Self:
+    def _check(self) -> None:
         if (self.speed is None) == (self.rotation is None):
             reject(
                 "RF121",
@@ -131,10 +123,9 @@ class MachineTable(StrictTable):
             value = getattr(self, name)
             if value is not None and value < 0.0:
                 reject("RF110", f"{name} is negative", fix="give it zero or more", key=name)
-        return self
 
 
-class GravityTable(StrictTable):
+class GravityTable(Table):
     """`[sludge.gravity]`, eqs. (5), (6)."""
 
     friction: Annotated[float, PlainValidator(positive), Becomes("sludge_friction")]
@@ -144,7 +135,7 @@ class GravityTable(StrictTable):
     zones: Annotated[dict[str, float], by_name(quantity("m", "1.2 m", above=0), '"2" = "1.2 m"')]
 
 
-class SqueezeTable(StrictTable):
+class SqueezeTable(Table):
     """`[sludge.squeeze]`, eqs. (7)-(9)."""
 
     width: Annotated[float, key("m", "2 m")]
@@ -155,14 +146,14 @@ class SqueezeTable(StrictTable):
     units: Annotated[dict[str, float], by_name(positive, '"5" = 2, "6" = 1')]
 
 
-class SludgeTable(StrictTable):
+class SludgeTable(Table):
     """`[sludge]`: loads from the sludge, in place of torques."""
 
     gravity: GravityTable | None = None
     squeeze: SqueezeTable | None = None
 
 
-class StartUpTable(StrictTable):
+class StartUpTable(Table):
     """`[start_up]`."""
 
     law: Annotated[str, PlainValidator(choice(lambda: DRIVE_LAWS))] = "s-curve"
@@ -177,8 +168,7 @@ class StartUpTable(StrictTable):
     step: Annotated[float | None, key("s", "1 ms")] = None
     tolerance: Annotated[float, PlainValidator(positive)] = 1e-6
 
-    @model_validator(mode="after")
-    def _can_be_run(self) -> Self:
+    def _check(self) -> None:
         if self.slip and self.integrator != "exact":
             reject(
                 "RF111",
@@ -194,7 +184,6 @@ class StartUpTable(StrictTable):
             reject(
                 "RF121", f"the drive law {self.law} needs a duration", fix='add duration = "5 s"', key="law"
             )
-        return self
 
 
 class PressScene(SceneTable):
@@ -207,8 +196,7 @@ class PressScene(SceneTable):
     sludge: SludgeTable = Field(default_factory=SludgeTable)
     start_up: StartUpTable | None = None
 
-    @model_validator(mode="after")
-    def _preloads_its_tensioners(self) -> Self:
+    def _check(self) -> None:
         for name, roller in self.rollers.items():
             if roller.tensioner is not None and roller.tensioner.force is None and self.press.preload is None:
                 reject(
@@ -217,11 +205,11 @@ class PressScene(SceneTable):
                     fix='add force = "2000 N" to it, or preload = "2000 N" to [press] for all',
                     key=f"rollers.{name}.tensioner",
                 )
-        for part, torque, loaded in (
-            ("gravity", "gravity_torque", {} if self.sludge.gravity is None else self.sludge.gravity.zones),
-            ("squeeze", "squeeze_torque", {} if self.sludge.squeeze is None else self.sludge.squeeze.units),
+        for part, torque, shares in (
+            ("gravity", "gravity_torque", "zones"),
+            ("squeeze", "squeeze_torque", "units"),
         ):
-            for name in loaded:
+            for name in getattr(getattr(self.sludge, part), shares, {}):
                 if name not in self.rollers:
                     reject("RF120", f"sludge.{part} names the unknown roller {name!r}", key=f"sludge.{part}")
                 if getattr(self.rollers[name], torque):
@@ -231,7 +219,6 @@ class PressScene(SceneTable):
                         fix="keep one of them",
                         key=f"rollers.{name}.{torque}",
                     )
-        return self
 
 
 def _problem(table: PressScene, friction: WrapFriction) -> PressProblem:
@@ -262,14 +249,14 @@ def _roller(table: PressScene, name: str, one: RollerTable) -> Roller:
         parts["tensioner"] = Tensioner(**force | given(one.tensioner))
     gravity, squeeze = table.sludge.gravity, table.sludge.squeeze
     if gravity is not None and name in gravity.zones:
-        pull_N = gravity_pull_N(**given(gravity), zone_length_m=gravity.zones[name])
-        parts["gravity_torque_N_m"] = float(gravity_torque_N_m(pull_N, radius_m=one.radius))
+        pull_N = loads.gravity_pull_N(**given(gravity), zone_length_m=gravity.zones[name])
+        parts["gravity_torque_N_m"] = float(loads.gravity_torque_N_m(pull_N, radius_m=one.radius))
     if squeeze is not None and name in squeeze.units:
-        torque = squeeze_torque_N_m(
+        torque = loads.squeeze_torque_N_m(
             belt_width_m=squeeze.width,
             radius_m=one.radius,
             compression_m=squeeze.compression,
-            distortion_energy_J_m3=distortion_energy_J_m3(**given(squeeze)),
+            distortion_energy_J_m3=loads.distortion_energy_J_m3(**given(squeeze)),
             units=squeeze.units[name],
         )
         parts["squeeze_torque_N_m"] = float(torque)
@@ -361,12 +348,16 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[Failure, ...]
     return (Failure(words, "largest utilisation", largest, largest > 1.0),)
 
 
+def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
+    return dict(zip(names, values[0].tolist(), strict=True))
+
+
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
-        "tension_N": dict(zip(spans, answer.at_rest_N[0].tolist(), strict=True)),
-        "effective_tension_N": dict(zip(spans, answer.state.effective_tension_N[0].tolist(), strict=True)),
+        "tension_N": _by_name(spans, answer.at_rest_N),
+        "effective_tension_N": _by_name(spans, answer.state.effective_tension_N),
         "slip": {
             roller: {measure: finite(slip.of(roller, measure)[0]) for measure in MEASURES}
             for roller in slip.rollers
@@ -390,7 +381,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
         },
         "creep": {
-            "rim_speed_m_s": dict(zip(slip.rollers, answer.rim_speed_m_s[0].tolist(), strict=True)),
+            "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s),
             "power_lost_W": float(answer.creep_loss_W[0]),
         },
         **_first(answer),
@@ -425,12 +416,10 @@ def _first(answer: PressAnswer) -> dict[str, Any]:
         # What a higher speed does is the belts' mass, whether or not it matters at this one.
         parts = replace(model.parts, mass=model.parts.mass or change == "speed")
         press = as_operated(model)
-        if (
-            parts.keeps_tension
-        ):  # the spans' T' then does not answer to the speed, as if the belts weighed nothing
-            press = replace(
-                press, belts=tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts)
-            )
+        if parts.keeps_tension:
+            # The spans' T' then does not answer to the speed, as if the belts weighed nothing.
+            light = tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts)
+            press = replace(press, belts=light)
         values = critical_values(
             solve_statics(press, closure=model.problem.closure),
             model.problem.friction,
@@ -478,10 +467,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
         "Slip",
         lines=_slip_lines(tree),
         headings=("roller", *columns),
-        rows=tuple(
-            (name, *(in_words(one.get(key), form) for key, form in columns.values()))
-            for name, one in tree["slip"].items()
-        ),
+        rows=tuple((name, *cells(one, columns.values())) for name, one in tree["slip"].items()),
     )
     creep = [_creep(tree)] if tree["creep"]["power_lost_W"] else []
     return (spans, slip, *creep, *([_start_up(tree)] if "start_up" in tree else []))
@@ -528,24 +514,18 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _start_up(tree: Mapping[str, Any]) -> Part:
     found = tree["start_up"]
-    peak = max(found["peak_tension_N"], key=found["peak_tension_N"].__getitem__)
-    lowest_N = min(found["lowest_tension_N"].values())
-    columns = {
-        "peak utilisation": "peak_utilisation",
-        "first slip [s]": "first_slip_s",
-        "slips for [s]": "slipping_s",
-    }
+    highest_N, lowest_N = found["peak_tension_N"], min(found["lowest_tension_N"].values())
+    peak = max(highest_N, key=highest_N.__getitem__)
+    columns = ("peak_utilisation", "first_slip_s", "slipping_s")
     return Part(
         "Start-up",
         lines=(
-            f"highest tension: {found['peak_tension_N'][peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
+            f"highest tension: {highest_N[peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
             f"work of the drives: {found['drive_work_J']:.4g} J, of which slip takes {found['slip_loss_J']:.4g} J",
             f"the energy balance closes to {abs(found['energy_residual']):.1g}",
         ),
-        headings=("roller", *columns),
-        rows=tuple(
-            (name, *(in_words(found[key].get(name)) for key in columns.values())) for name in tree["slip"]
-        ),
+        headings=("roller", "peak utilisation", "first slip [s]", "slips for [s]"),
+        rows=tuple((name, *(in_words(found[one].get(name)) for one in columns)) for name in tree["slip"]),
     )
 
 

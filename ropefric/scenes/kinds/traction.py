@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
-from ropefric.files.toml_model import StrictTable, choice, reject, whole_number
+from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes.kind import (
     Becomes,
     Chart,
@@ -19,6 +19,7 @@ from ropefric.scenes.kind import (
     Part,
     Quantity,
     SceneTable,
+    Table,
     arrays,
     at_contact,
     cells,
@@ -33,7 +34,7 @@ _LARGEST_UNDERCUT_RAD = math.radians(106.0)
 _UNDERCUT = {"undercut", "v"}
 
 
-class LiftTable(StrictTable):
+class LiftTable(Table):
     """`[lift]`."""
 
     car: Annotated[float, key("kg", "700 kg", "car_kg")]
@@ -44,7 +45,7 @@ class LiftTable(StrictTable):
     deceleration: Annotated[float | None, key("m/s^2", "0.5 m/s^2", "deceleration_m_s2")] = None
 
 
-class SheaveTable(StrictTable):
+class SheaveTable(Table):
     """`[sheave]`."""
 
     diameter: Annotated[float, key("m", "400 mm", "wheel_radius_m", factor=0.5)]
@@ -53,8 +54,7 @@ class SheaveTable(StrictTable):
     groove_angle: Annotated[float, key("rad", "35 deg", "groove_angle_rad")]
     undercut: Annotated[float | None, key("rad", "90 deg", "undercut_rad")] = None
 
-    @model_validator(mode="after")
-    def _is_undercut_as_its_groove_says(self) -> Self:
+    def _check(self) -> None:
         if self.groove in _UNDERCUT and self.undercut is None:
             reject("RF121", f"the groove {self.groove} has no undercut", fix='add undercut = "90 deg"')
         if self.groove not in _UNDERCUT and self.undercut is not None:
@@ -64,10 +64,9 @@ class SheaveTable(StrictTable):
                 fix='remove it, or write groove = "undercut"',
                 key="undercut",
             )
-        return self
 
 
-class RopesTable(StrictTable):
+class RopesTable(Table):
     """`[ropes]`."""
 
     count: Annotated[int, PlainValidator(whole_number(1, 100)), Becomes("rope_count", many=False)]
@@ -77,7 +76,7 @@ class RopesTable(StrictTable):
     above_counterweight: Annotated[float, key("m", "2 m", "above_counterweight_m", above=None)] = 0.0
 
 
-class PulleysTable(StrictTable):
+class PulleysTable(Table):
     """`[pulleys]`: inertia of deflector pulleys over the square of their radius."""
 
     car_side: Annotated[float | None, key("kg", "20 kg", "car_pulley_kg")] = None
@@ -116,15 +115,11 @@ def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[Failure, ...]
 
 
 def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
+    ratio = np.full_like(answer.tight_N, np.inf)
     columns = {
         "tight_N": answer.tight_N,
         "slack_N": answer.slack_N,
-        "tension_ratio": np.divide(
-            answer.tight_N,
-            answer.slack_N,
-            out=np.full_like(answer.tight_N, np.inf),
-            where=answer.slack_N > 0.0,
-        ),
+        "tension_ratio": np.divide(answer.tight_N, answer.slack_N, out=ratio, where=answer.slack_N > 0.0),
         "mu": answer.mu,
         "friction_factor": answer.friction_factor,
         "capacity": np.exp(answer.log_capacity),
@@ -170,11 +165,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
             lines=tuple(lines),
             headings=("load case", *columns, "passes "),
             rows=tuple(
-                (
-                    case,
-                    *cells(one, columns.values()),
-                    "yes" if one["passes"] else "no",
-                )
+                (case, *cells(one, columns.values()), "yes" if one["passes"] else "no")
                 for case, one in cases.items()
             ),
             notes=(tree["note"],),
@@ -184,10 +175,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
 
 def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
     # What stalled ropes must slip at is often ten times what the others must hold: it would hide them.
-    wraps, here = (
-        np.linspace(0.75, 1.25, 101) * problem.wrap_angle_rad[0],
-        np.degrees(problem.wrap_angle_rad[:1]),
-    )
+    wraps = np.linspace(0.75, 1.25, 101) * problem.wrap_angle_rad[0]
+    here = np.degrees(problem.wrap_angle_rad[:1])
     held: dict[float, list[str]] = {}
     for case, factor in zip(CASES[:-1], answer.friction_factor[:, 0], strict=False):
         held.setdefault(float(factor), []).append(case)

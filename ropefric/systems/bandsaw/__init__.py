@@ -5,5 +5,5 @@ blade to a wanted accuracy. `saw` puts the machine together: what the blade is, 
 preload a frequency asks for. `resonance` says where modes meet excitations and which preload to set, `measured`
 compares with measured frequencies and finds the mounting behind them. `answer` are all frequencies of a saw, with
 torsion and the wheels' grip; `effects` what a scene may leave out and what that may cost; `roots` finds many roots at
-once; `printed` has the formulas as the paper prints them.
+once.
 """

@@ -13,8 +13,9 @@ from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Section, Side
-from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_no_modes
 from ropefric.systems.checks import Rule, side_by_side
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
 
 
@@ -43,8 +44,7 @@ class SawProblem:
     def __post_init__(self) -> None:
         for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
             object.__setattr__(self, name, array)
-        if self.n_modes < 1:
-            raise InputError(f"{self.n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+        refuse_no_modes(self.n_modes)
 
     @property
     def m(self) -> int:
@@ -104,12 +104,8 @@ _RULES: dict[str, Rule] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SawModel:
+class SawModel(Model[SawProblem]):
     """A saw's blade with the effects that are in it; without any on all sides a string at rest under its preload."""
-
-    problem: SawProblem
-    effects: frozenset[str] = frozenset()
 
     @cached_property
     def spans(self) -> Mapping[Side, Span]:
@@ -216,8 +212,7 @@ def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> Fl
 
     The ends are held against twisting. Parameters as in `torsion_wave_speed_m_s`.
     """
-    if n_modes < 1:
-        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+    refuse_no_modes(n_modes)
     speed = torsion_wave_speed_m_s(span, section)
     squared = span.net_tension_N / span.linear_density_kg_m + _stiffness_part(section)
     beyond = squared <= 0.0

@@ -18,8 +18,8 @@ from ropefric.systems.bandsaw.span import (
     CLAMPED,
     Ends,
     Span,
+    refuse_no_modes,
     refuse_overspeed,
-    speed_that_uses_up,
     string_frequencies_Hz,
 )
 from ropefric.systems.checks import checked
@@ -62,18 +62,6 @@ class ScaledBeam:
         net = (1.0 - speed) * (1.0 + speed)
         return cls(
             stiffness=stiffness, speed=speed, net=net, margin=net + ends.buckling * stiffness, ends=ends
-        )
-
-    @classmethod
-    def at_shortfall(cls, stiffness: float, shortfall: float, ends: Ends) -> "ScaledBeam":
-        """Return the beam at V = (1 − δ) V_c, as exact as δ is."""
-        if not 0.0 < shortfall <= 1.0:
-            raise InputError(f"the shortfall is {shortfall:g}; it must be above 0 and at most 1")
-        limit_squared = 1.0 + ends.buckling * stiffness
-        margin = limit_squared * shortfall * (2.0 - shortfall)
-        speed = float(np.sqrt(limit_squared)) * (1.0 - shortfall)
-        return cls(
-            stiffness=stiffness, speed=speed, net=margin - ends.buckling * stiffness, margin=margin, ends=ends
         )
 
     @property
@@ -152,8 +140,7 @@ def order_for(beam: ScaledBeam, n_modes: int, accuracy: float) -> int:
     A polynomial of degree p leaves J_p(kh/2) of a wave e^{ikx} on an element of length h, and I_p(κh/2) e^{−κh/2}
     of a layer; the eigenvalue errs with the square.
     """
-    if n_modes < 1:
-        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+    refuse_no_modes(n_modes)
     if not 1e-14 <= accuracy <= 0.1:
         raise InputError(
             f"the accuracy is {accuracy:g}; it must be from 1e-14 to 0.1", key="accuracy", fix="give 1e-10"
@@ -421,14 +408,3 @@ def beam_frequencies_Hz(
     for case, beam in zip(np.flatnonzero(stiff), scaled_beams(span.select(stiff), ends), strict=True):
         frequencies[case] = hertz[case] * solve_beam(beam, n_modes, accuracy=accuracy).frequencies
     return frequencies
-
-
-def critical_speeds_m_s(span: Span, ends: Ends, n_modes: int = 1) -> FloatArray:
-    """Return the speeds at which a mode's frequency vanishes, v_n² (1 − κ) ρA = F_0 ± ΔF/2 + β_n EI/l².
-
-    Only up to the first of them frequencies are computed; the others say how the string's one critical speed splits.
-    """
-    load_N = np.multiply.outer(
-        ends.buckling_loads(n_modes), span.bending_stiffness_N_m2 / span.free_span_m**2
-    )
-    return speed_that_uses_up(span.preload_N + span.pull_N + load_N, span).T

@@ -15,6 +15,8 @@ from ropefric.systems.bandsaw.roots import roots_between
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, preloads_for_N
 from ropefric.systems.checks import checked
 
+_SIDES = (Side.TIGHT, Side.SLACK)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Excitation:
@@ -192,21 +194,19 @@ def saw_chart(
     speeds = np.array(speeds_m_s, dtype=np.float64)
     if not excitations:
         raise InputError("a chart without excitations shows no resonance", key="excitations")
-    sides = (Side.TIGHT, Side.SLACK)
     found = [
-        crossing for side in sides for crossing in find_crossings(saw, side, excitations, speeds, n_modes)
+        crossing for side in _SIDES for crossing in find_crossings(saw, side, excitations, speeds, n_modes)
     ]
     speeds.flags.writeable = False
     return SawChart(
         saw=saw,
         speed_m_s=speeds,
-        mode_Hz={side: frequencies_Hz(saw, side, n_modes, speed_m_s=speeds) for side in sides},
+        mode_Hz={side: frequencies_Hz(saw, side, n_modes, speed_m_s=speeds) for side in _SIDES},
         excitations=excitations,
         crossings=in_order(found),
     )
 
 
-_SIDES = (Side.TIGHT, Side.SLACK)
 _SEARCHED = 65
 
 

@@ -29,27 +29,10 @@ class Ends:
     turns: bool
     buckling: float
     buckling_low: float
-    buckling_loads: Callable[[int], FloatArray] = field(repr=False)
     buckled: Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]] = field(repr=False)
 
 
 _PI_SQUARED = (9.869604401089358, 6.265295508739711e-16)
-
-
-def _pinned_loads(n: int) -> FloatArray:
-    return np.square(math.pi * np.arange(1.0, n + 1.0))
-
-
-def _clamped_loads(n: int) -> FloatArray:
-    """Return 4π², 4·4.4934²…, alternating between even buckling, sin(q/2) = 0, and odd, tan(q/2) = q/2."""
-    pairs = np.arange(1.0, n // 2 + 2.0)
-    middle = (pairs + 0.5) * math.pi
-    # tan z = z has its roots just below the odd quarter turns; the iteration gains a digit or more a step.
-    z = middle - 1.0 / middle
-    for _ in range(30):
-        z = middle - np.arctan(1.0 / z)
-    both = np.stack([np.square(2.0 * math.pi * pairs), np.square(2.0 * z)], axis=1)
-    return np.asarray(both.ravel()[:n])
 
 
 def _sine(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -68,7 +51,6 @@ PINNED = Ends(
     turns=True,
     buckling=_PI_SQUARED[0],
     buckling_low=_PI_SQUARED[1],
-    buckling_loads=_pinned_loads,
     buckled=_sine,
 )
 CLAMPED = Ends(
@@ -77,7 +59,6 @@ CLAMPED = Ends(
     turns=False,
     buckling=4.0 * _PI_SQUARED[0],
     buckling_low=4.0 * _PI_SQUARED[1],
-    buckling_loads=_clamped_loads,
     buckled=_raised_cosine,
 )
 ENDS: Registry[Ends] = Registry("way of holding the ends", (PINNED, CLAMPED))
@@ -256,7 +237,11 @@ class Span:
         v_c² (1 − κ) ρA = F_0 ± ΔF/2 + β EI/l². The mounting counts whether or not the wheels turn, because they
         would at that speed. Where the right side is not positive, only inertia tightens the blade and v_c is zero.
         """
-        return speed_that_uses_up(self.preload_N + self.pull_N + self.buckling_N(ends), self)
+        force_N = self.preload_N + self.pull_N + self.buckling_N(ends)
+        held = self.linear_density_kg_m * (1.0 - self.mounting_factor)
+        some = force_N > 0.0
+        limited = np.divide(force_N, held, out=np.full(self.m, np.inf), where=some & (held > 0.0))
+        return np.where(some, np.sqrt(limited), 0.0)
 
     def select(self, index: npt.ArrayLike) -> "Span":
         """Return the cases at an index array or boolean mask, in that order."""
@@ -287,14 +272,6 @@ class Span:
     @cached_property
     def _static(self) -> Pair:
         return add(as_pair(self.preload_N), as_pair(self.pull_N))
-
-
-def speed_that_uses_up(force_N: FloatArray, span: Span) -> FloatArray:
-    """Return the speed whose ρA v² takes up a force and the wheels' inertia, √(force/((1 − κ) ρA)) [m/s]."""
-    held = np.broadcast_to(span.linear_density_kg_m * (1.0 - span.mounting_factor), force_N.shape)
-    some = force_N > 0.0
-    limited = np.divide(force_N, held, out=np.full(force_N.shape, np.inf), where=some & (held > 0.0))
-    return np.where(some, np.sqrt(limited), 0.0)
 
 
 def refuse_overspeed(span: Span, ends: Ends) -> FloatArray:
@@ -381,14 +358,19 @@ def running_mode(
     return np.asarray(envelope * np.cos(phase))
 
 
+def refuse_no_modes(n_modes: int) -> None:
+    """Refuse a number of modes below 1."""
+    if n_modes < 1:
+        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+
+
 def string_frequencies_Hz(span: Span, n_modes: int = 6) -> FloatArray:
     """Return the first frequencies of spans as strings; a stiffness they have is left out.
 
     Written with the net tension, f_n = n (F − ρA v²)/(2 l √(F ρA)), which `Span` knows to full relative precision
     where F and ρA v² all but cancel, and for κ = 1, where they never do.
     """
-    if n_modes < 1:
-        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
+    refuse_no_modes(n_modes)
     limp = replace(span, bending_stiffness_N_m2=np.zeros(1)) if span.bending_stiffness_N_m2.any() else span
     net_N = refuse_overspeed(limp, PINNED)
     first = net_N / (2.0 * span.free_span_m * np.sqrt(span.tension_N * span.linear_density_kg_m))

@@ -9,7 +9,8 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
 from ropefric.systems.creep import speed_ratio
-from ropefric.systems.friction import WrapFriction, refuse_no_ratio
+from ropefric.systems.effect import Model
+from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 
 CLOSURES = ("limit", "tensioner", "fixed")
 _MAX_STEPS = 200
@@ -72,12 +73,8 @@ class DriveProblem:
         return np.zeros(self.n) if self.speed_rad_s is None else self.speed_rad_s * self.wheel_radius_m
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DriveModel:
-    """A belt drive with the effects that are simulated."""
-
-    problem: DriveProblem
-    effects: frozenset[str] = frozenset()
+DriveModel = Model[DriveProblem]
+"""A belt drive with the effects that are simulated."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -203,7 +200,6 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
 def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
     """Return mu' of driving and driven pulley, shape (2, n); NaN where there is no driven one."""
     problem = model.problem
-    told = {"wrap-dependence": {"wrap", "end-tension"}, "size": {"size"}}
     pulleys = [(problem.wheel_radius_m, problem.wrap_angle_rad)]
     if problem.driven_radius_m is not None and problem.driven_wrap_rad is not None:
         pulleys.append((problem.driven_radius_m, problem.driven_wrap_rad))
@@ -213,7 +209,7 @@ def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
             rope_radius_m=problem.rope_radius_m,
             wrap_angle_rad=wrap_rad,
             slack_tension_N=slack_N,
-            told=frozenset[str]().union(*(told[name] for name in model.effects & told.keys())),
+            told=told_by(model.effects),
         )
         / wrap_rad
         for radius_m, wrap_rad in pulleys

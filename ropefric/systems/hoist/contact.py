@@ -8,6 +8,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
 
 GRAVITY_M_S2 = 9.80665
@@ -78,16 +79,12 @@ TOLD = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
 """What of a contact each of the law's own effects tells it."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class HoistModel:
+class HoistModel(Model[HoistProblem]):
     """A rope on a wheel with the effects that are in it; without any F_A = F_B e^{μφ}, light, limp and at rest.
 
     A tension F presses the rope onto the wheel only by F − c − E: c = ρv² keeps its mass on the circle, and
     E = EI/(2R²) keeps it bent. What presses grows as P_A = P_B e^M over the arc that is in contact.
     """
-
-    problem: HoistProblem
-    effects: frozenset[str] = frozenset()
 
     @cached_property
     def end_tension_N(self) -> FloatArray:

@@ -10,7 +10,8 @@ from scipy.interpolate import PPoly
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Rule, side_by_side
-from ropefric.systems.friction import WrapFriction
+from ropefric.systems.effect import Model
+from ropefric.systems.friction import WrapFriction, told_by
 from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import SlipTable, slip_table, steady_contacts
@@ -61,13 +62,6 @@ class PressProblem:
 
 LOADS = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_N_m"}
 """The torque of a roller that each effect is about."""
-TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
-"""What of a contact each effect tells a law."""
-
-
-def told_by(effects: frozenset[str]) -> frozenset[str]:
-    """Return what a law is told of a contact with these effects in."""
-    return frozenset().union(*(TOLD[name] for name in effects & TOLD.keys()))
 
 
 def without_load(press: Press, effect: str) -> Press:
@@ -76,12 +70,8 @@ def without_load(press: Press, effect: str) -> Press:
     return replace(press, rollers=tuple(replace(roller, **nothing) for roller in press.rollers))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PressModel:
+class PressModel(Model[PressProblem]):
     """A press with the effects that are in it; without any: no loads or mass, locked tensioners, one coefficient."""
-
-    problem: PressProblem
-    effects: frozenset[str] = frozenset()
 
     @cached_property
     def press(self) -> Press:

@@ -19,14 +19,13 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System, worst_case
+from ropefric.systems.friction import TOLD, told_by
 from ropefric.systems.press.answer import (
     LOADS,
-    TOLD,
     PressAnswer,
     PressModel,
     PressProblem,
     solve_press,
-    told_by,
     without_load,
 )
 from ropefric.systems.press.creep import rim_speed_ratios
@@ -104,7 +103,7 @@ def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray, FloatArray]
     use = np.empty((*tension_N.shape[:-1], len(press.rollers)))
     telling = [name for name in names if name in TOLD]
     for flags in product((0, 1), repeat=len(telling)):
-        told = told_by(frozenset(name for name, flag in zip(telling, flags, strict=True) if flag))
+        told = told_by([name for name, flag in zip(telling, flags, strict=True) if flag])
         place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
         use[place] = utilisation(contacts_of(press, tension_N[place]), problem.friction, told=told)
     whole_N = tension_N.copy()

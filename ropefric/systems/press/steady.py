@@ -25,7 +25,11 @@ from ropefric.systems.press.statics import (
 
 def loop_lengths_m(press: Press) -> FloatArray:
     """Return the length of every belt, free spans and arcs, shape (n_belts,) [m]."""
-    _refuse_missing([key for key in missing_elasticity(press) if "span_lengths" in key])
+    refuse_missing(
+        "the elastic tensioner",
+        missing_elasticity(press),
+        fix="give them, or take tensioner='locked'",
+    )
     arcs_m = {roller.name: roller.radius_m * roller.wrap_angle_rad for roller in press.rollers}
     return np.array(
         [sum(belt.span_lengths_m or ()) + sum(arcs_m[name] for name in belt.loop) for belt in press.belts]
@@ -52,7 +56,6 @@ def speed_shift_kg_m(statics: Statics, tensioner: Literal["locked", "elastic"]) 
         raise UnknownNameError(
             f"tensioner = '{tensioner}' is unknown", key="tensioner", fix="locked or elastic"
         )
-    _refuse_missing(missing_elasticity(press))
     stiffness = np.array([belt.axial_stiffness_N for belt in press.belts], dtype=np.float64)
     give = np.diag(loop_lengths_m(press) / stiffness)
     density = np.array([belt.linear_density_kg_m for belt in press.belts])
@@ -63,10 +66,6 @@ def speed_shift_kg_m(statics: Statics, tensioner: Literal["locked", "elastic"]) 
     right = np.concatenate([-give @ density, np.zeros(len(springs))])
     level = np.linalg.solve(system, right)[: len(density)]
     return np.asarray(locked + statics.by_preload @ (pull @ (level + density)))
-
-
-def _refuse_missing(keys: list[str]) -> None:
-    refuse_missing("the elastic tensioner", keys, fix="give them, or take tensioner='locked'")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -7,7 +7,8 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
-from ropefric.systems.friction import WrapFriction, refuse_no_ratio
+from ropefric.systems.effect import Model
+from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")
@@ -91,12 +92,8 @@ class TractionProblem:
         return self.car_kg.size
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TractionModel:
-    """A lift with the effects that are simulated."""
-
-    problem: TractionProblem
-    effects: frozenset[str] = frozenset()
+TractionModel = Model[TractionProblem]
+"""A lift with the effects that are simulated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -252,7 +249,6 @@ def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray
         mu = np.full_like(tight_N, _MU_LOADING)
         mu[_STALLED] = _MU_STALLED
     else:
-        told = {"wrap-dependence": {"wrap", "end-tension"}, "size": {"size"}}
         mu = (
             friction.exponent(
                 wheel_radius_m=problem.wheel_radius_m,
@@ -260,7 +256,7 @@ def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray
                 wrap_angle_rad=problem.wrap_angle_rad,
                 # Where nothing pulls on the slack side, what pulls on the tight side presses.
                 slack_tension_N=np.where(slack_N > 0.0, slack_N, tight_N) / problem.rope_count,
-                told=frozenset[str]().union(*(told[name] for name in model.effects & told.keys())),
+                told=told_by(model.effects),
             )
             / problem.wrap_angle_rad
         )

@@ -16,7 +16,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
 from ropefric.systems.beltdrive.drive import DriveModel, DriveProblem, best_speed_m_s, solve_drive
-from ropefric.systems.beltdrive.effects import EFFECTS, SYSTEM
+from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
 RPM = 2.0 * math.pi / 60.0
@@ -28,7 +28,7 @@ def problem_of(mu, **values):
     return DriveProblem(friction=WrapFriction.constant(mu), **(fixed | values))
 
 
-def solved(problem, effects=tuple(EFFECTS)):
+def solved(problem, effects=tuple(SYSTEM.effects)):
     return solve_drive(DriveModel(problem=problem, effects=frozenset(effects)))
 
 

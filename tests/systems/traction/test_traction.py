@@ -15,7 +15,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.traction.effects import EFFECTS, SYSTEM
+from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import (
     CASES,
     TractionModel,
@@ -34,7 +34,7 @@ LIFT = {
 }  # fmt: skip
 
 
-def solved(effects=tuple(EFFECTS), **changes):
+def solved(effects=tuple(SYSTEM.effects), **changes):
     values = {name: value for name, value in (LIFT | changes).items() if value is not None}
     return solve_traction(TractionModel(problem=TractionProblem(**values), effects=frozenset(effects)))
 

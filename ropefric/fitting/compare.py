@@ -143,7 +143,7 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
-        tests = [_rounded(asdict(test)) for test in self.tests]
+        tests = [asdict(test) for test in self.tests]
         return _rounded({
             "ranking": [entry.to_dict() for entry in self.ranking], "f_tests": tests, "unit": self.unit, "n": self.n,
             "n_trials": self.n_trials, "scatter_within": self.scatter_within, "conclusive": self.conclusive,
@@ -168,10 +168,6 @@ class Standing:
     k: int
     aicc: float
     bic: float
-
-    def log_lift(self) -> FloatArray:
-        """Return ln F_A of the law at the means, shape (K,)."""
-        return self.problem.law.log_lift(self.theta, self.problem.conditions)
 
 
 def compare_laws(
@@ -216,10 +212,10 @@ def compare_laws(
         )
     ranking = _ranking(fits, standings, notes, len(means))
     tests = tuple(
-        FTest(simpler=simpler, fuller=fuller, f=found[0], dof=found[1], p_value=found[2])
-        for fuller, stands in standings.items()
-        for simpler in (case.name for case in stands.problem.law.special_cases)
-        if simpler in standings and (found := nested_test(standings[simpler], stands)) is not None
+        found
+        for stands in standings.values()
+        for case in stands.problem.law.special_cases
+        if case.name in standings and (found := nested_test(standings[case.name], stands)) is not None
     )
     return Comparison(
         ranking=ranking,
@@ -297,8 +293,10 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
         if other == name:
             earlier = False
             continue
-        simpler = theirs.k < mine.k or (earlier and theirs.k == mine.k)
-        if simpler and not notes[other] and float(np.abs(theirs.log_lift() - mine.log_lift()).max()) <= _SAME:
+        if notes[other] or not (theirs.k < mine.k or (earlier and theirs.k == mine.k)):
+            continue
+        lifts = [law.problem.law.log_lift(law.theta, law.problem.conditions) for law in (theirs, mine)]
+        if float(np.abs(lifts[0] - lifts[1]).max()) <= _SAME:
             return f"gives the same forces as {other} on these data, and is counted once"
     return ""
 
@@ -390,8 +388,8 @@ def leave_one_out(law: Standing) -> float:
     return float(np.sqrt(np.mean(missed**2)))
 
 
-def nested_test(simpler: Standing, fuller: Standing) -> tuple[float, tuple[int, int], float] | None:
-    """Return F, degrees of freedom and p-value, both laws weighted as the fuller; None without degrees of freedom.
+def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:
+    """Return the test of two laws, both weighted as the fuller; None without degrees of freedom.
 
     Where the simpler law lies on a bound of the fuller (a = 0), the p-value is too large rather than too small.
     """
@@ -401,7 +399,9 @@ def nested_test(simpler: Standing, fuller: Standing) -> tuple[float, tuple[int, 
     weighted = replace(simpler.problem, std=fuller.problem.std)
     at = refit(weighted, simpler.theta, slack=simpler.slack)[0][0]
     chi2 = float((measured_residual(weighted, at, slack=simpler.slack) ** 2 / weighted.std**2).sum())
-    return f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
+    F, dof, p_value = f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
+    names = (simpler.problem.law.name, fuller.problem.law.name)
+    return FTest(simpler=names[0], fuller=names[1], f=F, dof=dof, p_value=p_value)
 
 
 def measured_residual(problem: FitProblem, theta: FloatArray, *, slack: bool) -> FloatArray:

@@ -18,8 +18,8 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import degrees_of_freedom, linear_std, new_rope_std, outside_range
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw, LiftModel
+from ropefric.friction.condition import Conditions, as_floats
+from ropefric.friction.law import LiftModel
 from ropefric.uncertainty.quantity import quantile
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
@@ -123,9 +123,8 @@ class Design:
         found = f"{name} = {self.value[index]:.6g} {unit}"
         if code is DesignStatus.LOWER_LIMIT:
             return f"the lower limit {found} already lifts {need}"
-        return f"{found} lifts {need}" + (
-            "" if self.probability is None else f" with probability {self.probability:g}"
-        )
+        surely = "" if self.probability is None else f" with probability {self.probability:g}"
+        return f"{found} lifts {need}{surely}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree: one object for one design, `{"designs": [...]}` for several."""
@@ -149,41 +148,27 @@ class Design:
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiftBound:
-    """ln F_A of a fitted law and what one new rope exceeds with a probability."""
+    """ln F_A of a fitted law and what one new rope exceeds with a probability; the mean law itself for None."""
 
-    law: FrictionLaw
-    theta: FloatArray
-    covariance: FloatArray
-    reach: float
-    scatter: float
-
-    @classmethod
-    def of(cls, fit: FitResult, probability: float | None) -> "LiftBound":
-        """Return the bound of a fit."""
-        reach, scatter = 0.0, 0.0
-        if probability is not None:
-            if not 0.5 <= probability < 1.0:
-                raise InputError(
-                    f"the probability is {probability:g}",
-                    key="probability",
-                    fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
-                )
-            reach, scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
-            if not (math.isfinite(scatter) and np.isfinite(fit.covariance).all()):
-                raise InputError(
-                    f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
-                    key="probability",
-                    fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
-                )
-        return cls(
-            law=fit.friction_law,
-            theta=np.asarray(fit.theta),
-            covariance=np.asarray(fit.covariance),
-            reach=reach,
-            scatter=scatter,
-        )
+    def __init__(self, fit: FitResult, probability: float | None) -> None:
+        self.law, self.theta, self.covariance = fit.friction_law, fit.theta, fit.covariance
+        self.reach = self.scatter = 0.0
+        if probability is None:
+            return
+        if not 0.5 <= probability < 1.0:
+            raise InputError(
+                f"the probability is {probability:g}",
+                key="probability",
+                fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
+            )
+        self.reach, self.scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
+        if not (math.isfinite(self.scatter) and np.isfinite(fit.covariance).all()):
+            raise InputError(
+                f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
+                key="probability",
+                fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
+            )
 
     def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
         """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
@@ -226,21 +211,12 @@ def design(
         lift_N=lift_N, rope_radius_m=rope_radius_m, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    n, bound, log_load = load_N.size, LiftBound.of(fit, probability), np.log(load_N)
-    starts = range(0, n, _CHUNK)
-    parts = [
-        _search(
-            bound,
-            solve_for,
-            (low, high),
-            {name: values[part] for name, values in given.items()},
-            log_load[part],
-        )
-        for part in (slice(first, first + _CHUNK) for first in starts)
-    ]
-    x, status, eta, lower, at_limit, bound_at_limit = (
-        np.concatenate(part) for part in zip(*parts, strict=True)
-    )
+    n, bound, log_load = load_N.size, LiftBound(fit, probability), np.log(load_N)
+    parts = []
+    for part in (slice(first, first + _CHUNK) for first in range(0, n, _CHUNK)):
+        some = {name: values[part] for name, values in given.items()}
+        parts.append(_search(bound, solve_for, (low, high), some, log_load[part]))
+    x, status, eta, lower, at_limit, bound_at_limit = map(np.concatenate, zip(*parts, strict=True))
     arrays = given | {QUANTITIES[solve_for][0]: x}
     reached = status <= DesignStatus.LOWER_LIMIT
     extrapolated = np.zeros(n, dtype=np.bool_)
@@ -282,12 +258,7 @@ def _checked(
     for name, value in quantities.items():
         if value is None:
             raise InputError(f"{name} is missing", key=name, fix="give every quantity but the one looked for")
-        try:
-            arrays[name] = np.atleast_1d(np.asarray(value, dtype=np.float64))
-        except (TypeError, ValueError):
-            raise InputError(
-                f"{name} is not a number or a list of numbers", key=name, fix="give SI numbers"
-            ) from None
+        arrays[name] = as_floats(name, value)
     if solve_for == "radius" and "size" not in fit.friction_law.effects:
         raise InputError(
             f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found",
@@ -412,7 +383,7 @@ def design_chart(
         wrap_angle_rad=grid[1].ravel(),
         end_tension_N=np.array(end_tension_N),
     )
-    eta, lower = LiftBound.of(fit, probability).evaluate(conditions)
+    eta, lower = LiftBound(fit, probability).evaluate(conditions)
     with np.errstate(over="ignore"):
         return DesignChart(
             wheel_radius_m=radii,

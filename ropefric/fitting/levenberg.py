@@ -3,8 +3,6 @@
 The one engine of every fit: of a law from several starts, of resamples, of profiles, of laws on condition means.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
@@ -36,16 +34,6 @@ _REMAINS = 0.05
 _POSITIVE = 1e-11
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BatchFit:
-    """Least-squares parameters of m data sets."""
-
-    theta: FloatArray
-    chi2: FloatArray
-    converged: BoolArray
-    n_iterations: int
-
-
 def batched_fit(
     problem: FitProblem,
     log_lift: npt.ArrayLike | None = None,
@@ -57,7 +45,7 @@ def batched_fit(
     loss: Loss = "linear",
     tolerance: float = 1e-9,
     max_iterations: int = 300,
-) -> BatchFit:
+) -> "BatchFit":
     """Return the bounded least-squares fits of m data sets, all iterated together.
 
     Marquardt's damping, relative to the diagonal of JᵀWJ, belongs to each data set by itself and starts at zero:
@@ -84,13 +72,15 @@ def batched_fit(
     m = lengths.pop() if lengths else 1
     free = np.broadcast_to(free, (m, p))
     theta = np.where(free, np.clip(theta, problem.lower, problem.upper), theta)
-    batch = _Batch(data, problem, np.broadcast_to(theta, (m, p)).copy(), free)
-    steps = batch.run(tolerance, max_iterations)
-    return BatchFit(theta=batch.theta, chi2=batch.chi2, converged=batch.converged, n_iterations=steps)
+    fits = BatchFit(data, problem, np.broadcast_to(theta, (m, p)).copy(), free)
+    fits.n_iterations = fits.run(tolerance, max_iterations)
+    return fits
 
 
-class _Batch:
-    """The state of m fits on their way; one row a data set."""
+class BatchFit:
+    """Least-squares fits of m data sets, on their way and found: `theta`, `chi2`, `converged`; one row a data set."""
+
+    n_iterations = 0
 
     def __init__(self, data: Reduced, problem: FitProblem, theta: FloatArray, vary: BoolArray) -> None:
         """Evaluate the starts; where the law has no answer, try the problem's own start."""

@@ -63,16 +63,11 @@ def weights(
     mass = limit_of_error(
         f"mass of the weights of {symbol}", "m", "kg", tolerance * mass_kg, estimate=mass_kg
     )
+    g, assumed = _STANDARD_GRAVITY_M_S2, "how well the local g is known (--gravity, gravity_limit)"
     gravity = limit_of_error(
-        "acceleration of gravity",
-        "g",
-        "m/s2",
-        gravity_limit * _STANDARD_GRAVITY_M_S2,
-        estimate=_STANDARD_GRAVITY_M_S2,
-        assumed="how well the local g is known (--gravity, gravity_limit)"
-        if gravity_limit == GRAVITY_LIMIT
-        else "",
-    )
+        "acceleration of gravity", "g", "m/s2", gravity_limit * g, estimate=g,
+        assumed=assumed if gravity_limit == GRAVITY_LIMIT else "",
+    )  # fmt: skip
     return ForceSide(symbol=symbol, quantities=(mass, gravity), is_product=True)
 
 
@@ -145,7 +140,6 @@ class MeasuredCondition:
     known: ForceSide
     measures_slack: bool
     n: int
-    has_scatter: bool
     notes: tuple[str, ...] = ()
 
     @property
@@ -169,10 +163,9 @@ class MeasuredCondition:
 
 def condition_numbered(conditions: Sequence[MeasuredCondition], number: int) -> MeasuredCondition:
     """Return the condition of that number."""
-    for condition in conditions:
-        if condition.number == number:
-            return condition
     numbers = [condition.number for condition in conditions]
+    if number in numbers:
+        return conditions[numbers.index(number)]
     raise InputError(
         f"there is no condition {number} with a force",
         key="condition",
@@ -239,7 +232,6 @@ def conditions_of_extraction(
                 known=weights(other, known_N, tolerance=weights_tolerance, gravity_limit=gravity_limit),
                 measures_slack=slack,
                 n=len(kept),
-                has_scatter=bool(mean.stated),
                 notes=(*notes, *more),
             )
         )
@@ -259,13 +251,8 @@ def conditions_of_table(
     (measured_N, chain_N), (other_N, other_std_N) = reversed(sides) if slack else sides
     symbol, other = ("F_B", "F_A") if slack else ("F_A", "F_B")
     rows = [np.flatnonzero(group == label) for label in range(int(group.max(initial=-1)) + 1)]
-    pooled = _pooled_scatter(
-        [
-            (float(measured_N[row].std(ddof=1) / measured_N[row].mean()), row.size - 1)
-            for row in rows
-            if row.size > 1
-        ]
-    )
+    several = [measured_N[row] for row in rows if row.size > 1]
+    pooled = _pooled_scatter([(float(N.std(ddof=1) / N.mean()), N.size - 1) for N in several])
     found = []
     for number, row in enumerate(rows, start=1):
         u_N = float(np.sqrt((chain_N[row] ** 2).mean()))
@@ -292,7 +279,6 @@ def conditions_of_table(
                 known=weights(other, known_N, tolerance=tolerance, gravity_limit=gravity_limit),
                 measures_slack=slack,
                 n=row.size,
-                has_scatter=bool(mean.stated),
                 notes=notes,
             )
         )
@@ -325,7 +311,7 @@ def state_condition(
         raise InputError(
             f"{quantity!r} is neither 'force' nor 'mu'", key="quantity", fix="choose one of the two"
         )
-    status = BudgetStatus.OK if condition.has_scatter else BudgetStatus.NO_REPEATS
+    status = BudgetStatus.OK if condition.measured.quantities[0].stated else BudgetStatus.NO_REPEATS
     return state_uncertainty(model, level=level, draws=draws, seed=seed, status=status, notes=notes)
 
 
@@ -348,16 +334,13 @@ def _mean_force(
     mean_N, n, (relative, dof) = float(values_N.mean()), int(values_N.size), pooled
     what = ("repeatability", f"mean {symbol}", "N")
     if n > 1:
-        notes = (f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average",)
+        note = f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average"
         std_N = float(values_N.std(ddof=1)) / ratio
-        return repeats(*what, mean=mean_N, std=std_N, n=n), notes if ratio < 1.0 else ()
-    if not dof:
-        return repeats(*what, mean=mean_N, std=0.0, n=1, dof=math.inf), (
-            "one trial, and no condition is repeated: the repeatability is unknown",
-        )
-    return repeats(*what, mean=mean_N, std=relative * mean_N, n=1, dof=dof), (
-        f"one trial: its scatter is that of the other conditions, {100 * relative:.2g} % of the force",
-    )
+        return repeats(*what, mean=mean_N, std=std_N, n=n), (note,) if ratio < 1.0 else ()
+    note = "one trial, and no condition is repeated: the repeatability is unknown"
+    if dof:
+        note = f"one trial: its scatter is that of the other conditions, {100 * relative:.2g} % of the force"
+    return repeats(*what, mean=mean_N, std=relative * mean_N, n=1, dof=dof or math.inf), (note,)
 
 
 def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str]]:

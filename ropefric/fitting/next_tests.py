@@ -129,10 +129,8 @@ def planned_fit(
 ) -> PlannedLaw:
     """Return a fitted law with the conditions it was fitted to, which the new tests add to."""
     found, notes = fit.statistics, []
-    if within is None:
-        within = found.scatter_within
-    if between is None:
-        between = found.scatter_between
+    within = found.scatter_within if within is None else within
+    between = found.scatter_between if between is None else between
     if not math.isfinite(within):
         raise InputError(
             "the fit has no repeats, so it does not know the scatter of one trial",

@@ -34,6 +34,7 @@ _FIELDS = {
     str: ("text", ("covariance_kind", "status")),
 }
 _AGAIN = "fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python"
+_PARTS = ("input", "settings", "versions")
 _ROUNDING = 1e-9
 # Part of a standard error that another processor's rounding may move an estimate by.
 _MOST = 1e-3
@@ -128,12 +129,9 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
         tree = json.loads(content, parse_constant=_no_number)
     except UnicodeDecodeError:
         raise DataError("the file is no UTF-8 text", path=shown, fix=_AGAIN) from None
-    except json.JSONDecodeError as error:
-        raise DataError(
-            f"the JSON is damaged: {error.msg}", path=shown, line=error.lineno, fix=_AGAIN
-        ) from None
-    except ValueError as error:  # NaN and Infinity, or a whole number of thousands of digits
-        raise DataError(f"the JSON is damaged: {error}", path=shown, fix=_AGAIN) from None
+    except ValueError as error:  # also NaN and Infinity, or a whole number of thousands of digits
+        what, line = getattr(error, "msg", error), getattr(error, "lineno", None)
+        raise DataError(f"the JSON is damaged: {what}", path=shown, line=line, fix=_AGAIN) from None
     except RecursionError:
         raise DataError("the JSON is nested too deep for a fit", path=shown, fix=_AGAIN) from None
     _check_tree(tree, shown)
@@ -192,13 +190,12 @@ def _faults(fit: FitResult) -> Iterator[str]:
         yield from _faults_of_parameter(item, plain="intervals" not in fit.provenance)
     yield from _faults_of_covariance(fit)
     yield from _faults_of_statistics(fit.statistics)
-    spans = {name: fit.validity.get(name, (1.0, 0.0)) for name in REGRESSORS}
-    unsound = (name for name, (low, high) in spans.items() if not 0.0 <= low <= high < inf)
-    yield from (f"validity.{name} is no range" for name in unsound)
-    parts = {name: fit.provenance.get(name, {}) for name in ("input", "settings", "versions")}
-    yield from (
-        f"provenance.{name} is no object" for name, part in parts.items() if not isinstance(part, Mapping)
-    )
+    for name in REGRESSORS:
+        low, high = fit.validity.get(name, (1.0, 0.0))
+        if not 0.0 <= low <= high < inf:
+            yield f"validity.{name} is no range"
+    parts = [name for name in _PARTS if not isinstance(fit.provenance.get(name, {}), Mapping)]
+    yield from (f"provenance.{name} is no object" for name in parts)
     if fit.status is FitStatus.OK:
         if any(item.at_bound for item in fit.parameters):
             yield "the status is ok, but a parameter lies on its bound"
@@ -300,11 +297,9 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
     else:
         difference = _difference(stored, again)
         ok = difference <= _MOST and stored.status == again.status
-        message = f"the data give the fit again, within {difference:.1g} standard errors"
-        if not ok:
-            message = (
-                f"the data give another fit: {difference:.3g} standard errors away, status {again.status}"
-            )
+        message = f"the data give another fit: {difference:.3g} standard errors away, status {again.status}"
+        if ok:
+            message = f"the data give the fit again, within {difference:.1g} standard errors"
     return Verification(path=Path(path).as_posix(), law=law, ok=ok, difference=difference, message=message)
 
 

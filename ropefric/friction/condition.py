@@ -34,7 +34,7 @@ class Conditions:
     end_tension_N: FloatArray
 
     def __post_init__(self) -> None:
-        arrays = {name: _as_floats(name, getattr(self, name)) for name in SETTINGS}
+        arrays = {name: as_floats(name, getattr(self, name)) for name in SETTINGS}
         try:
             shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         except ValueError:
@@ -153,7 +153,8 @@ def same_setting(values: npt.ArrayLike, value: float) -> BoolArray:
     return np.asarray(np.abs(array - value) <= _SAME_SETTING * np.maximum(np.abs(array), abs(value)))
 
 
-def _as_floats(name: str, values: npt.ArrayLike) -> FloatArray:
+def as_floats(name: str, values: npt.ArrayLike) -> FloatArray:
+    """Return numbers given for pulls as one list."""
     try:
         array = np.atleast_1d(np.asarray(values, dtype=np.float64))
     except (TypeError, ValueError):

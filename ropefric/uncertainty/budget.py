@@ -86,32 +86,23 @@ class BudgetLine:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the line as JSON-able values; what a block has none of is None."""
+        item = self.source
         row: dict[str, Any] = {
-            "name": self.name,
-            "type": self.type,
             "contribution": self.contribution,
             "share": self.share,
             "dof": self.dof if math.isfinite(self.dof) else None,
             "correlated": list(self.correlated),
         }
-        if isinstance(self.source, Quantity):
-            item = self.source
-            return row | {
-                "symbol": item.symbol,
-                "unit": item.unit,
-                "estimate": item.estimate,
-                "stated": item.stated,
-                "divisor": item.divisor,
-                "standard_uncertainty": item.std,
-                "distribution": item.distribution,
-                "sensitivity": self.sensitivity,
-                "assumed": item.assumed or None,
-            }
-        row |= dict.fromkeys(("unit", "estimate", "stated", "divisor", "standard_uncertainty", "sensitivity"))
-        return row | {
-            "symbol": ", ".join(self.source.symbols),
-            "distribution": "multivariate normal" if math.isinf(self.dof) else "multivariate t",
+        row |= {
+            name: getattr(item, name, None)
+            for name in ("name", "type", "unit", "estimate", "stated", "divisor")
         }
+        if isinstance(item, Quantity):
+            row |= {"symbol": item.symbol, "standard_uncertainty": item.std, "sensitivity": self.sensitivity}
+            return row | {"distribution": item.distribution, "assumed": item.assumed or None}
+        family = "multivariate normal" if math.isinf(self.dof) else "multivariate t"
+        row |= {"symbol": ", ".join(item.symbols), "standard_uncertainty": None, "sensitivity": None}
+        return row | {"distribution": family}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

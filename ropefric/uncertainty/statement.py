@@ -46,17 +46,12 @@ class DrawnAnswer:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer as JSON-able values."""
-        return {
-            "draws": self.draws,
-            "seed": self.seed,
-            "unanswered": self.unanswered,
-            "median": self.median,
-            "half_68": self.half_68,
+        names = ("draws", "seed", "unanswered", "median", "half_68", "agrees")
+        return {name: getattr(self, name) for name in names} | {
             "symmetric_interval": list(self.symmetric),
             "shortest_interval": list(self.shortest),
             "gaps": [self.low_gap, self.high_gap],
             "validated_digits": self.digits,
-            "agrees": self.agrees,
         }
 
 
@@ -189,18 +184,14 @@ class Statement:
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.uncertainty/1`; infinite degrees of freedom are None."""
         found = self.budget
-        return {
+        names = ("estimate", "combined", "coverage_factor", "level", "expanded")
+        return {name: getattr(found, name) for name in names} | {
             "schema": SCHEMA,
             "quantity": self.model.name,
             "symbol": self.model.symbol,
             "unit": self.model.unit,
-            "estimate": found.estimate,
             "lines": [line.to_dict() for line in found.lines],
-            "combined": found.combined,
             "effective_dof": found.effective_dof if math.isfinite(found.effective_dof) else None,
-            "coverage_factor": found.coverage_factor,
-            "level": found.level,
-            "expanded": found.expanded,
             "interval": list(found.interval),
             "monte_carlo": self.drawn.to_dict(),
             "improvements": [asdict(item) for item in self.improvements],

@@ -64,12 +64,12 @@ def test_one_trial_counts_its_own_tare_and_picking_and_borrows_its_scatter(pulls
     assert found.repeatability.dof == 4
     assert found.tare.std == 0.2
     assert found.picking.std == 0.3
-    assert alone.has_scatter
+    assert alone.measured.quantities[0].stated
 
 
 def test_one_trial_without_any_repeats_is_not_to_be_trusted(pulls):
     (alone,) = conditions_of_extraction(pulls((500.0,)))
-    assert not alone.has_scatter
+    assert not alone.measured.quantities[0].stated
     stated = state_uncertainty(force_model(alone.lift), status=BudgetStatus.NO_REPEATS, draws=10_000)
     assert not stated.trustworthy
     assert "Repeat the condition" in stated.to_dict()["advice"]

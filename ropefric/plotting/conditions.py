@@ -20,6 +20,7 @@ from ropefric.plotting.figure import (
     DataTable,
     FigureWithData,
     figure_files,
+    forget_fonts,
     legend_below,
     new_figure,
     say_instead,
@@ -113,6 +114,8 @@ def start_condition_figures(
     jobs = [
         (summary, trials, f"{under}{stem}", formats) for stem, summary, trials in conditions_of(extraction)
     ]
+    if executor is not None:
+        forget_fonts()  # the executor may fork here, and this process goes on drawing
     places = {executor.submit(_draw_one, *job): place for place, job in enumerate(jobs)} if executor else {}
 
     def write(progress: Progress | None = None) -> tuple[Path, ...]:

@@ -1,6 +1,7 @@
 """A figure together with the numbers it shows and its words for those who cannot see it; its legends and files."""
 
 import csv
+import gc
 import io
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -10,11 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import font_manager
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
 from ropefric.errors import InputError
@@ -34,6 +37,14 @@ FORMATS: dict[str, dict[str, None]] = {
 """File formats and the metadata left out of them."""
 
 _PARSERS: dict[str, Any] = {}
+
+
+def forget_fonts() -> None:
+    """Let go of every open font: processes forked with one share its place in the file and read each other's glyphs."""
+    _PARSERS.clear()
+    MathTextParser._parse_cached.cache_clear()  # type: ignore[attr-defined]  # noqa: SLF001  (they keep fonts)
+    font_manager._get_font.cache_clear()  # type: ignore[attr-defined]  # noqa: SLF001
+    gc.collect()  # figures that are done with hold them in cycles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

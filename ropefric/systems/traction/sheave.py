@@ -191,7 +191,8 @@ def solve_traction(model: TractionModel) -> TractionAnswer:
         friction_factor=friction_factor,
         log_capacity=friction_factor * alpha,
         utilisation=utilisation,
-        wrap_limit_rad=log_ratio / friction_factor,
+        # Stalled, the rope on the slack side can outweigh the car: no wrap lets the ropes slip then.
+        wrap_limit_rad=np.where(log_ratio >= 0.0, log_ratio / friction_factor, np.nan),
         undercut_limit_rad=_undercut_rad(problem, log_ratio / (mu * alpha)),
     )
 

@@ -208,3 +208,19 @@ def test_the_chart_shows_what_is_held_and_what_is_asked(tmp_path):
     rows = {row[0]: row[1:] for row in figure.tables[0].rows if "asked" in row[0]}
     assert rows["asked by braking-up"] == pytest.approx((160.0, 10760.18 / 6542.03), rel=1e-5)
     figure.figure.canvas.draw()
+
+
+def test_a_car_lighter_than_the_hanging_rope_slips_at_no_wrap_when_stalled():
+    one = np.ones(1)
+    problem = TractionProblem(
+        car_kg=100 * one, rated_load_kg=100 * one, counterweight_kg=150 * one, travel_m=51 * one,
+        wheel_radius_m=0.25 * one, rope_radius_m=0.005 * one, wrap_angle_rad=2 * one, groove_angle_rad=one,
+        undercut_rad=0 * one, rope_count=2 * one, linear_density_kg_m=one,
+    )  # fmt: skip
+    _, model = make_plan(SYSTEM, problem, accuracy=1e-6, effects="all")
+    found = SYSTEM.solve(model, "closed-form")
+    assert found.tight_N[3] < found.slack_N[3]
+    assert np.isnan(found.wrap_limit_rad[3, 0])
+    assert np.isfinite(found.wrap_limit_rad[:3]).all()
+    with np.errstate(all="raise", divide="ignore"):
+        assert np.isnan(found.logs[-2, 3, 0])

@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import ropefric as rf
-from ropefric.errors import DataError, InputError
+from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
@@ -181,8 +181,11 @@ def drives(draw):
 def test_the_promise_holds_for_random_drives(problem, accuracy):
     plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
     full_plan, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
-    found, everything = SYSTEM.solve(model, plan.method), SYSTEM.solve(full, full_plan.method)
-    assert SYSTEM.distance(found, everything) <= min(accuracy, plan.error_bound)
+    try:
+        everything = SYSTEM.solve(full, full_plan.method)
+    except RopefricError:  # a slack side below the law's reference tension: there is nothing to promise
+        reject()
+    assert SYSTEM.distance(SYSTEM.solve(model, plan.method), everything) <= min(accuracy, plan.error_bound)
 
 
 def test_what_is_left_out_is_small():

@@ -1,33 +1,48 @@
-"""One recording, one break-away: whether the rope slipped and a static peak stands out, or what is there instead."""
+"""One recording, one break-away: F_A is the largest force from the onset of macroscopic slip to its first fall.
+
+Macroscopic is the first slip that goes on, as sliding or as a train of stick-slip; partial slips and bumps before it are
+listed. The force alone does not always tell a rope that slides from a motor that was stopped. What speaks for sliding: a
+fall faster than a motor lets down, a force that is loaded again at the machine's rate or is rougher than before. What
+speaks for a motor: a top at which the force was held, a corner without rounding before a slow fall. Where nothing
+decides, the result is `doubtful`, with the candidates.
+"""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.traces.breakaway import Breakaway, PickSettings, Status
+from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.events import (
+    FAST,
+    GROWTH,
+    SAME_KIND,
+    SLIDES,
+    STICKS,
+    UNLOADED,
+    Fall,
+    Pull,
+    bends_to_its_level,
+    flat_top,
+    is_bump,
+    is_sudden,
+    loading_rate,
+    pulls_of,
+)
 from ropefric.traces.noise import noise_std
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     DROP_SIGMAS,
     MIN_SAMPLES,
     PIECE_BLOCKS,
-    SLIP_SIGMAS,
     Prepared,
     Sliding,
-    climb_to,
-    fast_drop_N,
-    first_static_break,
-    flattened,
-    is_slip,
     kinetic,
     phases_of,
     prepare,
     roughness_N,
     sliding_after,
-    slips,
-    slow_break,
 )
 from ropefric.traces.trace import ForceTrace
 
@@ -36,10 +51,37 @@ SATURATED_SAMPLES = 3
 RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 FLAT_BLOCKS = 8
-LET_DOWN = 0.05
-FAR_DOWN = 0.1
+LEAST_SHARE = 0.55
+"""Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
+LEAST_DROP = 0.04
+"""The force of a rope that is held and creeps falls by some per cent."""
+LONGEST_FALL_S = 0.3
+BRIEF = 0.25
+"""A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
+FEWEST_TEETH = 3
+REGULAR = 0.2
+LEAST_PEAK = 0.01
+AGAIN = 0.05
+LARGER = 1.2
+TALL = 0.1
+"""What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
+LEVEL = 0.3
+"""Part of a pull during which a force that slides without a peak stays near its largest."""
+FEW_BLOCKS = 4
+EQUAL = 0.01
+"""Two candidates that differ by less are no doubt about the force."""
 _LEAST_CLIMB = 30
 _LANDING = 5
+_RANGE = 0.004
+
+
+class Candidate(NamedTuple):
+    """A fall that may be the break-away, the pull it lies in, and the rate at which it was loaded [N per block]."""
+
+    pull: Pull
+    fall: Fall
+    rate: float
+    later: list[Fall]
 
 
 def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
@@ -87,81 +129,375 @@ def smallest_drop_N(prepared: Prepared, settings: PickSettings) -> float:
     return max(DROP_SIGMAS * prepared.blocks.noise_N, 0.5 * (settings.min_step_N or 0.0))
 
 
+def _least_fall_N(prepared: Prepared, settings: PickSettings) -> float:
+    force_N = prepared.blocks.force_N
+    return max(smallest_drop_N(prepared, settings), _RANGE * float(force_N.max() - force_N.min()))
+
+
 def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
     """Find the highest force of a recording that ends with the rope or specimen coming off."""
     force_N = prepared.blocks.force_N
     block = int(np.argmax(force_N))
-    if hidden := _hidden(trace, prepared, block, None):
+    if hidden := _hidden(trace, prepared, block, block + 1):
         return hidden
     if float(force_N[block]) - float(force_N[block:].min()) <= smallest_drop_N(prepared, settings):
-        return _without_break(prepared)
-    return _measured(prepared, block, None, settings)
+        return _levels_off(prepared, force_N)
+    return peak_result(
+        prepared,
+        settings,
+        climb=_half_climb(force_N, 0, block),
+        block=block,
+        fallen=min(block + 2, force_N.size - 1),
+        sliding=None,
+        phases=phases_of(prepared, block, None),
+    )
 
 
 def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
     """Find the static peak of a recording that goes on to slide."""
-    blocks = prepared.blocks
-    block = first_static_break(blocks, smallest_drop_N(prepared, settings))
-    sliding = None if block is None else sliding_after(blocks, block)
-    if hidden := _hidden(trace, prepared, block, sliding):
+    force_N = prepared.blocks.force_N
+    pulls = pulls_of(force_N, _least_fall_N(prepared, settings))
+    tall_N = TALL * max(pull.top_N - pull.base_N for pull in pulls)
+    pulls = [pull for pull in pulls if pull.top_N - pull.base_N >= tall_N]
+    found: Breakaway | None = None
+    bumps: list[ForceEvent] = []
+    for n, pull in enumerate(pulls):
+        later = pulls[n + 1 :]
+        result = _of_pull(trace, prepared, settings, pull, later)
+        found = found or result
+        # What was loaded and unloaded without a slip is followed by a pull that goes at least as high.
+        if result.status is not Status.NO_BREAKAWAY or not any(
+            other.top_N - other.base_N >= 0.98 * (pull.top_N - pull.base_N) for other in later
+        ):
+            found = result if result.status is not Status.NO_BREAKAWAY else found
+            break
+        fall = pull.falls[-1]
+        bumps.append(_event(prepared, fall, "bump", "the force comes back, and a later pull goes higher"))
+    assert found is not None
+    return replace(found, events=(*bumps, *found.events)) if bumps else found
+
+
+def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> ForceEvent:
+    time_s = prepared.blocks.time_s
+    return ForceEvent(
+        kind=kind,
+        time_s=float(time_s[fall.top]),
+        force_N=fall.top_N,
+        drop_N=fall.drop_N,
+        fall_s=float(time_s[min(fall.settled, time_s.size - 1)] - time_s[fall.top]),
+        evidence=evidence,
+    )
+
+
+def _of_pull(
+    trace: ForceTrace, prepared: Prepared, settings: PickSettings, pull: Pull, later: list[Pull]
+) -> Breakaway:
+    force_N = prepared.blocks.force_N
+    bumps = [f for f in pull.falls if is_bump(force_N, f, loading_rate(force_N, pull.start, f.top))]
+    falls = [fall for fall in pull.falls if fall not in bumps]
+    candidates = _macroscopic(force_N, pull, falls)
+    first = candidates[0].fall if candidates else None
+    if hidden := _hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
         return hidden
-    if block is None:
-        return _without_break(prepared)
-    from_N, at_s = blocks.force_N[block], blocks.time_s[block]
-    if sliding is None:
-        before = _without_break(prepared, block)
+    if first is None:
+        return _levels_off(prepared, force_N[pull.start : pull.stop])
+    events = [
+        _event(prepared, fall, "bump", "the force comes back to the line of its loading")
+        if fall in bumps
+        else _event(prepared, fall, "partial-slip", "the loading goes on to a force well above")
+        for fall in pull.falls
+        if fall.top < first.top
+    ]
+    if len(candidates) > 1 and candidates[1].fall.top_N > (1 + EQUAL) * first.top_N:
+        result = _doubtful(prepared, candidates, "either the first full slip or a partial one before it")
+    else:
+        result = _assessed(prepared, settings, candidates[0], later)
+    return replace(result, events=(*events, *result.events)) if events else result
+
+
+def _doubtful(prepared: Prepared, candidates: list[Candidate], why: str) -> Breakaway:
+    events = tuple(_event(prepared, candidate.fall, "break-away", why) for candidate in candidates)
+    forces = " or ".join(f"{event.force_N:.4g} N at {event.time_s:.4g} s" for event in events)
+    return without_force(Status.DOUBTFUL, f"{forces}: {why}", prepared, candidates=events)
+
+
+def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Candidate]:
+    """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are."""
+    end = pull.stop - 1
+    rate = loading_rate(force_N, pull.start, pull.start + int(np.argmax(force_N[pull.start : pull.stop])))
+    for i, fall in enumerate(falls):
+        if fall.top_N - pull.base_N < TALL * (pull.top_N - pull.base_N):
+            continue
+        this = Candidate(pull, fall, rate, falls[i + 1 :])
+        higher = next((j for j in range(i + 1, len(falls)) if falls[j].top_N > fall.top_N), None)
+        last = pull.falls[-1].bottom
+        top = falls[higher].top if higher is not None else last + int(np.argmax(force_N[last : end + 1]))
+        above_N = float(force_N[top]) - fall.top_N
+        if above_N <= 0.0:
+            if i + 1 < len(falls) and _is_partial(pull, fall, falls[i + 1], rate):
+                continue
+            return [this]
+        if _goes_on(force_N[fall.top : end + 1], fall, pull.base_N, rate):
+            continue
+        growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N)
+        # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
+        passed = top - int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1]) - fall.top
+        if passed > FEW_BLOCKS and above_N < SLIDES * rate * passed:
+            return [this]
+        if growth > GROWTH or higher is None:
+            continue
+        rival = falls[higher]
+        slipped = _slides_or_reloads(pull, rival)
+        if slipped and fall.drop_N < SAME_KIND * rival.drop_N:
+            continue
+        # It slips again before it is loaded as high: the slip has weakened it.
+        if any(g.drop_N >= AGAIN * fall.drop_N for g in falls[i + 1 : higher]):
+            return [this]
+        alike = [
+            g for g in falls[higher:] if SAME_KIND <= g.drop_N / fall.drop_N <= 1.0 / SAME_KIND and g.reloads
+        ]
+        if len(alike) >= 2:
+            return [this]
+        # Sliding, or teeth of another kind, follow the higher one: the rope would not have stuck again after sliding.
+        if slipped and fall.drop_N < LARGER * rival.drop_N:
+            continue
+        return [this, Candidate(pull, rival, rate, falls[higher + 1 :])]
+    return []
+
+
+def _goes_on(force_N: FloatArray, fall: Fall, base_N: float, rate: float) -> bool:
+    """Return whether the loading goes on, at the machine's rate, to a force that no train of stick-slip grows to."""
+    far = np.flatnonzero(force_N > fall.top_N + GROWTH * (fall.top_N - base_N))
+    if not far.size:
+        return False
+    passed = int(far[0]) - int(np.flatnonzero(force_N[: far[0]] <= fall.top_N)[-1])
+    return GROWTH * (fall.top_N - base_N) >= STICKS * rate * (passed - 1)
+
+
+def _slides_or_reloads(pull: Pull, fall: Fall) -> bool:
+    """Return whether the force stands on a level after a fall, or is loaded again: it was not unloaded."""
+    return fall.reloads or (
+        fall.has_settled and fall.level_N - pull.base_N > UNLOADED * (fall.top_N - pull.base_N)
+    )
+
+
+def _is_partial(pull: Pull, fall: Fall, after: Fall, rate: float) -> bool:
+    """Return whether a fall is small against the one that follows at nearly the same force."""
+    return (
+        fall.drop_N < SAME_KIND * after.drop_N
+        and after.top_N - pull.base_N > 0.9 * (fall.top_N - pull.base_N)
+        and _slides_or_reloads(pull, after)
+        and _is_reload(fall, after, rate)
+    )
+
+
+def _assessed(
+    prepared: Prepared, settings: PickSettings, candidate: Candidate, later: list[Pull]
+) -> Breakaway:
+    """Return what the first macroscopic fall of a pull is: a break-away, a load that is let down, or not clear."""
+    blocks = prepared.blocks
+    force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
+    height_N = fall.top_N - pull.base_N
+    share = (fall.level_N - pull.base_N) / height_N
+    from_N, at_s = fall.top_N, float(blocks.time_s[fall.top])
+    sudden = is_sudden(force_N, fall, blocks.noise_N)
+    if not fall.reloads and (not fall.has_settled or share < UNLOADED):
+        held = flat_top(force_N, pull.start, fall, blocks.noise_N) == "held"
+        if not held and share >= LEAST_SHARE and pull.stop == force_N.size and fall.drop_N >= LEAST_DROP * height_N:
+            why = "the recording ends before the force has settled"
+            return _doubtful(prepared, [candidate], why)
+        before = _levels_off(prepared, force_N[pull.start : fall.top + 1])
+        again = [
+            p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)
+        ]
+        train = [p for p in again if abs(p.top_N - pull.top_N) <= GROWTH * height_N]
+        if sudden and len(train) >= 2:
+            return measured(prepared, settings, candidate, None)
+        level = force_N[pull.start : fall.top + 1] >= from_N - 0.1 * height_N
+        if before.status is Status.NO_PEAK and np.count_nonzero(level) >= LEVEL * level.size:
+            return before
         detail = (
             f"the force falls from {from_N:.4g} N at {at_s:.4g} s without a stretch of sliding: motor stopped, or "
             'rope off. If these recordings end in a pull-off, set [protocol] ending = "separation".'
         )
-        return (
-            before
-            if before.status is Status.NO_PEAK
-            else without_force(Status.NO_BREAKAWAY, detail, prepared)
-        )
-    slipped = is_slip(blocks, block)
-    if not slipped and flattened(blocks.force_N, block):
-        return _without_break(prepared, block)
-    no_slip = _no_slip(prepared, block, sliding, settings)
-    slow = slow_break(blocks, block)
-    if slow is not None and slow.drop_N >= (settings.min_step_N or 0.0) and (no_slip or slow.outlasts_slip):
-        note = (
-            f"the force falls by {slow.drop_N:.3g} N within {1000 * slow.fall_s:.2g} ms, slower than a slip, and stays "
-            f"at {slow.share:.0%} of the peak: a break-away, unless the motor was let back at that moment"
-        )
-        noted = replace(prepared, notes=(*prepared.notes, note))
-        return _measured(noted, block, slow.sliding, settings)
-    if no_slip is None and slow is None and not slipped:
+        return without_force(Status.NO_BREAKAWAY, detail, prepared)
+    sliding = sliding_after(blocks, fall, pull.base_N)
+    if sliding is None:
+        if not fall.reloads:
+            detail = f"the force falls from {from_N:.4g} N at {at_s:.4g} s and the recording ends before its level shows"
+            return without_force(Status.NO_BREAKAWAY, detail, prepared)
+        return measured(prepared, settings, candidate, None)
+    above_N = from_N - sliding.onset_N
+    if settings.min_step_N is not None and max(above_N, fall.drop_N) < settings.min_step_N:
+        return _no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
+    if not sudden and fall.drop_N < LEAST_PEAK * height_N:
+        return _no_peak(prepared, candidate, sliding, "no static peak stands out")
+    if not _stands_out(blocks.noise_N, force_N, candidate, sliding):
+        return _no_peak(prepared, candidate, sliding, "no static peak stands out")
+    if sudden or _loads_again(candidate):
+        return measured(prepared, settings, candidate, sliding)
+    fall_blocks = _fall_blocks(force_N, fall)
+    fall_s = fall_blocks * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
+    climb = fall.top - _half_climb(force_N, pull.start, fall.top)
+    brief = fall_s <= LONGEST_FALL_S and fall_blocks <= BRIEF * climb
+    said = f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, and stays at {share:.0%} of the peak"
+    flat = flat_top(force_N, pull.start, fall, blocks.noise_N)
+    rough = not _is_quiet(prepared, candidate, sliding)
+    if rough and share >= UNLOADED:
+        return measured(prepared, settings, candidate, sliding)
+    if flat == "held":
         detail = (
-            f"the force falls from {from_N:.4g} N to {sliding.onset_N:.4g} N slower than a rope slips, and the "
-            f"recording ends {prepared.time_s[-1] - at_s:.2g} s later"
+            f"the force stays at {from_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N: "
+            "held, not slipping"
         )
-        no_slip = without_force(Status.NO_BREAKAWAY, detail, prepared)
-    return no_slip or _measured(prepared, block, sliding, settings)
-
-
-def _measured(prepared: Prepared, block: int, sliding: Sliding | None, settings: PickSettings) -> Breakaway:
-    force_N = prepared.blocks.force_N
-    return peak_result(
-        prepared,
-        settings,
-        climb=climb_to(force_N, block).start,
-        block=block,
-        fallen=sliding.first if sliding else min(block + 2, force_N.size - 1),
-        sliding=sliding,
-        phases=phases_of(prepared, block, sliding),
+        return without_force(Status.NO_BREAKAWAY, detail, prepared)
+    if fall.drop_N < LEAST_DROP * height_N:
+        detail = (
+            f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
+        )
+        return without_force(Status.NO_BREAKAWAY, detail, prepared)
+    if (
+        brief or flat == "rounded" or bends_to_its_level(force_N, fall, blocks.noise_N)
+    ) and share >= LEAST_SHARE:
+        said += ": a break-away, unless the motor was let back at that moment"
+        return measured(replace(prepared, notes=(*prepared.notes, said)), settings, candidate, sliding)
+    return _doubtful(
+        prepared, [candidate], said + ", without roughness: sliding, or a load that was let down"
     )
 
 
-def _hidden(
-    trace: ForceTrace, prepared: Prepared, block: int | None, sliding: Sliding | None
-) -> Breakaway | None:
+def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:
+    """Return every fall after which the force is loaded again, and sudden ones, of a recording of stick-slip."""
+    force_N = prepared.blocks.force_N
+    return [
+        Candidate(pull, fall, loading_rate(force_N, fall.start, fall.top), [])
+        for pull in pulls_of(force_N, _least_fall_N(prepared, settings))
+        for fall in pull.falls
+        if fall.reloads or is_sudden(force_N, fall, prepared.blocks.noise_N)
+    ]
+
+
+def measured(
+    prepared: Prepared, settings: PickSettings, candidate: Candidate, sliding: Sliding | None
+) -> Breakaway:
+    force_N, fall = prepared.blocks.force_N, candidate.fall
+    return peak_result(
+        prepared,
+        settings,
+        climb=_half_climb(force_N, fall.start, fall.top),
+        block=fall.top,
+        fallen=fall.settled,
+        sliding=sliding,
+        phases=phases_of(prepared, fall.top, sliding),
+    )
+
+
+def _half_climb(force_N: FloatArray, start: int, top: int) -> int:
+    """Return the first block of the upper half of a climb."""
+    before = force_N[start : top + 1]
+    below = np.flatnonzero(before < 0.5 * (float(before.min()) + float(force_N[top])))
+    return start + min(int(below[-1]) + 1, top - start) if below.size else start
+
+
+def _fall_blocks(force_N: FloatArray, fall: Fall) -> float:
+    """Return how many blocks a fall takes: twice its middle half."""
+    tail = force_N[fall.top : fall.settled + 1]
+    low = int(np.argmax(tail < fall.level_N + 0.25 * fall.drop_N))
+    up = np.flatnonzero(tail[: low + 1] >= fall.level_N + 0.75 * fall.drop_N)
+    return 2.0 * (low - (int(up[-1]) if up.size else 0))
+
+
+def _loads_again(candidate: Candidate) -> bool:
+    """Return whether the force is loaded again at the machine's rate after a fall, so that the motor still turned."""
+    fall, later = candidate.fall, candidate.later
+    if not fall.reloads or not later:
+        return False
+    return _is_reload(fall, later[0], candidate.rate) and (
+        later[0].top_N - fall.bottom_N >= 0.15 * (fall.top_N - fall.bottom_N)
+    )
+
+
+def _is_reload(fall: Fall, after: Fall, rate: float) -> bool:
+    """Return whether the force between two falls rises as the machine loads: neither as slowly as sliding nor faster."""
+    rise_N, lasting = after.top_N - fall.bottom_N, rate * (after.top - fall.bottom)
+    return STICKS * lasting <= rise_N <= FAST * lasting
+
+
+def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, sliding: Sliding) -> bool:
+    """Return whether a fall is that of a static peak, not the highest wiggle of a force that merely levels off."""
+    fall = candidate.fall
+    above_N = fall.top_N - sliding.onset_N
+    if above_N > RESOLVED_SIGMAS * max(sliding.scatter_N, noise_N):
+        return True
+    # In stick-slip the scatter is that of the teeth: they are slips themselves, and the first one counts.
+    teeth = [g for g in candidate.later if g.reloads]
+    if is_sudden(force_N, fall, noise_N):
+        return fall.drop_N > LEAST_PEAK * (fall.top_N - candidate.pull.base_N)
+    largest_N = max((g.drop_N for g in teeth), default=0.0)
+    if fall.drop_N < SAME_KIND * largest_N:
+        return False
+    fast = fall.drop_N > max(FAST * candidate.rate * _fall_blocks(force_N, fall), 1.5 * largest_N)
+    return fall.drop_N > LEAST_DROP * (fall.top_N - candidate.pull.base_N) and (
+        (fast and _loads_again(candidate)) or (len(teeth) >= FEWEST_TEETH and _is_regular(teeth))
+    )
+
+
+def _is_regular(teeth: list[Fall]) -> bool:
+    """Return whether falls come again and again at the same time and by the same amount, as those of stick-slip."""
+    drops = np.array([tooth.drop_N for tooth in teeth])
+    apart = np.diff([float(tooth.top) for tooth in teeth])
+    return all(float(np.abs(x - np.median(x)).mean()) < REGULAR * float(np.median(x)) for x in (drops, apart))
+
+
+def _no_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding, why: str) -> Breakaway:
+    top_N = candidate.fall.top_N
+    if why.startswith("no static") and not is_sudden(
+        prepared.blocks.force_N, candidate.fall, prepared.blocks.noise_N
+    ):
+        if _is_quiet(prepared, candidate, sliding):
+            detail = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
+            return without_force(Status.NO_BREAKAWAY, detail, prepared)
+    kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
+    return without_force(
+        Status.NO_PEAK,
+        f"the largest force before sliding, {top_N:.4g} N, stands {top_N - sliding.onset_N:.2g} N above the sliding "
+        f"force of {sliding.onset_N:.4g} ± {sliding.scatter_N:.2g} N: {why}",
+        prepared,
+        kinetic_N=kinetic_N,
+        kinetic_std_N=kinetic_std_N,
+        phases=phases_of(prepared, candidate.fall.top, sliding),
+    )
+
+
+def _is_quiet(prepared: Prepared, candidate: Candidate, sliding: Sliding) -> bool:
+    """Return whether the force after a fall wanders no more than its noise: a rope at rest; sliding is rough."""
+    stretch = prepared.blocks.force_N[sliding.first : sliding.stop]
+    return roughness_N(stretch) <= _quiet_N(prepared, candidate.fall.start, candidate.fall.top)
+
+
+def _quiet_N(prepared: Prepared, start: int, top: int) -> float:
+    """Return the largest roughness of a rope at rest [N]: noise, or a slow creep through the converter's steps.
+
+    The noise is that of the loading, for sliding itself is rough. A loading too short to tell gives 0.
+    """
+    blocks = prepared.blocks
+    force_N = blocks.force_N[: top + 1]
+    base_N = float(force_N[start:].min())
+    loading = start + int(np.argmax(force_N[start:] >= base_N + 0.8 * (float(force_N[top]) - base_N)))
+    if loading < PIECE_BLOCKS:
+        return 0.0
+    floor_N = blocks.resolution_N / np.sqrt(12.0 * blocks.size)
+    noise_N = max(noise_std(force_N[:loading]), float(floor_N))
+    return max(QUIET_SIGMAS * noise_N, 0.35 * blocks.resolution_N)
+
+
+def _hidden(trace: ForceTrace, prepared: Prepared, block: int | None, fallen: int) -> Breakaway | None:
     """Say why the converter did not show the peak; None if it did, or nothing broke away."""
     if saturated := _saturation_detail(trace, prepared, block):
         return without_force(Status.SATURATED, saturated, prepared)
     if block is None:
         return None
-    stuck = _stuck_detail(prepared, block, sliding.first if sliding else block + 1)
+    stuck = _stuck_detail(prepared, block, fallen)
     return without_force(Status.NO_PEAK, stuck, prepared) if stuck else None
 
 
@@ -193,7 +529,7 @@ def _stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
     What the force did meanwhile nobody knows: the peak may lie in the stretch, and what is found be a later tooth.
     """
     blocks, n = prepared.blocks, prepared.force_N.size
-    begin = blocks.first_sample(climb_to(blocks.force_N, block).start)
+    begin = blocks.first_sample(_half_climb(blocks.force_N, 0, block))
     end = blocks.last_sample(fallen + 1, n)
     for start, stop in prepared.stuck.tolist():
         if stop > begin and start <= end and not _climbed_on(prepared, start, stop):
@@ -217,10 +553,9 @@ def _climbed_on(prepared: Prepared, start: int, stop: int) -> bool:
     return float(after.mean() - force_N[start]) >= 0.5 * rise_N - 2.0 * prepared.noise_N
 
 
-def _without_break(prepared: Prepared, last_block: int | None = None) -> Breakaway:
-    """Return what a force that did not drop up to `last_block` means: still loading, held, or slid without a peak."""
+def _levels_off(prepared: Prepared, force_N: FloatArray) -> Breakaway:
+    """Return what a force that did not drop means: still loading, held, or slid without a peak."""
     blocks = prepared.blocks
-    force_N = blocks.force_N if last_block is None else blocks.force_N[: last_block + 1]
     base_N, top_N = float(force_N[0]), float(force_N.max())
     flat = force_N[int(np.argmax(force_N >= base_N + 0.9 * (top_N - base_N))) :]
     if flat.size < FLAT_BLOCKS or _rises_to_the_end(flat, blocks.noise_N):
@@ -228,7 +563,8 @@ def _without_break(prepared: Prepared, last_block: int | None = None) -> Breakaw
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     level = flat[flat.size // 3 :]
     rough_N = roughness_N(level)
-    if rough_N <= _quiet_N(prepared, int(np.argmax(force_N))):
+    start = int(force_N.size and 0)
+    if rough_N <= _quiet_N(prepared, start, int(np.argmax(blocks.force_N))):
         detail = f"the force stays at a quiet {np.median(level):.4g} N without a drop: held, not slipping"
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     detail = (
@@ -249,95 +585,3 @@ def _rises_to_the_end(flat: FloatArray, noise_N: float) -> bool:
     gain_N = float(np.median(flat[-third:]) - np.median(flat[:third]))
     late_N = float(np.median(flat[-third // 2 :]) - np.median(flat[-third : -third // 2]))
     return gain_N > 3 * noise_N and late_N > 0.15 * gain_N
-
-
-def _no_slip(prepared: Prepared, block: int, sliding: Sliding, settings: PickSettings) -> Breakaway | None:
-    """Say what a break means that is no static peak; None if it is one."""
-    blocks = prepared.blocks
-    top_N = float(blocks.force_N[block])
-    if _was_let_down(prepared, block, sliding):
-        detail = (
-            f"the force is let down from {top_N:.4g} N to a quiet {sliding.level_N:.4g} N: "
-            "the motor stopped before the rope slipped"
-        )
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    above_N = top_N - sliding.onset_N
-    is_small = settings.min_step_N is not None and above_N < settings.min_step_N
-    if not is_small and _stands_out(prepared, block, sliding, above_N):
-        return None
-    if not is_slip(blocks, block) and _is_quiet(prepared, block, sliding):
-        detail = (
-            f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
-        )
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    why = f"less than min_step = {settings.min_step_N:.3g} N" if is_small else "no static peak stands out"
-    kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
-    return without_force(
-        Status.NO_PEAK,
-        f"the largest force before sliding, {top_N:.4g} N, stands {above_N:.2g} N above the sliding force of "
-        f"{sliding.onset_N:.4g} ± {sliding.scatter_N:.2g} N: {why}",
-        prepared,
-        kinetic_N=kinetic_N,
-        kinetic_std_N=kinetic_std_N,
-        phases=phases_of(prepared, block, sliding),
-    )
-
-
-def _was_let_down(prepared: Prepared, block: int, sliding: Sliding) -> bool:
-    """Return whether the force was let down slowly onto a quiet level instead of slipping."""
-    blocks = prepared.blocks
-    top_N, base_N = float(blocks.force_N[block]), float(blocks.force_N[: block + 1].min())
-    if is_slip(blocks, block) or top_N - sliding.onset_N < LET_DOWN * (top_N - base_N):
-        return False
-    below = np.flatnonzero(blocks.force_N[block:] < 0.5 * (top_N + sliding.onset_N))
-    if not below.size or int(below[0]) <= 2:
-        return False
-    settled = blocks.force_N[block + int(below[0]) :]
-    if settled.size < FLAT_BLOCKS or slips(settled, blocks.noise_N, most=1):
-        return False
-    # A release dies away smoothly: whatever its curve, neighbouring blocks differ by noise only.
-    quiet_N = _quiet_N(prepared, block)
-    return noise_std(settled) <= quiet_N and (
-        top_N - sliding.onset_N > FAR_DOWN * (top_N - base_N) or roughness_N(settled) <= quiet_N
-    )
-
-
-def _stands_out(prepared: Prepared, block: int, sliding: Sliding, above_N: float) -> bool:
-    """Return whether a break is a static peak, not the highest wiggle of a force that merely levels off."""
-    blocks = prepared.blocks
-    fast_N = fast_drop_N(blocks.force_N, block)
-    slipped = is_slip(blocks, block)
-    if fast_N <= SLIP_SIGMAS * blocks.noise_N or not (slipped or fast_N > 0.5 * above_N):
-        return False
-    if above_N > RESOLVED_SIGMAS * sliding.scatter_N:
-        return True
-    # In stick-slip the scatter is that of the teeth: they are slips themselves, and the first one counts.
-    if not slipped or above_N < 0.1 * fast_N or not 3.0 * blocks.noise_N < sliding.scatter_N < 0.8 * fast_N:
-        return False
-    falls = slips(blocks.force_N[sliding.first : sliding.stop], blocks.noise_N, most=2)
-    return len(falls) == 0 or fast_N > 1.5 * falls[0][1] or (len(falls) == 2 and falls[1][1] > 0.3 * fast_N)
-
-
-def _is_quiet(prepared: Prepared, block: int, sliding: Sliding) -> bool:
-    """Return whether the force after a break wanders no more than its noise: a rope at rest; sliding is rough."""
-    stretch = prepared.blocks.force_N[sliding.first : sliding.stop]
-    if stretch.size < 2 * PIECE_BLOCKS:
-        # So short a stretch may be a rope held for a moment and the start of its release.
-        stretch = prepared.blocks.force_N[block : block + PIECE_BLOCKS // 2]
-    return roughness_N(stretch) <= _quiet_N(prepared, block)
-
-
-def _quiet_N(prepared: Prepared, block: int) -> float:
-    """Return the largest roughness of a rope at rest [N]: noise, or a slow creep through the converter's steps.
-
-    The noise is that of the loading, for sliding itself is rough. A loading too short to tell gives 0.
-    """
-    blocks = prepared.blocks
-    force_N = blocks.force_N[: block + 1]
-    base_N = float(force_N.min())
-    loading = int(np.argmax(force_N >= base_N + 0.8 * (float(force_N[block]) - base_N)))
-    if loading < PIECE_BLOCKS:
-        return 0.0
-    floor_N = blocks.resolution_N / np.sqrt(12.0 * blocks.size)
-    noise_N = max(noise_std(force_N[:loading]), float(floor_N))
-    return max(QUIET_SIGMAS * noise_N, 0.35 * blocks.resolution_N)

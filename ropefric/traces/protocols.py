@@ -12,21 +12,21 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
-from ropefric.traces.decision import pick_breakaway, pick_prepared, smallest_drop_N, too_short, without_force
-from ropefric.traces.peak import peak_result
-from ropefric.traces.segments import (
-    FAST_BLOCKS,
-    Prepared,
-    fast_drop_N,
-    first_static_break,
-    prepare,
-    sliding_after,
-    slips,
+from ropefric.traces.decision import (
+    measured,
+    pick_breakaway,
+    pick_prepared,
+    slips_of,
+    too_short,
+    without_force,
 )
+from ropefric.traces.segments import Prepared, prepare
 from ropefric.traces.trace import ForceTrace
 
-SAME_KIND = 0.3
-"""A fall smaller than this part of the first slip is no tooth but the creep of one."""
+SAME_KIND = 0.15
+"""A fall smaller than this part of the typical slip is no tooth but the creep of one."""
+FEWEST_TEETH = 3
+"""So many slips are a train of stick-slip wherever the recording begins."""
 
 LOADED = 0.5
 UNLOADED = 0.25
@@ -62,46 +62,27 @@ class Protocol:
 
 
 def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
-    """Return every tooth of a recording of slow stick-slip, each a break-away of its own, the first one first."""
+    """Return every tooth of a recording of slow stick-slip, each a break-away of its own, the first one first.
+
+    A fall is a tooth if it stands out of the noise, is not small against the typical one and the rope is loaded again
+    after it, or if it is as large as the user asks for. A recording may begin in the middle of a train.
+    """
     prepared = prepare(trace, settings)
     if prepared is None:
         return (too_short(trace, settings),)
     first = pick_prepared(trace, prepared, settings)
-    if first.status is not Status.OK:
+    found = slips_of(prepared, settings)
+    if first.status is not Status.OK and len(found) < FEWEST_TEETH:
         return (first,)
-    blocks = prepared.blocks
-    block = first_static_break(blocks, smallest_drop_N(prepared, settings))
-    sliding = None if block is None else sliding_after(blocks, block)
-    if block is None or sliding is None:
-        return (first,)
-    smallest_N = max(SAME_KIND * fast_drop_N(blocks.force_N, block), settings.min_step_N or 0.0)
-    stretch = blocks.force_N[sliding.first : sliding.stop + FAST_BLOCKS]
-    found = sorted(
-        sliding.first + tooth
-        for tooth, fall_N in slips(stretch, blocks.noise_N, most=stretch.size)
-        if fall_N >= smallest_N
-    )
-    teeth = [first]
-    bottom = sliding.first
+    typical_N = float(np.median([tooth.fall.drop_N for tooth in found])) if found else 0.0
+    least_N = SAME_KIND * typical_N if settings.min_step_N is None else settings.min_step_N
+    begins_s = first.peak_time_s if first.status is Status.OK else -inf
+    block_s = 2 * float(np.median(np.diff(prepared.blocks.time_s)))
+    teeth = [first] if first.status is Status.OK else []
     for tooth in found:
-        # The fall was located to a few blocks; its tooth's edge is the highest just before it.
-        begin = max(bottom, tooth - 2)
-        edge = begin + int(np.argmax(blocks.force_N[begin : tooth + 3]))
-        fallen = edge + 1 + int(np.argmin(blocks.force_N[edge + 1 : edge + FAST_BLOCKS + 1]))
-        if edge > bottom:
-            start_s, end_s = float(blocks.time_s[bottom]), float(blocks.time_s[edge])
-            teeth.append(
-                peak_result(
-                    prepared,
-                    settings,
-                    climb=bottom,
-                    block=edge,
-                    fallen=fallen,
-                    sliding=sliding,
-                    phases=(Phase(name="loading", start_s=start_s, end_s=end_s),),
-                )
-            )
-        bottom = fallen
+        fall = tooth.fall
+        if fall.drop_N >= least_N and float(prepared.blocks.time_s[fall.top]) > begins_s + block_s:
+            teeth.append(measured(prepared, settings, tooth, None))
     return tuple(teeth)
 
 

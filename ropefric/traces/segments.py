@@ -5,13 +5,14 @@ a *break* is a record followed by a drop of more than the noise; a *slip* is a b
 """
 
 from dataclasses import dataclass
-from math import inf, nan
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Phase, PickSettings
+from ropefric.traces.events import Fall
 from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution
 from ropefric.traces.trace import ForceTrace
 
@@ -21,42 +22,12 @@ BLOCK_S = 0.004
 """Length of a block [s]: a fifth of the shortest stick-slip tooth of such rigs, long enough to average noise."""
 DROP_SIGMAS = 6.0
 """A drop of fewer noise standard deviations is noise."""
-SLIP_SIGMAS = 8.0
-"""The same for a fall that is to be timed as well."""
-SUDDEN = 0.65
-"""Part of a slip that happens within two blocks; a release with a time constant of 20 ms does half of it."""
-FAST_BLOCKS = 6
-STILL_CLIMBING = 0.1
 SHORTEST_BLOCKS = 4
+IDLE, SHORTEST_IDLE = 0.02, 12
+"""A rope at rest stays within this part of the range; fewer blocks do not show how much the force wanders."""
 FEW_PIECES = 4
 PIECE_BLOCKS = 25
 """A tenth of a second at three kilohertz: drift is slow against it."""
-
-GROWTH = 1.15
-SLIP_GROWTH = 1.3
-"""A slip, or any other break, after which the force still grows by more than this was a jolt of the loading."""
-TALL = 0.3
-
-# Of a break-away that takes longer than a slip, as on a soft machine, told from a load that is let down:
-LEAST_SHARE = 0.55
-"""Part of the peak that the force keeps; a load let down to half is not sliding."""
-FALL_BLOCKS = 75
-FALL_SHARE = 0.25
-"""A fall is short against the upper half of the climb, and shorter than 0.3 s."""
-HELD_BLOCKS = 10
-"""A motor that is stopped holds the force for a moment, some 60 ms or more, before it is let down."""
-STAY_BLOCKS = 125
-STAY_FALLS = 4.0
-"""The motor pulls on: the force stays for half a second, and four times as long as it fell."""
-STEADY = 0.25
-"""The level moves by less than this part of the fall, or by less than the next part of itself."""
-LEVEL_DRIFT = 0.03
-LEAST_DROP = 0.04
-"""The force of a rope that is held and creeps falls by some per cent."""
-RESOLVED_SIGMAS = 4.0
-RESOLVED_COUNTS = 3.0
-TOP_BLOCKS = 5
-SHORTEST_LINE = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -90,13 +61,6 @@ class Prepared:
     stuck: IntArray
 
 
-class Climb(NamedTuple):
-    """The way up to a block: lowest force before it [N], and the first block of the upper half."""
-
-    base_N: float
-    start: int
-
-
 class Sliding(NamedTuple):
     """The blocks after a break in which the rope slides, up to `stop`; their level, that at the onset, and scatter."""
 
@@ -105,16 +69,6 @@ class Sliding(NamedTuple):
     level_N: float
     onset_N: float
     scatter_N: float
-
-
-class SlowBreak(NamedTuple):
-    """A fall of the force that is slower than a slip and still a break-away."""
-
-    fall_s: float
-    drop_N: float
-    share: float
-    sliding: Sliding
-    outlasts_slip: bool
 
 
 def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
@@ -179,124 +133,16 @@ def _block_means(time_s: FloatArray, force_N: FloatArray, step_N: float) -> Bloc
     m = n // size
     body = force_N[: (m - 1) * size].reshape(m - 1, size).mean(axis=1)
     means = np.append(body, force_N[(m - 1) * size :].mean())
-    # A converter coarser than its noise repeats itself, so that averaging helps less than by the square root.
+    # A converter coarser than its noise repeats itself, so that averaging helps less than by the square root; hum and
+    # slow noise hardly average out at all, which a rope at rest shows.
+    noise_N = max(noise_std(means), step_N / np.sqrt(12.0 * size))
+    low_N = float(np.partition(means, m // 20)[m // 20])
+    idle = int(np.argmax(means > low_N + max(IDLE * (float(means.max()) - low_N), DROP_SIGMAS * noise_N)))
+    if idle >= SHORTEST_IDLE:
+        noise_N = max(noise_N, roughness_N(means[: idle - 2]))
     return Blocks(
-        force_N=means,
-        time_s=time_s[: m * size : size],
-        size=size,
-        noise_N=max(noise_std(means), step_N / np.sqrt(12.0 * size)),
-        resolution_N=step_N,
+        force_N=means, time_s=time_s[: m * size : size], size=size, noise_N=noise_N, resolution_N=step_N
     )
-
-
-def climb_to(force_N: FloatArray, block: int) -> Climb:
-    """Return how the force climbed to a block."""
-    before = force_N[: block + 1]
-    base_N = float(before.min())
-    below = np.flatnonzero(before < 0.5 * (base_N + float(force_N[block])))
-    return Climb(base_N, min(int(below[-1]) + 1, block) if below.size else 0)
-
-
-def flattened(force_N: FloatArray, block: int) -> bool:
-    """Return whether the force had stopped climbing well before the block was reached.
-
-    True if the slope over the last quarter of the climb is below a tenth of its average.
-    """
-    base_N, start = climb_to(force_N, block)
-    late = start + 3 * (block - start) // 4
-    if block - late < 3:
-        return False
-    average = 0.5 * (float(force_N[block]) - base_N) / (block - start)
-    return float(force_N[block] - force_N[late]) / (block - late) < STILL_CLIMBING * average
-
-
-def fast_drop_N(force_N: FloatArray, block: int) -> float:
-    """Return how far the force falls within a few blocks after `block` [N]."""
-    return float(force_N[block] - force_N[block : block + FAST_BLOCKS + 1].min())
-
-
-def is_slip(blocks: Blocks, block: int) -> bool:
-    """Return whether the force drops after `block` as when a rope slips: far beyond the noise, within two blocks.
-
-    A bounce of the weights or a motor that is switched off takes longer.
-    """
-    ahead = blocks.force_N[block : block + 3 * FAST_BLOCKS]
-    if ahead.size < 3:
-        return False
-    fall = ahead[:-2] - np.minimum(ahead[1:-1], ahead[2:])
-    steepest = int(np.argmax(fall[:FAST_BLOCKS]))
-    fall_N = float(fall[steepest])
-    whole_N = float(ahead[: steepest + 1].max() - ahead[steepest : steepest + 2 * FAST_BLOCKS].min())
-    return fall_N > SLIP_SIGMAS * blocks.noise_N and fall_N > SUDDEN * whole_N
-
-
-def slips(stretch: FloatArray, noise_N: float, *, most: int) -> list[tuple[int, float]]:
-    """Return the sudden falls of a sliding force, largest first: block before the fall, and its height [N]."""
-    if stretch.size <= FAST_BLOCKS:
-        return []
-    lowest = np.lib.stride_tricks.sliding_window_view(stretch, FAST_BLOCKS + 1).min(axis=1)
-    fall = stretch[: lowest.size] - lowest
-    steepest = stretch[: lowest.size] - np.minimum(stretch[1 : lowest.size + 1], stretch[2 : lowest.size + 2])
-    highest = np.maximum.reduce([np.roll(stretch, shift) for shift in range(FAST_BLOCKS + 1)])
-    highest[:FAST_BLOCKS] = np.maximum.accumulate(stretch[:FAST_BLOCKS])
-    whole = highest[: lowest.size] - lowest
-    fall[(fall < DROP_SIGMAS * noise_N) | (steepest < 0.5 * whole)] = 0.0
-    found: list[tuple[int, float]] = []
-    order = np.argsort(-fall, kind="stable")
-    # Neighbouring blocks see the same fall; take the largest of each run.
-    for block in order[: np.count_nonzero(fall)]:
-        if len(found) >= most:
-            break
-        if fall[block] > 0:
-            found.append((int(block), float(fall[block])))
-            fall[max(0, block - FAST_BLOCKS) : block + FAST_BLOCKS + 1] = 0.0
-    return found
-
-
-def first_static_break(blocks: Blocks, drop_N: float) -> int | None:
-    """Return the block of the first break that ends the loading; None if the force never breaks.
-
-    That is the first slip after which the force does not go on climbing by more than 30 %: later teeth may be higher
-    and the sliding force may drift above it. Where nothing drops as suddenly as a slip, it is the first break that
-    stays within 15 % of the largest force and is not followed by a higher level; an earlier jolt, as when the
-    weights bounce, is followed by a climb well above it. A recording that goes back and forth is judged by its first
-    cycle. Wiggles below 30 % of the largest force do not count.
-    """
-    force_N = blocks.force_N
-    idle_N = float(force_N[: int(np.argmax(force_N)) + 1].min())
-    tall_N = idle_N + TALL * (float(force_N.max()) - idle_N)
-    first, cycle_end = None, force_N.size
-    for record, drop in _breaks(force_N, drop_N):
-        if force_N[record] < tall_N:
-            continue
-        if record >= cycle_end:
-            break
-        base_N = float(force_N[: record + 1].min())
-        # Fallen back for good: unloaded, or the direction reversed.
-        stop = record + _stays_below(force_N[record:], base_N + 0.25 * (float(force_N[record]) - base_N))
-        climbed_N = max(float(force_N[record]) - base_N, drop_N)
-        # Numbers so coarse that they show neither noise nor a climb: whatever comes later has outgrown it.
-        growth = (float(force_N[record:stop].max()) - base_N) / climbed_N if climbed_N > 0.0 else inf
-        # Noise may put the record well before the slip; the peak is where the slip begins.
-        begin = max(record, drop - 2)
-        edge = begin + int(np.argmax(force_N[begin : drop + 1]))
-        if growth <= SLIP_GROWTH and is_slip(blocks, edge):
-            return edge
-        if first is None and growth <= GROWTH:
-            sliding = sliding_after(blocks, record)
-            if sliding is None or sliding.level_N <= force_N[record]:
-                first, cycle_end = record, stop
-    return first
-
-
-def _breaks(force_N: FloatArray, drop_N: float) -> list[tuple[int, int]]:
-    """Return each record that is followed by a drop of more than `drop_N` before the next one, with that drop."""
-    highest = np.maximum.accumulate(force_N)
-    dropped = highest - force_N > drop_N
-    drops = np.flatnonzero(dropped & ~np.concatenate(([False], dropped[:-1])))
-    records = np.maximum.accumulate(np.where(force_N >= highest, np.arange(force_N.size), 0))[drops]
-    _, first = np.unique(records, return_index=True)
-    return [(int(records[i]), int(drops[i])) for i in first]
 
 
 def _stays_below(force_N: FloatArray, level_N: float) -> int:
@@ -306,19 +152,15 @@ def _stays_below(force_N: FloatArray, level_N: float) -> int:
     return int(gone[0]) if gone.size else force_N.size
 
 
-def sliding_after(blocks: Blocks, block: int) -> Sliding | None:
-    """Return the stretch of sliding after a break; None if the force falls away without one.
+def sliding_after(blocks: Blocks, fall: Fall, base_N: float) -> Sliding | None:
+    """Return the stretch of sliding after a fall; None if the force falls away without one.
 
     It ends where the force leaves its level for good: motor off, direction reversed, rope gone.
     """
-    force_N = blocks.force_N
-    base_N, start = climb_to(force_N, block)
-    first = block + 1
-    while first + 1 < force_N.size and force_N[first + 1] < force_N[first]:
-        first += 1
+    force_N, first = blocks.force_N, fall.settled
     if force_N.size - first < SHORTEST_BLOCKS:
         return None
-    n_first = int(np.clip((block - start) // 4, PIECE_BLOCKS, 4 * PIECE_BLOCKS))
+    n_first = int(np.clip((fall.top - fall.start) // 8, PIECE_BLOCKS, 4 * PIECE_BLOCKS))
     level_N = median(force_N[first : first + n_first])
     length = _stays_below(force_N[first:], base_N + 0.4 * (level_N - base_N)) if level_N > base_N else 0
     if length < SHORTEST_BLOCKS:
@@ -360,92 +202,6 @@ def roughness_N(stretch: FloatArray) -> float:
     stds = np.sort(np.sqrt(np.mean(flat**2, axis=1)))
     # Half of a short stretch may be the release at its end.
     return float(stds[(n_pieces - 1) // 2 if n_pieces > FEW_PIECES else 0])
-
-
-def slow_break(blocks: Blocks, block: int) -> SlowBreak | None:
-    """Return the break-away of a force that falls too slowly for a slip; None if it may have been let down.
-
-    A fall is a break-away if the force climbs right up to it, falls within a time that is short against the loading,
-    and then stays, steady, at more than 55 % of the peak. A motor that is stopped or reversed holds the force for a
-    moment first, or lets it down slowly, or far, or further and further. One that is reversed at once, quickly and
-    by little leaves the same recording as a slow break-away.
-    """
-    force_N = blocks.force_N
-    base_N, start = climb_to(force_N, block)
-    longest = min(FALL_BLOCKS, int(FALL_SHARE * (block - start)))
-    # What the force does after the longest fall shows its level; a part of the fall would not.
-    sliding = sliding_after(blocks, block + longest) if block + longest < force_N.size else None
-    if sliding is None:
-        return None
-    tail, level_N = force_N[block : sliding.stop], sliding.onset_N
-    top_N = median(force_N[max(start, block - TOP_BLOCKS + 1) : block + 1])
-    drop_N, kept_N = top_N - level_N, level_N - base_N
-    if drop_N <= max(
-        RESOLVED_SIGMAS * blocks.noise_N,
-        RESOLVED_SIGMAS * sliding.scatter_N,
-        RESOLVED_COUNTS * blocks.resolution_N,
-        LEAST_DROP * (top_N - base_N),
-    ):
-        return None
-    low = int(np.argmax(tail < level_N + 0.25 * drop_N))
-    up = np.flatnonzero(tail[: low + 1] >= level_N + 0.75 * drop_N)
-    high = int(up[-1]) if up.size else 0
-    # The middle half of the fall, as a straight line, gives the whole.
-    fall = 2.0 * (low - high)
-    onset, first = block + high - int(0.25 * fall), block + int(np.ceil(high + 0.75 * fall))
-    moved_N = max(STEADY * drop_N, LEVEL_DRIFT * kept_N)
-    if (
-        kept_N < LEAST_SHARE * (top_N - base_N)
-        or fall > longest
-        or sliding.stop - first < max(STAY_BLOCKS, STAY_FALLS * fall)
-        or _drift_N(force_N[first:], level_N - 0.5 * kept_N) > moved_N
-        or _late_rise_N(force_N[first : sliding.stop]) > moved_N
-        or _held_blocks(force_N, Climb(base_N, start), block, onset) > HELD_BLOCKS
-    ):
-        return None
-    block_s = float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
-    return SlowBreak(
-        fall_s=fall * block_s,
-        drop_N=drop_N,
-        share=kept_N / (top_N - base_N),
-        sliding=sliding._replace(first=first),
-        outlasts_slip=fall > FAST_BLOCKS,
-    )
-
-
-def _drift_N(after: FloatArray, gone_N: float) -> float:
-    """Return by how much the level moves from the first third to the middle one, before the force is gone [N].
-
-    The last third may be the end of the pull.
-    """
-    gone = np.flatnonzero(after < gone_N)
-    third = (int(gone[0]) if gone.size else after.size) // 3
-    return abs(median(after[:third]) - median(after[third : 2 * third])) if third else inf
-
-
-def _late_rise_N(stretch: FloatArray) -> float:
-    """Return how far the force has risen at its end above its middle third [N]: it was held, not slid."""
-    third = stretch.size // 3
-    return median(stretch[-TOP_BLOCKS:]) - median(stretch[third : 2 * third])
-
-
-def _held_blocks(force_N: FloatArray, climb: Climb, block: int, onset: int) -> float:
-    """Return how many blocks later the force is where the line of its loading would have taken it.
-
-    The line is that from half to nine tenths of the height. A loading too short for one counts as held.
-    """
-    last = force_N[max(climb.start, onset - 2 * (TOP_BLOCKS - 1)) : onset + 1]
-    reached_N = float(last.mean())
-    high = force_N[climb.start : block + 1] >= climb.base_N + 0.9 * (reached_N - climb.base_N)
-    rise = force_N[climb.start : climb.start + int(np.argmax(high))]
-    if rise.size < SHORTEST_LINE:
-        return inf
-    x = np.arange(rise.size) - 0.5 * (rise.size - 1)
-    slope = float(x @ rise) / float(x @ x)
-    if slope <= 0.0:
-        return inf
-    arrival = climb.start + 0.5 * (rise.size - 1) + (reached_N - float(rise.mean())) / slope
-    return onset - 0.5 * (last.size - 1) - arrival
 
 
 def kinetic(prepared: Prepared, sliding: Sliding | None) -> tuple[float, float]:

@@ -1,0 +1,277 @@
+"""Falls of a force and what they are: slips, partial slips, bumps, a load held or let down.
+
+While the rope sticks, the machine, a spring of stiffness k, loads it with dF/dt = k v. A slip by Δx takes k Δx off the
+spring: the loading goes on along a line that lies lower by as much. A *partial slip* stops after a micro-slip length
+and the loading goes on to a force well above; *stick-slip* falls by much the same again and again; a rope that *slides*
+takes up no load at all, whatever the motor does. A *bump* (a snag, an impact) adds force that goes away again.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropefric.arrays import FloatArray, median
+
+SETTLED = 0.3
+"""A fall has ended where in as much time again it falls by less than this part of what it fell so far."""
+UNLOADED = 0.2
+"""A pull ends where the force has come back to below this part of what it was loaded to."""
+STICKS, SLIDES = 0.5, 0.25
+"""A rope that sticks is loaded at the machine's rate, half of it for a motor that runs unevenly; one that slides and
+hardens takes up load far more slowly."""
+SAME_KIND = 0.5
+"""A fall of less than this part of the next one is a partial slip, not one of a train of stick-slip."""
+GROWTH = 0.3
+"""A train of stick-slip grows by no more than this part of its first tooth."""
+FAST = 3.0
+"""A force that rises or falls so many times faster than the machine loads it: no motor does that."""
+SUDDEN = 0.65
+"""Part of a slip that happens within two blocks; a release with a time constant of 20 ms does half of it."""
+SLIP_SIGMAS = 8.0
+"""A fall of fewer noise standard deviations cannot be timed."""
+_SLOPES = 24  # pieces of a climb on which its rate is read
+
+
+class Fall(NamedTuple):
+    """A fall of the force, in blocks: the low before it, its top, where it has settled, the low after it."""
+
+    start: int
+    top: int
+    settled: int
+    bottom: int
+    top_N: float
+    level_N: float
+    bottom_N: float
+    has_settled: bool
+    reloads: bool
+
+    @property
+    def drop_N(self) -> float:
+        """Return how far it falls [N]."""
+        return self.top_N - self.level_N
+
+
+class Pull(NamedTuple):
+    """A stretch in which the force goes up from a low and, at its end, comes back to it or the recording ends."""
+
+    start: int
+    stop: int
+    base_N: float
+    top_N: float
+    unloads: bool
+    falls: list[Fall]
+
+
+def turning_points(force_N: FloatArray, least_N: float) -> list[int]:
+    """Return where the force turns by at least `least_N`, low and high in turn, a low first."""
+    turns: list[int] = []
+    low = high = 0
+    values = force_N.tolist()
+    low_N = high_N = values[0]
+    rising: bool | None = None
+    for i, value in enumerate(values):
+        if rising is not False:
+            if value > high_N:
+                high, high_N = i, value
+            elif high_N - value >= least_N:
+                turns.extend([high] if rising else [high, high])
+                rising, low, low_N = False, i, value
+                continue
+        if rising is not True:
+            if value < low_N:
+                low, low_N = i, value
+            elif value - low_N >= least_N:
+                turns.append(low)
+                rising, high, high_N = True, i, value
+    turns.append(low if rising is False else high)
+    if rising is None:
+        turns.insert(0, low)
+    return turns
+
+
+def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
+    """Return every pull of a recording with its falls of at least `least_N`."""
+    turns = turning_points(force_N, least_N)
+    lows, highs = turns[0::2], turns[1::2]
+    pulls: list[Pull] = []
+    first = 0
+    while first < len(highs):
+        base_N, top_N = float(force_N[lows[first]]), -np.inf
+        last = first
+        for last in range(first, len(highs)):
+            top_N = max(top_N, float(force_N[highs[last]]))
+            if last + 1 == len(lows) or _is_unloaded(
+                force_N, lows[first], highs[last], lows[last + 1], top_N
+            ):
+                break
+        unloads = last + 1 < len(lows)
+        stop = lows[last + 1] + 1 if unloads and last + 1 < len(highs) else force_N.size
+        falls = [
+            _fall(force_N, lows[k], highs[k], lows[k + 1], stop, least_N, reloads=k < last)
+            for k in range(first, last + 1)
+            if k + 1 < len(lows)
+        ]
+        pulls.append(Pull(lows[first], stop, base_N, top_N, unloads, falls))
+        first = last + 1
+    return pulls
+
+
+def _is_unloaded(force_N: FloatArray, start: int, high: int, low: int, top_N: float) -> bool:
+    """Return whether the force has come back to where the pull began and rests: a strong slip loads again at once."""
+    base_N = float(force_N[start])
+    level_N = base_N + UNLOADED * (top_N - base_N)
+    if force_N[low] > level_N:
+        return False
+    below = high + int(np.argmax(force_N[high:] <= level_N))
+    above = np.flatnonzero(force_N[low:] > level_N)
+    if not above.size:
+        return True
+    again = (level_N - float(force_N[low])) / max(loading_rate(force_N, start, high), 1e-300)
+    return low + int(above[0]) - below > 1.5 * again + 4
+
+
+def _fall(
+    force_N: FloatArray, start: int, top: int, bottom: int, stop: int, least_N: float, *, reloads: bool
+) -> Fall:
+    top_N = float(force_N[top])
+    last = bottom if reloads else stop
+    step, settled, has_settled = 1, bottom, reloads
+    while top + 2 * step + (0 if reloads else 2) < last:
+        wide = max(3, step // 3)
+        here_N = float(force_N[top + step : top + step + wide].mean())
+        later_N = float(force_N[top + 2 * step : min(top + 2 * step + wide, stop)].mean())
+        if top_N - here_N >= 0.7 * least_N and here_N - later_N < SETTLED * (top_N - here_N):
+            settled, has_settled = top + step, True
+            break
+        step = max(step + 1, int(1.25 * step))
+    if not has_settled:
+        level_N = float(force_N[min(last, force_N.size) - 1])
+    else:
+        length = settled - top
+        level_N = (
+            float(force_N[settled])
+            if reloads and settled + length > bottom
+            else median(force_N[settled : min(settled + max(4, length), last)])
+        )
+    return Fall(start, top, settled, bottom, top_N, level_N, float(force_N[bottom]), has_settled, reloads)
+
+
+def loading_rate(force_N: FloatArray, start: int, top: int) -> float:
+    """Return the rate at which the machine loads the rope up to a top [N per block].
+
+    Of the pieces of the climb, half of the rise is faster: neither a rest on the way nor a bump counts for much.
+    """
+    length = max(1, (top - start) // _SLOPES)
+    at = np.arange(top - length, start - 1, -length)
+    rise = np.sort(np.maximum(force_N[at + length] - force_N[at], 0.0)) if at.size else np.zeros(1)
+    up = np.cumsum(rise)
+    if up[-1] <= 0.0:
+        return float(force_N[top] - force_N[start]) / max(1, top - start)
+    return float(rise[int(np.searchsorted(up, 0.5 * up[-1]))]) / length
+
+
+def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
+    """Return whether the force rose faster than the machine loads and came back to the line it had left."""
+    k = fall.top
+    while k > fall.start and force_N[k] - force_N[k - 1] > FAST * rate:
+        k -= 1
+    k = (
+        min(k, max(fall.start, fall.top - 1))
+        if force_N[fall.top] - force_N[fall.top - 1] > FAST * rate
+        else k
+    )
+    rise_N = fall.top_N - float(force_N[k])
+    back_N = float(force_N[fall.settled]) - (float(force_N[k]) + rate * (fall.settled - k))
+    return rise_N >= 0.5 * fall.drop_N and abs(back_N) < 0.3 * fall.drop_N
+
+
+def is_sudden(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
+    """Return whether most of a fall, far beyond the noise, happens within two blocks."""
+    if fall.drop_N < SLIP_SIGMAS * noise_N:
+        return False
+    ahead = force_N[fall.top : max(fall.settled, fall.top + 2) + 2]
+    if ahead.size < 3:
+        return fall.has_settled
+    steepest = float((ahead[:-2] - np.minimum(ahead[1:-1], ahead[2:])).max())
+    return steepest > SUDDEN * (
+        fall.top_N - min(fall.level_N, fall.bottom_N if fall.reloads else fall.level_N)
+    )
+
+
+BENDS = 0.04
+
+
+def bends_to_its_level(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
+    """Return whether a fall slows down towards its level, as that of friction that weakens with the way slid.
+
+    A motor lets a load down along a line and stops. Where the line through a quarter and three quarters of the fall
+    comes to the level, a force that dies away exponentially is 14 % of the fall above it, one between two bends 7 %.
+    """
+    tail = force_N[fall.top : fall.settled + max(2, fall.settled - fall.top)]
+    below = np.minimum.accumulate(tail)
+    quarter, most = (int(np.argmax(below <= fall.top_N - part * fall.drop_N)) for part in (0.25, 0.75))
+    arrives = most + 0.5 * (most - quarter)
+    around = max(1, (most - quarter) // 10)
+    left = tail[max(0, int(arrives) - around) : int(arrives) + around + 1]
+    left_N = float(left.mean()) - fall.level_N if left.size else 0.0
+    return left_N > BENDS * fall.drop_N + 3.0 * noise_N / np.sqrt(max(1, left.size))
+
+
+_KNOTS = 20
+_POINTS = 96
+
+
+def flat_top(force_N: FloatArray, start: int, fall: Fall, noise_N: float) -> str:
+    """Return whether the force was "held" before it fell, is "rounded" as by a slip that begins, or "sharp".
+
+    A motor that stops leaves a climb, a level and a fall, each with a corner; a slip that begins takes over the
+    loading little by little, so that the slope goes evenly from that of the climb to that of the fall. Both are
+    fitted from two thirds of the climb to the middle of the fall, and the one that leaves less is taken.
+    """
+    height_N = fall.top_N - float(force_N[fall.start])
+    climb = force_N[fall.start : fall.top + 1]
+    first = fall.start + int(np.flatnonzero(climb <= fall.top_N - 0.35 * height_N)[-1])
+    tail = force_N[fall.top : fall.settled + 1]
+    last = fall.top + int(np.argmax(tail <= fall.top_N - 0.5 * fall.drop_N))
+    part = force_N[first : last + 1]
+    if part.size < 8:
+        return "sharp"
+    size = -(-part.size // _POINTS)
+    n = part.size // size
+    values = part[: n * size].reshape(n, size).mean(axis=1)
+    t = np.arange(n) / (n - 1)
+    grid = np.linspace(0.15, 1.0, _KNOTS)
+    one, two = (grid[k] for k in np.triu_indices(_KNOTS, 1))
+    t1, t2 = one[:, None], two[:, None]
+    inside, beyond, before = np.clip(t - t1, 0, t2 - t1), np.maximum(t - t2, 0), np.minimum(t - t1, 0)
+    ones, half = np.ones_like(inside), inside**2 / (2 * (t2 - t1))
+    held, one = _least_squares(np.stack([ones, before, beyond], axis=2), values)
+    lasts = float((t2 - t1)[one, 0]) * (n - 1) * size
+    even, _ = _least_squares(np.stack([ones, before + inside - half, half + beyond], axis=2), values)
+    floor = n * (noise_N**2 / size) + 1e-12 * height_N**2
+    corner, _ = _least_squares(
+        np.stack(
+            [np.ones((_KNOTS, n)), np.minimum(t - grid[:, None], 0), np.maximum(t - grid[:, None], 0)], axis=2
+        ),
+        values,
+    )
+    if corner < 1.5 * min(held, even) + 10.0 * floor / n:
+        return "sharp"
+    return (
+        "held"
+        if held + floor < 0.5 * (even + floor) and lasts >= 8
+        else "rounded"
+        if even + floor < 0.7 * (held + floor)
+        else "unclear"
+    )
+
+
+def _least_squares(columns: FloatArray, values: FloatArray) -> tuple[float, int]:
+    """Return the smallest sum of squares that any of several linear models leaves, and which; columns (model, point, term)."""
+    normal = np.einsum("kni,knj->kij", columns, columns)
+    normal += 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(columns.shape[2])
+    right = np.einsum("kni,n->ki", columns, values)
+    solved = np.linalg.solve(normal, right[..., None])
+    left = values - (columns @ solved)[..., 0]
+    squares = np.einsum("kn,kn->k", left, left)
+    return float(squares.min()), int(np.argmin(squares))

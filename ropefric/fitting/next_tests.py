@@ -4,8 +4,6 @@ In: what is known of a law (`planned_fit`, or `planned_guess` before the first t
 `LabPlan` with how certain the wanted lift forces are expected to be before and after, and with the usual plan instead.
 """
 
-import csv
-import io
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -16,6 +14,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.files.plain_text import csv_text
 from ropefric.fitting.plan_search import (
     FACTORS,
     Criterion,
@@ -333,10 +332,8 @@ class LabPlan:
 
     def to_csv(self) -> str:
         r"""Return the plan as CSV for the lab: a row a condition, in millimetres, degrees and newtons."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         heads = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
-        writer.writerow(("condition", *heads, "repeats", "expected_lift_force_N"))
+        rows: list[tuple[object, ...]] = [("condition", *heads, "repeats", "expected_lift_force_N")]
         for row in self.rows():
             settings = (
                 1e3 * row["wheel_radius_m"],
@@ -345,8 +342,8 @@ class LabPlan:
                 row["end_tension_N"],
             )
             force = f"{row['expected_lift_force_N']:.4g}"
-            writer.writerow((row["condition"], *(f"{x:.10g}" for x in settings), row["repeats"], force))
-        return text.getvalue()
+            rows.append((row["condition"], *(f"{x:.10g}" for x in settings), row["repeats"], force))
+        return csv_text(rows)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""

@@ -18,8 +18,7 @@ from matplotlib.figure import Figure
 
 from ropefric.files.plain_text import visible
 from ropefric.plotting.figure import FORMATS, FigureWithData, rewrite_words
-from ropefric.plotting.labels import TYPESET
-from ropefric.plotting.style import house_style
+from ropefric.plotting.style import TYPESET, house_style
 
 _NUMBER = re.compile(r"-?(?:\d++(?:\.\d++)?|\.\d++)(?:e-?\d++)?")
 _ZERO_BEFORE_POINT = re.compile(r"(?<!\d)0\.")

@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from ropefric.plotting.conditions import draw_condition, draw_repeatability
+from ropefric.plotting.conditions import draw_condition
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
 from ropefric.plotting.svg import short_path, svg_text
@@ -28,7 +28,7 @@ def drawn(extraction_of, trials):
 def alone(extraction_of, trials):
     extraction = extraction_of(trials)
     (summary,) = extraction.conditions
-    return draw_repeatability(summary, extraction.trials)
+    return draw_condition(summary, extraction.trials, traces=False)
 
 
 def points_of(path):

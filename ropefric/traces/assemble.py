@@ -74,6 +74,7 @@ def assemble_trace(
         source=raw.source,
         first_line=raw.first_line,
     )
+    notes = (*raw.notes, *notes)
     if "force" in channels:
         force_N = channels["force"][keep]
         return ForceTrace(time_s=time_s, force_N=force_N, name=raw.name, source=raw.source, notes=notes)

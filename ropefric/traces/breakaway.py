@@ -10,6 +10,7 @@ from ropefric.registry import did_you_mean
 PEAKS = ("smoothed", "two-line")
 ENDINGS = ("sliding", "separation")
 SIDES = ("slack", "tight")
+RESTS = ("unknown", "zero", "pretension")
 
 
 class Status(StrEnum):
@@ -183,9 +184,10 @@ class PickSettings:
     min_step_N: float | None = None
     ending: str = "sliding"
     side: str = "slack"
+    rest: str = "unknown"
 
     def __post_init__(self) -> None:
-        for key, known in (("peak", PEAKS), ("ending", ENDINGS), ("side", SIDES)):
+        for key, known in (("peak", PEAKS), ("ending", ENDINGS), ("side", SIDES), ("rest", RESTS)):
             word = getattr(self, key)
             if word not in known:
                 raise UnknownNameError(f"unknown {key} {word!r}", key=key, fix=did_you_mean(str(word), known))

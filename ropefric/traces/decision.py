@@ -30,7 +30,7 @@ from ropefric.traces.events import (
     loading_rate,
     pulls_of,
 )
-from ropefric.traces.noise import noise_std
+from ropefric.traces.noise import drift_N, noise_std, runs_of
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     DROP_SIGMAS,
@@ -48,6 +48,8 @@ from ropefric.traces.trace import ForceTrace
 
 SATURATED_SAMPLES = 3
 """A run at the converter's limit longer than any spike."""
+CLIPPED = 3
+"""A force that is cut off stays the same so many times longer than where it is not."""
 RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 FLAT_BLOCKS = 8
@@ -61,7 +63,15 @@ BRIEF = 0.25
 FEWEST_TEETH = 3
 REGULAR = 0.2
 LEAST_PEAK = 0.01
-AGAIN = 0.05
+FAR = 0.95
+"""A force that is loaded to about the double has not slipped before."""
+FULL = 0.25
+"""A slip by which the force falls by more than this part of itself is no partial one."""
+AGAIN, LITTLE = 0.05, 0.1
+SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
+"""Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
+LARGEST = 1.5
+CLEAR = 0.1
 LARGER = 1.2
 TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
@@ -165,16 +175,89 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         later = pulls[n + 1 :]
         result = _of_pull(trace, prepared, settings, pull, later)
         found = found or result
-        # What was loaded and unloaded without a slip is followed by a pull that goes at least as high.
+        # What was loaded and unloaded without a slip is followed by a pull that goes at least as high, or is loaded as
+        # the motor loads: a bump is faster.
+        rate = _rate_of(force_N, pull)
         if result.status is not Status.NO_BREAKAWAY or not any(
-            other.top_N - other.base_N >= 0.98 * (pull.top_N - pull.base_N) for other in later
+            other.top_N >= 0.98 * pull.top_N
+            or (other.top_N >= 0.5 * pull.top_N and FAST * _rate_of(force_N, other) < rate)
+            for other in later
         ):
             found = result if result.status is not Status.NO_BREAKAWAY else found
             break
         fall = pull.falls[-1]
         bumps.append(_event(prepared, fall, "bump", "the force comes back, and a later pull goes higher"))
-    assert found is not None
-    return replace(found, events=(*bumps, *found.events)) if bumps else found
+    if found is None:  # pragma: no cover - the highest pull is always among those looked at
+        return _levels_off(prepared, force_N)
+    found = replace(found, events=(*bumps, *found.events)) if bumps else found
+    return _with_its_zero(trace, prepared, found, settings)
+
+
+def _with_its_zero(
+    trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
+) -> Breakaway:
+    """Return a result with what the rope at rest says of the zero: its drift, and a level that is none.
+
+    A recording in newtons that was not tared may begin at a pretension, which belongs to F_A, or at an error of the
+    zero, which does not.
+    """
+    n = prepared.blocks.n_rest
+    if result.status is not Status.OK or not n:
+        return result
+    time_s, rest_N = prepared.time_s[:n], prepared.force_N[:n]
+    zero_N = float(rest_N.mean())
+    drift_std_N, walk_std_N = drift_N(time_s, rest_N, result.peak_time_s)
+    std_N = float(np.hypot(np.hypot(result.peak_std_N, drift_std_N), walk_std_N))
+    result = replace(result, peak_std_N=std_N)
+    event = ForceEvent(
+        kind="break-away",
+        time_s=result.peak_time_s,
+        force_N=result.peak_N,
+        drop_N=result.drop_N,
+        fall_s=0.0,
+        evidence="as read",
+    )
+    if drift_std_N > SMALL_ZERO * result.peak_N:
+        why = f"the zero drifts by about {drift_std_N:.2g} N between the rope at rest and the peak"
+        return _without_decision(prepared, result, f"{result.peak_N:.4g} N: {why}", (event,))
+    if trace.calibration is not None or settings.rest == "pretension":
+        return result
+    if settings.rest == "zero":
+        said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
+        return replace(
+            result,
+            peak_N=result.peak_N - zero_N,
+            peak_raw_N=result.peak_raw_N - zero_N,
+            two_line_N=result.two_line_N - zero_N,
+            kinetic_N=result.kinetic_N - zero_N,
+            notes=(*result.notes, said),
+        )
+    if not SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
+        return result
+    why = (
+        f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
+        '[protocol] rest = "zero") or a pretension (rest = "pretension")'
+    )
+    tared = replace(event, force_N=result.peak_N - zero_N, evidence="from the level at rest")
+    return _without_decision(
+        prepared, result, f"{result.peak_N:.4g} N or {tared.force_N:.4g} N: {why}", (event, tared)
+    )
+
+
+def _without_decision(
+    prepared: Prepared, result: Breakaway, detail: str, candidates: tuple[ForceEvent, ...]
+) -> Breakaway:
+    """Return a result that was found, as one that is doubtful."""
+    return replace(
+        without_force(Status.DOUBTFUL, detail, prepared, candidates=candidates),
+        events=result.events,
+        notes=result.notes,
+        phases=result.phases,
+    )
+
+
+def _rate_of(force_N: FloatArray, pull: Pull) -> float:
+    return loading_rate(force_N, pull.start, pull.start + int(np.argmax(force_N[pull.start : pull.stop])))
 
 
 def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> ForceEvent:
@@ -193,8 +276,15 @@ def _of_pull(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, pull: Pull, later: list[Pull]
 ) -> Breakaway:
     force_N = prepared.blocks.force_N
-    bumps = [f for f in pull.falls if is_bump(force_N, f, loading_rate(force_N, pull.start, f.top))]
+    bumps = [f for f in pull.falls[:-1] if is_bump(force_N, f, loading_rate(force_N, pull.start, f.top))]
     falls = [fall for fall in pull.falls if fall not in bumps]
+    height_N = pull.top_N - pull.base_N
+    if (
+        _least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
+        and pull.start < FEW_BLOCKS
+    ):
+        detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
+        return without_force(Status.NO_PEAK, detail, prepared)
     candidates = _macroscopic(force_N, pull, falls)
     first = candidates[0].fall if candidates else None
     if hidden := _hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
@@ -224,7 +314,7 @@ def _doubtful(prepared: Prepared, candidates: list[Candidate], why: str) -> Brea
 def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Candidate]:
     """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are."""
     end = pull.stop - 1
-    rate = loading_rate(force_N, pull.start, pull.start + int(np.argmax(force_N[pull.start : pull.stop])))
+    rate = _rate_of(force_N, pull)
     for i, fall in enumerate(falls):
         if fall.top_N - pull.base_N < TALL * (pull.top_N - pull.base_N):
             continue
@@ -237,22 +327,28 @@ def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Can
             if i + 1 < len(falls) and _is_partial(pull, fall, falls[i + 1], rate):
                 continue
             return [this]
+        growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N)
         if _goes_on(force_N[fall.top : end + 1], fall, pull.base_N, rate):
             continue
-        growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N)
         # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
         passed = top - int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1]) - fall.top
         if passed > FEW_BLOCKS and above_N < SLIDES * rate * passed:
+            return [this]
+        # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
+        between = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
+        weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH)
+        if weaker or fall.drop_N > FULL * (fall.top_N - pull.base_N):
             return [this]
         if growth > GROWTH or higher is None:
             continue
         rival = falls[higher]
         slipped = _slides_or_reloads(pull, rival)
-        if slipped and fall.drop_N < SAME_KIND * rival.drop_N:
-            continue
-        # It slips again before it is loaded as high: the slip has weakened it.
-        if any(g.drop_N >= AGAIN * fall.drop_N for g in falls[i + 1 : higher]):
+        largest_N = max((g.drop_N for g in falls[higher:] if _slides_or_reloads(pull, g)), default=0.0)
+        reload_N = float(force_N[top]) - fall.bottom_N
+        if reload_N < STICKS * rate * (top - fall.bottom):
             return [this]
+        if fall.drop_N < SAME_KIND * largest_N:
+            continue
         alike = [
             g for g in falls[higher:] if SAME_KIND <= g.drop_N / fall.drop_N <= 1.0 / SAME_KIND and g.reloads
         ]
@@ -267,11 +363,11 @@ def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Can
 
 def _goes_on(force_N: FloatArray, fall: Fall, base_N: float, rate: float) -> bool:
     """Return whether the loading goes on, at the machine's rate, to a force that no train of stick-slip grows to."""
-    far = np.flatnonzero(force_N > fall.top_N + GROWTH * (fall.top_N - base_N))
+    far = np.flatnonzero(force_N > fall.top_N + FAR * (fall.top_N - base_N))
     if not far.size:
         return False
     passed = int(far[0]) - int(np.flatnonzero(force_N[: far[0]] <= fall.top_N)[-1])
-    return GROWTH * (fall.top_N - base_N) >= STICKS * rate * (passed - 1)
+    return FAR * (fall.top_N - base_N) >= STICKS * rate * (passed - 1)
 
 
 def _slides_or_reloads(pull: Pull, fall: Fall) -> bool:
@@ -303,7 +399,12 @@ def _assessed(
     sudden = is_sudden(force_N, fall, blocks.noise_N)
     if not fall.reloads and (not fall.has_settled or share < UNLOADED):
         held = flat_top(force_N, pull.start, fall, blocks.noise_N) == "held"
-        if not held and share >= LEAST_SHARE and pull.stop == force_N.size and fall.drop_N >= LEAST_DROP * height_N:
+        if (
+            not held
+            and share >= LEAST_SHARE
+            and pull.stop == force_N.size
+            and fall.drop_N >= LEAST_DROP * height_N
+        ):
             why = "the recording ends before the force has settled"
             return _doubtful(prepared, [candidate], why)
         before = _levels_off(prepared, force_N[pull.start : fall.top + 1])
@@ -311,7 +412,8 @@ def _assessed(
             p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)
         ]
         train = [p for p in again if abs(p.top_N - pull.top_N) <= GROWTH * height_N]
-        if sudden and len(train) >= 2:
+        slower = [p for p in later if FAST * _rate_of(force_N, p) < candidate.rate]
+        if sudden and len(train) >= 2 and not slower:
             return measured(prepared, settings, candidate, None)
         level = force_N[pull.start : fall.top + 1] >= from_N - 0.1 * height_N
         if before.status is Status.NO_PEAK and np.count_nonzero(level) >= LEVEL * level.size:
@@ -322,6 +424,15 @@ def _assessed(
         )
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     sliding = sliding_after(blocks, fall, pull.base_N)
+    lasts = 0 if sliding is None else sliding.stop - sliding.first
+    # A snag or an impact rises faster than the motor loads, and is over before anything slides.
+    if any(FAST * _rate_of(force_N, p) < candidate.rate and p.top_N >= 0.5 * pull.top_N for p in later) and (
+        lasts < fall.top - fall.start
+    ):
+        detail = (
+            f"the force falls from {from_N:.4g} N at {at_s:.4g} s: a bump, a later pull is loaded more slowly"
+        )
+        return without_force(Status.NO_BREAKAWAY, detail, prepared)
     if sliding is None:
         if not fall.reloads:
             detail = f"the force falls from {from_N:.4g} N at {at_s:.4g} s and the recording ends before its level shows"
@@ -342,7 +453,7 @@ def _assessed(
     brief = fall_s <= LONGEST_FALL_S and fall_blocks <= BRIEF * climb
     said = f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, and stays at {share:.0%} of the peak"
     flat = flat_top(force_N, pull.start, fall, blocks.noise_N)
-    rough = not _is_quiet(prepared, candidate, sliding)
+    rough = fall.reloads or not _is_quiet(prepared, candidate, sliding)
     if rough and share >= UNLOADED:
         return measured(prepared, settings, candidate, sliding)
     if flat == "held":
@@ -430,15 +541,20 @@ def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidi
     if above_N > RESOLVED_SIGMAS * max(sliding.scatter_N, noise_N):
         return True
     # In stick-slip the scatter is that of the teeth: they are slips themselves, and the first one counts.
-    teeth = [g for g in candidate.later if g.reloads]
+    height_N = fall.top_N - candidate.pull.base_N
     if is_sudden(force_N, fall, noise_N):
-        return fall.drop_N > LEAST_PEAK * (fall.top_N - candidate.pull.base_N)
+        return fall.drop_N > LEAST_PEAK * height_N
+    teeth = [g for g in candidate.later if g.reloads]
     largest_N = max((g.drop_N for g in teeth), default=0.0)
-    if fall.drop_N < SAME_KIND * largest_N:
-        return False
-    fast = fall.drop_N > max(FAST * candidate.rate * _fall_blocks(force_N, fall), 1.5 * largest_N)
-    return fall.drop_N > LEAST_DROP * (fall.top_N - candidate.pull.base_N) and (
-        (fast and _loads_again(candidate)) or (len(teeth) >= FEWEST_TEETH and _is_regular(teeth))
+    fast = fall.drop_N > FAST * candidate.rate * _fall_blocks(force_N, fall)
+    if fast and (
+        fall.drop_N > LARGEST * largest_N or (fall.drop_N > CLEAR * height_N and _loads_again(candidate))
+    ):
+        return True
+    return (
+        len(teeth) >= FEWEST_TEETH
+        and fall.drop_N > max(LEAST_DROP * height_N, SAME_KIND * largest_N)
+        and _is_regular(teeth)
     )
 
 
@@ -454,7 +570,7 @@ def _no_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding, why: st
     if why.startswith("no static") and not is_sudden(
         prepared.blocks.force_N, candidate.fall, prepared.blocks.noise_N
     ):
-        if _is_quiet(prepared, candidate, sliding):
+        if not candidate.fall.reloads and _is_quiet(prepared, candidate, sliding):
             detail = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
             return without_force(Status.NO_BREAKAWAY, detail, prepared)
     kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
@@ -493,7 +609,8 @@ def _quiet_N(prepared: Prepared, start: int, top: int) -> float:
 
 def _hidden(trace: ForceTrace, prepared: Prepared, block: int | None, fallen: int) -> Breakaway | None:
     """Say why the converter did not show the peak; None if it did, or nothing broke away."""
-    if saturated := _saturation_detail(trace, prepared, block):
+    saturated = _saturation_detail(trace, prepared, block) or _clipped_detail(prepared, block)
+    if saturated:
         return without_force(Status.SATURATED, saturated, prepared)
     if block is None:
         return None
@@ -520,6 +637,26 @@ def _saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None)
     return (
         f"the converter is at its ceiling ({ceiling_N:.4g} N) for {samples} samples, "
         f"{1000 * longest_s:.3g} ms at a time; the peak is at least {ceiling_N:.4g} N"
+    )
+
+
+def _clipped_detail(prepared: Prepared, block: int | None) -> str:
+    """Return where a force in newtons is cut off: it stays exactly at its largest, far longer than anywhere else."""
+    force_N = prepared.force_N
+    stop = force_N.size if block is None else prepared.blocks.last_sample(block + 2, force_N.size) + 1
+    top_N = float(force_N[:stop].max())
+    at_top = runs_of(force_N[:stop] == top_N)
+    longest = int((at_top[:, 1] - at_top[:, 0]).max())
+    if longest < SATURATED_SAMPLES or top_N < float(force_N.max()):
+        return ""
+    high = force_N[:stop] > 0.5 * (top_N + float(force_N[:stop].min()))
+    same = runs_of((np.diff(force_N[:stop], append=np.inf) == 0.0) & high & (force_N[:stop] < top_N))
+    usual = int((same[:, 1] - same[:, 0]).max(initial=0)) + 1
+    if longest < CLIPPED * usual:
+        return ""
+    return (
+        f"the force stays at exactly {top_N:.4g} N for {longest} samples, {usual} elsewhere: it is cut off there, and "
+        f"the peak is at least {top_N:.4g} N"
     )
 
 

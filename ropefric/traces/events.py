@@ -92,22 +92,25 @@ def turning_points(force_N: FloatArray, least_N: float) -> list[int]:
 def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
     """Return every pull of a recording with its falls of at least `least_N`."""
     turns = turning_points(force_N, least_N)
+    sums = np.concatenate([[0.0], np.cumsum(force_N - force_N[0])])
     lows, highs = turns[0::2], turns[1::2]
     pulls: list[Pull] = []
+    # A force that swings below where it rests was not unloaded further.
+    rest_N = float(np.partition(force_N, force_N.size // 20)[force_N.size // 20])
     first = 0
     while first < len(highs):
-        base_N, top_N = float(force_N[lows[first]]), -np.inf
+        base_N, top_N = max(float(force_N[lows[first]]), rest_N), -np.inf
         last = first
         for last in range(first, len(highs)):
             top_N = max(top_N, float(force_N[highs[last]]))
             if last + 1 == len(lows) or _is_unloaded(
-                force_N, lows[first], highs[last], lows[last + 1], top_N
+                force_N, base_N, lows[first], highs[last], lows[last + 1], top_N
             ):
                 break
         unloads = last + 1 < len(lows)
         stop = lows[last + 1] + 1 if unloads and last + 1 < len(highs) else force_N.size
         falls = [
-            _fall(force_N, lows[k], highs[k], lows[k + 1], stop, least_N, reloads=k < last)
+            _fall(force_N, sums, lows[k], highs[k], lows[k + 1], stop, least_N, reloads=k < last)
             for k in range(first, last + 1)
             if k + 1 < len(lows)
         ]
@@ -116,9 +119,8 @@ def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
     return pulls
 
 
-def _is_unloaded(force_N: FloatArray, start: int, high: int, low: int, top_N: float) -> bool:
+def _is_unloaded(force_N: FloatArray, base_N: float, start: int, high: int, low: int, top_N: float) -> bool:
     """Return whether the force has come back to where the pull began and rests: a strong slip loads again at once."""
-    base_N = float(force_N[start])
     level_N = base_N + UNLOADED * (top_N - base_N)
     if force_N[low] > level_N:
         return False
@@ -131,15 +133,25 @@ def _is_unloaded(force_N: FloatArray, start: int, high: int, low: int, top_N: fl
 
 
 def _fall(
-    force_N: FloatArray, start: int, top: int, bottom: int, stop: int, least_N: float, *, reloads: bool
+    force_N: FloatArray,
+    sums: FloatArray,
+    start: int,
+    top: int,
+    bottom: int,
+    stop: int,
+    least_N: float,
+    *,
+    reloads: bool,
 ) -> Fall:
     top_N = float(force_N[top])
     last = bottom if reloads else stop
     step, settled, has_settled = 1, bottom, reloads
     while top + 2 * step + (0 if reloads else 2) < last:
         wide = max(3, step // 3)
-        here_N = float(force_N[top + step : top + step + wide].mean())
-        later_N = float(force_N[top + 2 * step : min(top + 2 * step + wide, stop)].mean())
+        here_N, later_N = (
+            float(force_N[0] + (sums[min(at + wide, stop)] - sums[at]) / (min(at + wide, stop) - at))
+            for at in (top + step, top + 2 * step)
+        )
         if top_N - here_N >= 0.7 * least_N and here_N - later_N < SETTLED * (top_N - here_N):
             settled, has_settled = top + step, True
             break
@@ -182,7 +194,18 @@ def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
     )
     rise_N = fall.top_N - float(force_N[k])
     back_N = float(force_N[fall.settled]) - (float(force_N[k]) + rate * (fall.settled - k))
-    return rise_N >= 0.5 * fall.drop_N and abs(back_N) < 0.3 * fall.drop_N
+    if rise_N >= 0.5 * fall.drop_N and abs(back_N) < 0.3 * fall.drop_N:
+        return True
+    # Or it was loaded from a rest, by a jog of the motor, and let down to that rest again.
+    from_N, while_blocks = float(force_N[fall.start]), max(8, 3 * (fall.top - fall.start) // 10)
+    rests = (
+        force_N[max(0, fall.start - while_blocks) : fall.start],
+        force_N[fall.settled : fall.settled + while_blocks],
+    )
+    return all(
+        rest.size >= while_blocks and float(np.abs(rest - from_N).max()) < 0.1 * (fall.top_N - from_N)
+        for rest in rests
+    )
 
 
 def is_sudden(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:

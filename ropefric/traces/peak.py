@@ -19,12 +19,24 @@ from ropefric.traces.smoothing import average_over_samples, window_samples
 LONGEST_WINDOW_S = 0.02
 """A window longer than a tooth is short would smooth the peak itself away [s]."""
 
+LONGEST_WINDOW = 0.02
+"""The same as a part of the upper half of the climb, for slow recordings."""
+SHORTEST_TOP = 8
+TOP_SIGMAS = 10.0
+"""The slope at a top is read where the climb rises by so many standard deviations of the noise."""
+
 STEPS_LOOKED_AT = 500
 LONG_CLIMB = 200
 JUMP = 0.05
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 WIDE_GAP = 5.0
+FEWEST_WINDOWS = 8
+# The largest of values with noise 1 that lie on a slope of 10^x from one to the next: how far it lies above the top, and
+# its standard deviation, from the product of their distribution functions.
+_APART = (-2.0, -1.523, -1.0, -0.523, -0.222, 0.0, 0.176, 0.301, 0.477, 0.699)
+_MEAN_OF_MAXIMUM = (2.128, 1.715, 1.210, 0.718, 0.418, 0.226, 0.108, 0.049, 0.007, 0.0)
+_STD_OF_MAXIMUM = (0.443, 0.496, 0.577, 0.684, 0.771, 0.845, 0.906, 0.946, 0.987, 1.0)
 
 
 class Neighbourhood(NamedTuple):
@@ -55,7 +67,12 @@ def peak_result(
         fallen=blocks.last_sample(fallen, n),
     )
     peak = measure_peak(
-        prepared.time_s, prepared.force_N, where, noise_std_N=prepared.noise_N, window_s=settings.window_s
+        prepared.time_s,
+        prepared.force_N,
+        where,
+        noise_std_N=prepared.noise_N,
+        window_s=settings.window_s,
+        n_rest=blocks.n_rest,
     )
     kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
     notes = [*prepared.notes]
@@ -104,6 +121,7 @@ def measure_peak(
     *,
     noise_std_N: float,
     window_s: float | None = None,
+    n_rest: int = 0,
 ) -> Breakaway:
     """Return the height of a static peak three ways: raw, smoothed, and as the corner of two lines."""
     around = time_s[max(where.loading, where.stop - STEPS_LOOKED_AT) : where.stop + 1]
@@ -114,9 +132,13 @@ def measure_peak(
     # The slope of the last half of the climb; the first half may still bend.
     first = min((where.loading + top) // 2, top - 1)
     rate_N_s = _line(time_s[first : top + 1], force_N[first : top + 1])[2] if first >= 0 else 0.0
+    top_rate_N_s = _rate_at_the_top(time_s[first : top + 1], force_N[first : top + 1], rate_N_s, noise_std_N)
     if window_s is None:
-        longest_s = choose_window(rate_N_s, noise_std_N, step_s, longest_s=LONGEST_WINDOW_S)
-        longest, rise_N = window_samples(longest_s, step_s), rate_N_s * step_s
+        climb_s = float(time_s[top] - time_s[min(where.loading, top)])
+        longest_s = choose_window(
+            top_rate_N_s, noise_std_N, step_s, longest_s=max(LONGEST_WINDOW_S, LONGEST_WINDOW * climb_s)
+        )
+        longest, rise_N = window_samples(longest_s, step_s), top_rate_N_s * step_s
         n_window = _window_that_keeps_the_peak(force_N, where, longest, rise_N, noise_std_N)
     else:
         n_window = window_samples(window_s, step_s)
@@ -127,13 +149,50 @@ def measure_peak(
         peak_N=peak_N,
         peak_raw_N=_raw_top_N(force_N, where, index, n_window),
         peak_time_s=float(time_s[index]),
-        peak_std_N=peak_uncertainty_N(rate_N_s, noise_std_N, used_s, step_s),
+        peak_std_N=_std_of_a_maximum_N(
+            top_rate_N_s * step_s, _smoothed_noise_N(force_N[:n_rest], noise_std_N, n_window), n_window
+        ),
         two_line_N=_corner_N(time_s, force_N, where, top, noise_std_N),
         bias_N=window_bias_N(rate_N_s, used_s, step_s),
         window_s=used_s if n_window > 1 else 0.0,
         noise_std_N=noise_std_N,
         loading_rate_N_s=rate_N_s,
     )
+
+
+def _rate_at_the_top(time_s: FloatArray, force_N: FloatArray, rate_N_s: float, noise_std_N: float) -> float:
+    """Return the slope right before a top [N/s]: less than that of the climb where slip begins little by little."""
+    if rate_N_s <= 0.0 or time_s.size < 2 * SHORTEST_TOP:
+        return max(rate_N_s, 0.0)
+    last_s = time_s[-1] - TOP_SIGMAS * noise_std_N / rate_N_s
+    n = int(np.clip(time_s.size - np.searchsorted(time_s, last_s), SHORTEST_TOP, time_s.size))
+    return min(max(_line(time_s[-n:], force_N[-n:])[2], 0.0), rate_N_s)
+
+
+def _smoothed_noise_N(rest_N: FloatArray, noise_std_N: float, n_window: int) -> float:
+    """Return the noise a moving average leaves: what it leaves of a rope at rest, where hum and slow noise remain."""
+    white_N = noise_std_N / math.sqrt(n_window)
+    if rest_N.size < FEWEST_WINDOWS * n_window:
+        return white_N
+    smoothed = average_over_samples(rest_N, n_window)
+    x = np.arange(smoothed.size) - 0.5 * (smoothed.size - 1)
+    flat = smoothed - smoothed.mean() - x * float(x @ smoothed) / float(x @ x)
+    return max(white_N, float(flat.std()))
+
+
+def _std_of_a_maximum_N(rise_N: float, noise_N: float, n_window: int) -> float:
+    """Return the standard uncertainty of the maximum of a smoothed ramp that ends in a fall [N].
+
+    The maximum of noisy values lies above that of their means, the window and the time since the last sample put it
+    below the top: what is left of the three is no scatter but counts as one, beside that of the maximum itself.
+    """
+    rise_N = max(rise_N, 0.0)
+    if noise_N <= 0.0:
+        return rise_N * math.sqrt(n_window**2 / 4.0 + 1.0 / 12.0)
+    apart = math.log10(min(max(n_window * rise_N / noise_N, 1e-3), 1e1))
+    above_N = noise_N * float(np.interp(apart, _APART, _MEAN_OF_MAXIMUM))
+    std_N = noise_N * float(np.interp(apart, _APART, _STD_OF_MAXIMUM))
+    return math.hypot(std_N, above_N - 0.5 * n_window * rise_N, rise_N / math.sqrt(12.0))
 
 
 def _without_outliers_at_the_top(

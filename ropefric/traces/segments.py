@@ -13,6 +13,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Phase, PickSettings
 from ropefric.traces.events import Fall
+from ropefric.traces.hum import without_hum
 from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution
 from ropefric.traces.trace import ForceTrace
 
@@ -23,8 +24,8 @@ BLOCK_S = 0.004
 DROP_SIGMAS = 6.0
 """A drop of fewer noise standard deviations is noise."""
 SHORTEST_BLOCKS = 4
-IDLE, SHORTEST_IDLE = 0.02, 12
-"""A rope at rest stays within this part of the range; fewer blocks do not show how much the force wanders."""
+SHORTEST_IDLE = 12
+"""Fewer blocks at rest do not show how much the force wanders."""
 FEW_PIECES = 4
 PIECE_BLOCKS = 25
 """A tenth of a second at three kilohertz: drift is slow against it."""
@@ -39,6 +40,7 @@ class Blocks:
     size: int
     noise_N: float
     resolution_N: float
+    n_rest: int = 0
 
     def first_sample(self, block: int) -> int:
         """Return the first sample of a block, or of the first block if there is no such block before it."""
@@ -91,6 +93,9 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     if len(stuck):
         noise_N = noise_std(np.delete(force_N, np.concatenate([np.arange(*run) for run in stuck])))
     cleaned = remove_spikes(force_N, noise_N)
+    values, hum_Hz, hum_N = without_hum(time_s, cleaned.values)
+    if hum_N:
+        noise_N = noise_std(values)
     notes = [
         *trace.notes,
         *(
@@ -105,13 +110,13 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
         places = ", ".join(f"{time_s[i]:.4g} s" for i in cleaned.bad[:3])
         more = ", …" if cleaned.bad.size > 3 else ""
         notes.append(f"{cleaned.bad.size} samples left out as spikes or dropouts (at {places}{more})")
+    if hum_N:
+        notes.append(f"hum of {hum_N:.2g} N at {hum_Hz:.4g} Hz was taken out")
     return Prepared(
         time_s=time_s,
-        force_N=cleaned.values,
+        force_N=values,
         noise_N=noise_N,
-        blocks=_block_means(
-            time_s, cleaned.values, resolution(cleaned.values) if cleaned.bad.size else step_N
-        ),
+        blocks=_block_means(time_s, values, resolution(cleaned.values) if cleaned.bad.size else step_N),
         notes=tuple(notes),
         stuck=stuck,
     )
@@ -136,12 +141,19 @@ def _block_means(time_s: FloatArray, force_N: FloatArray, step_N: float) -> Bloc
     # A converter coarser than its noise repeats itself, so that averaging helps less than by the square root; hum and
     # slow noise hardly average out at all, which a rope at rest shows.
     noise_N = max(noise_std(means), step_N / np.sqrt(12.0 * size))
-    low_N = float(np.partition(means, m // 20)[m // 20])
-    idle = int(np.argmax(means > low_N + max(IDLE * (float(means.max()) - low_N), DROP_SIGMAS * noise_N)))
-    if idle >= SHORTEST_IDLE:
+    away = np.abs(means - median(means[:SHORTEST_IDLE])) > DROP_SIGMAS * noise_N
+    away[:-2] &= away[1:-1] & away[2:]
+    idle = int(np.argmax(away)) if away.any() else 0
+    n_rest = max(0, idle - 2) * size if idle >= SHORTEST_IDLE else 0
+    if n_rest:
         noise_N = max(noise_N, roughness_N(means[: idle - 2]))
     return Blocks(
-        force_N=means, time_s=time_s[: m * size : size], size=size, noise_N=noise_N, resolution_N=step_N
+        force_N=means,
+        time_s=time_s[: m * size : size],
+        size=size,
+        noise_N=noise_N,
+        resolution_N=step_N,
+        n_rest=n_rest,
     )
 
 
@@ -173,6 +185,8 @@ def sliding_after(blocks: Blocks, fall: Fall, base_N: float) -> Sliding | None:
     if stretch.size < SHORTEST_BLOCKS:
         return None
     level_N, scatter_N = _level_and_scatter(stretch)
+    # A force that wanders later on says nothing of the level it fell to.
+    scatter_N = min(scatter_N, _level_and_scatter(stretch[: 4 * n_first])[1])
     return Sliding(first, first + stretch.size, level_N, median(stretch[:n_first]), scatter_N)
 
 

@@ -50,9 +50,7 @@ class Propagator:
 
     def lift(self, y: FloatArray, tau_s: float) -> FloatArray:
         """Return z at the time `tau_s` after the start of the piece."""
-        powers = np.ones(self.taylor.shape[1])
-        for j in range(1, len(powers)):
-            powers[j] = powers[j - 1] * tau_s / j
+        powers = np.cumprod([1.0, *(tau_s / j for j in range(1, self.taylor.shape[1]))])
         return np.concatenate([y, powers[::-1]])
 
     @cached_property
@@ -128,12 +126,28 @@ class Guard(NamedTuple):
 
 
 def guards_of(motion: Motion) -> list[Guard]:
-    """Return the guards of a mode."""
-    force_N = _FORCE_SHARE * float(motion.model.preload_N.max())
-    mode = motion.mode
-    found: list[Guard] = []
-    for i in range(motion.n_rollers):
-        found += _contact_guards(motion, i, force_N) + _turning_guards(motion, i, force_N)
+    """Return the guards of a mode; the linear model, in which nothing slips or goes slack, has none."""
+    if motion.limit is None:
+        return []
+    model, mode, found = motion.model, motion.mode, []
+    force_N = _FORCE_SHARE * float(model.preload_N.max())
+    for i, (contact, turning) in enumerate(zip(mode.contact, mode.turning, strict=True)):
+        if contact == STICK:
+            for way, most_N in zip((FORWARD, BACKWARD), motion.limit_N, strict=True):
+                found.append(Guard(most_N[i] - way * motion.friction_N[i], force_N, "slip", i, way))
+        else:
+            found.append(Guard(contact * motion.slip_speed_m_s[i], _SPEED_M_S, "stick", i))
+        load_N = float(model.press.rim_load_N[i])
+        if i in model.drivers or load_N <= 0.0:
+            continue
+        if turning == 0:
+            held_N = load_N * motion.inputs[LOAD]
+            found += [
+                Guard(held_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)
+            ]
+        elif turning < 0 or contact != STICK:
+            # The load of a roller that the belt takes along is as given, as in the linear model.
+            found.append(Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i))
     bits: tuple[tuple[What, FloatArray, tuple[bool, ...]], ...] = (
         ("pressed", motion.pressing_N, mode.pressed),
         ("taut", motion.unclipped_N, mode.taut),
@@ -142,30 +156,6 @@ def guards_of(motion: Motion) -> list[Guard]:
     for what, rows, states in bits:
         found += [Guard(rows[i] if is_so else -rows[i], force_N, what, i) for i, is_so in enumerate(states)]
     return found
-
-
-def _contact_guards(motion: Motion, i: int, force_N: float) -> list[Guard]:
-    contact = motion.mode.contact[i]
-    if contact != STICK:
-        return [Guard(contact * motion.slip_speed_m_s[i], _SPEED_M_S, "stick", i)]
-    forward, backward = motion.limit_N[0][i], motion.limit_N[1][i]
-    return [
-        Guard(forward - motion.friction_N[i], force_N, "slip", i, FORWARD),
-        Guard(backward + motion.friction_N[i], force_N, "slip", i, BACKWARD),
-    ]
-
-
-def _turning_guards(motion: Motion, i: int, force_N: float) -> list[Guard]:
-    turning, load_N = motion.mode.turning[i], float(motion.model.load_N[i])
-    if i in motion.model.drivers or load_N <= 0.0:
-        return []
-    if turning == 0:
-        most_N = load_N * motion.input(LOAD)
-        return [Guard(most_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)]
-    if turning > 0 and motion.mode.contact[i] == STICK:
-        # The load of a roller that the belt takes along is as given, as in the linear model.
-        return []
-    return [Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i)]
 
 
 def switched(motion: Motion, guard: Guard, y: FloatArray, u: FloatArray) -> tuple[Mode, FloatArray]:
@@ -184,7 +174,7 @@ def switched(motion: Motion, guard: Guard, y: FloatArray, u: FloatArray) -> tupl
             mode = put("turning", -1)
         return put("contact", guard.direction), state
     if guard.what == "stick":
-        state[len(state) - motion.n_rollers + place] = 0.0
+        state[place - len(mode.contact)] = 0.0
         return put("contact", STICK), state
     if guard.what == "hold":
         row = int(np.flatnonzero(motion.model.driven == place)[0])
@@ -210,23 +200,23 @@ class _Phase:
         self.tolerances = np.array([guard.tolerance for guard in self.guards])
         # The guards, and below them their rates, as rows over z.
         read = self.propagator.read
-        n_z = read.shape[1]
+        n_w, n_z = read.shape
         rate = np.vstack([rows @ read, np.eye(n_z - n, n_z, k=n + 1)])
-        watched = np.array([guard.row for guard in self.guards]) @ read
+        watched = np.vstack([np.empty((0, n_w)), *(guard.row for guard in self.guards)]) @ read
         self.watch = np.vstack([watched, watched @ rate])
         self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
 
     @cached_property
     def step_s(self) -> float:
-        """Return the longest step at which no oscillation is overlooked [s]."""
-        eigenvalues = eigvals(self.propagator.state)
-        swinging = np.abs(eigenvalues[eigenvalues.imag != 0.0])
-        return 2.0 * np.pi / (float(swinging.max()) * _STEPS_PER_PERIOD) if swinging.size else np.inf
+        """Return the longest step at which no oscillation is overlooked [s]; any, where nothing is watched."""
+        eigenvalues = eigvals(self.propagator.state) if self.guards else np.empty(0)
+        fastest = float(np.abs(eigenvalues[eigenvalues.imag != 0.0]).max(initial=0.0))
+        return 2.0 * np.pi / (fastest * _STEPS_PER_PERIOD) if fastest else np.inf
 
     def lengths(self, whole_s: float, *, fresh: bool) -> list[float]:
         """Return steps that cover a time; where the mode is fresh, short ones first, since fast motions die early."""
         longest = min(self.step_s, whole_s)
-        first = [longest / part for part in _FIRST_STEPS] if fresh else []
+        first = [longest / part for part in _FIRST_STEPS] if fresh and self.guards else []
         left = whole_s - sum(first)
         check_steps(left / longest)
         count = max(1, int(np.ceil(left / longest)))
@@ -303,13 +293,13 @@ _MAX_SWITCHES = 3_000
 
 
 class HybridSolver:
-    """A start-up in which belts may slip and go slack.
+    """A start-up in which belts may slip and go slack where friction has a limit, and do not where it has none.
 
     Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
     guards of the mode are looked at 24 times in a period of its fastest oscillation.
     """
 
-    def __init__(self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit) -> None:
+    def __init__(self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None) -> None:
         self.model, self.inputs, self.limit = model, inputs, limit
         self.changes: list[tuple[float, Guard]] = []
         self._phases: dict[tuple[Mode, int], _Phase] = {}
@@ -337,7 +327,7 @@ class HybridSolver:
 
     def _motion(self, mode: Mode) -> Motion:
         if mode not in self._motions:
-            self._motions[mode] = Motion(model=self.model, mode=mode, limit=self.limit)
+            self._motions[mode] = Motion(self.model, mode, self.limit)
         return self._motions[mode]
 
     def _phase(self, mode: Mode, piece: int) -> _Phase:
@@ -389,6 +379,8 @@ class HybridSolver:
         """Switch until no guard is below zero."""
         for _ in range(_SWITCHES_AT_ONCE):
             phase = self._phase(mode, piece)
+            if not phase.guards:
+                return mode, y
             z = phase.propagator.lift(y, now - float(self.inputs.starts_s[piece]))
             margins = (phase.watch[: len(phase.guards)] @ z) / phase.tolerances
             # What has just been switched stands at minus its tolerance.

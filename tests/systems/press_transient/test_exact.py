@@ -31,7 +31,7 @@ def balance(problem, states, times_s):
 @pytest.mark.parametrize("rate", [1e-3, 1.0, 1e4, 1e8])
 def test_a_step_of_one_equation_by_hand(rate):
     """dy/dt = −λ y + λ t² has y = t² − 2t/λ + 2/λ² + (y0 − 2/λ²) e^(−λt)."""
-    made = Propagator(state=np.array([[-rate]]), drive=np.array([[rate]]), taylor=np.array([[0.0, 0.0, 2.0]]))
+    made = Propagator(np.array([[-rate]]), np.array([[rate]]), np.array([[0.0, 0.0, 2.0]]))
     t, y0 = 0.7, 0.4
     z = made.step(t) @ made.lift(np.array([y0]), 0.0)
     with mp.workdps(40):

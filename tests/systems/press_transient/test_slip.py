@@ -72,8 +72,8 @@ def test_no_tension_ratio_is_beyond_euler_at_any_time(request, name):
 
 
 def test_what_slips_when(hard_start):
-    assert set(hard_start.first_slip_s) == {"1", "2", "10"}
-    times = list(hard_start.first_slip_s.values())
+    assert set(hard_start.summary()["first_slip_s"]) == {"1", "2", "10"}
+    times = list(hard_start.summary()["first_slip_s"].values())
     assert times == sorted(times)
     assert 0.0 < times[0] < times[-1] < 0.5
     assert {slip.direction for slip in hard_start.slips if slip.roller in {"1", "10"}} == {-1}
@@ -123,8 +123,8 @@ def test_friction_that_suffices_changes_nothing(kit):
     np.testing.assert_allclose(free.utilisation, bound.utilisation, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(free.energy.drive, bound.energy.drive, rtol=1e-8)
     # The page: with μ = 1.2 no roller slips, and roller 2 is the first to come near it.
-    assert max(bound.peak_utilisation, key=bound.peak_utilisation.get) == "2"
-    assert 0.5 < bound.peak_utilisation["2"] < 0.7
+    assert max(bound.summary()["peak_utilisation"], key=bound.summary()["peak_utilisation"].get) == "2"
+    assert 0.5 < bound.summary()["peak_utilisation"]["2"] < 0.7
 
 
 @pytest.mark.parametrize(("factor", "slips"), [(1.02, False), (0.98, True)])
@@ -136,9 +136,9 @@ def test_the_threshold_of_slip_in_a_slow_start(kit, factor, slips):
     found = start_up(
         press, speed=kit.run_up(duration_s=12.0), time_s=np.linspace(0.0, 13.0, 14), friction=factor * needed
     )
-    assert list(found.first_slip_s) == (["2"] if slips else [])
+    assert list(found.summary()["first_slip_s"]) == (["2"] if slips else [])
     if slips:
-        assert found.first_slip_s["2"] > 6.0
+        assert found.summary()["first_slip_s"]["2"] > 6.0
 
 
 def regularised(kit, press, times_s, mu, creep_m_s=4e-6):

@@ -97,52 +97,31 @@ class StartUp:
     slips: tuple[SlipInterval, ...]
     settled_tension_N: FloatArray | None
 
-    @property
-    def peak_tension_N(self) -> dict[str, float]:
-        """Return the highest tension of each span at the times asked for [N]."""
-        return self._by_span(self.tension_N.max(axis=0))
-
-    @property
-    def peak_utilisation(self) -> dict[str, float]:
-        """Return the highest utilisation of each roller at the times asked for [-]; empty without friction."""
-        if self.utilisation is None:
-            return {}
-        names = (roller.name for roller in self.press.rollers)
-        return dict(zip(names, self.utilisation.max(axis=0).tolist(), strict=True))
-
-    @property
-    def first_slip_s(self) -> dict[str, float]:
-        """Return when each roller that slips does so first [s], in the order of time."""
+    def summary(self) -> dict[str, Any]:
+        """Return what the histories amount to, as plain data; rollers that slip in the order of their first slip."""
+        spans = [span.name for span in self.press.spans]
+        rollers = [roller.name for roller in self.press.rollers]
         first: dict[str, float] = {}
-        for slip in self.slips:
-            first.setdefault(slip.roller, slip.start_s)
-        return first
-
-    @property
-    def slipping_s(self) -> dict[str, float]:
-        """Return how long each roller that slips does so in all [s]."""
         total: dict[str, float] = defaultdict(float)
         for slip in self.slips:
+            first.setdefault(slip.roller, slip.start_s)
             total[slip.roller] += slip.end_s - slip.start_s
-        return dict(total)
 
-    def summary(self) -> dict[str, Any]:
-        """Return what the histories amount to, as plain data."""
-        settled = self.settled_tension_N
+        def named(names: Sequence[str], values: FloatArray) -> dict[str, float]:
+            return dict(zip(names, values.tolist(), strict=True))
+
+        used, settled = self.utilisation, self.settled_tension_N
         return {
-            "peak_tension_N": self.peak_tension_N,
-            "lowest_tension_N": self._by_span(self.tension_N.min(axis=0)),
-            "peak_utilisation": self.peak_utilisation,
-            "first_slip_s": self.first_slip_s,
-            "slipping_s": self.slipping_s,
+            "peak_tension_N": named(spans, self.tension_N.max(axis=0)),
+            "lowest_tension_N": named(spans, self.tension_N.min(axis=0)),
+            "peak_utilisation": {} if used is None else named(rollers, used.max(axis=0)),
+            "first_slip_s": first,
+            "slipping_s": dict(total),
             "drive_work_J": float(self.energy.drive[-1]),
             "slip_loss_J": float(self.energy.slip[-1]),
             "energy_residual": self.energy.relative_residual,
-            "settled_tension_N": None if settled is None else self._by_span(settled),
+            "settled_tension_N": None if settled is None else named(spans, settled),
         }
-
-    def _by_span(self, values: FloatArray) -> dict[str, float]:
-        return dict(zip((span.name for span in self.press.spans), values.tolist(), strict=True))
 
 
 def start_up(

@@ -1,6 +1,5 @@
 """The start-up of a belt press: integrators by step and tolerance, on a pliant and on a stiff belt."""
 
-from dataclasses import dataclass, field
 from functools import cache, partial
 
 import numpy as np
@@ -47,14 +46,13 @@ _QUICK = {"pliant": {4.0, 2.0, 1e-4, 1e-7}, "stiff": {0.5, 1e-4, 1e-7}}
 _TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class _Counting(LinearStartUp):
     """A start-up that counts the evaluations of its rate."""
 
-    evaluations: list[int] = field(default_factory=lambda: [0])
+    evaluations = 0
 
     def rate(self, y: FloatArray, u: FloatArray) -> FloatArray:
-        self.evaluations[0] += 1
+        self.evaluations += 1
         return super().rate(y, u)
 
 
@@ -111,7 +109,7 @@ def _settings(case: str) -> tuple[Setting, ...]:
         def assess() -> Outcome:
             counting = _Counting(model=problem.model, inputs=problem.inputs)
             error = largest_error(tensions_N(counting, integrator, chosen), exact)
-            return Outcome(error=error, evaluations=float(counting.evaluations[0]))
+            return Outcome(error=error, evaluations=float(counting.evaluations))
 
         return Setting(integrator, text, partial(tensions_N, problem, integrator, chosen), assess, quick)
 

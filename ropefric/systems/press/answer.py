@@ -13,7 +13,7 @@ from ropefric.systems.checks import Rule, side_by_side
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, told_by
 from ropefric.systems.press.machine import Press, Roller
-from ropefric.systems.press.slip import SlipTable, slip_table
+from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import Statics, solve_statics
 from ropefric.systems.press.steady import SteadyState, TakeUp, rim_speed_ratios, steady_state
 from ropefric.systems.press.transient.start_up import StartUp, start_up
@@ -162,6 +162,6 @@ def solve_press(model: PressModel) -> PressAnswer:
         statics=statics,
         state=state,
         at_rest_N=still.effective_tension_N,
-        slip=slip_table(model.press, state.effective_tension_N, problem.friction, told=model.told),
+        slip=SlipTable(model.press, state.effective_tension_N, problem.friction, told=model.told),
         start_up=moved,
     )

@@ -12,7 +12,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.answer import PressAnswer, take_up
-from ropefric.systems.press.slip import Contacts, SlipTable, contacts_of, slip_table
+from ropefric.systems.press.slip import Contacts, SlipTable, contacts_of
 from ropefric.systems.press.statics import Statics, solve_statics
 from ropefric.systems.press.steady import TakeUp, speed_shift_kg_m, steady_state
 
@@ -54,7 +54,7 @@ def sweep_press(
         speed_m_s=speeds[None, :],
         on_slack="flag",
     )
-    slip = slip_table(statics.press, state.effective_tension_N, friction)
+    slip = SlipTable(statics.press, state.effective_tension_N, friction)
     return PressSweep(
         preload_N=preloads,
         speed_m_s=speeds,
@@ -99,11 +99,12 @@ def critical_values(
     press = statics.press
     if change == "friction":
         tension_N = steady_state(statics, tensioner=tensioner).effective_tension_N
-        required = slip_table(press, tension_N, friction, told=told).mu_required
-        whole = contacts_of(press, tension_N)
-        grips = whole.pull_N > _NO_TORQUE * (whole.slack_N + whole.pull_N)
-        found = [float(mu) if grip else None for mu, grip in zip(required, grips, strict=True)]
-        return dict(zip(whole.roller.tolist(), found, strict=True))
+        slip = SlipTable(press, tension_N, friction, told=told)
+        grips = slip.contacts.pull_N > _NO_TORQUE * (slip.contacts.slack_N + slip.contacts.pull_N)
+        return {
+            name: float(mu) if grip else None
+            for name, mu, grip in zip(slip.rollers, slip.mu_required, grips, strict=True)
+        }
     # Tensions are linear in preload, load and speed squared.
     slopes = {
         "preload": statics.by_preload.sum(axis=1),

@@ -28,7 +28,7 @@ from ropefric.systems.press.answer import (
     solve_press,
     take_up,
 )
-from ropefric.systems.press.slip import utilisation
+from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import drive_power_W, rim_speed_ratios, speed_shift_kg_m
 
@@ -106,7 +106,7 @@ def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray, FloatArray]
     for flags in product((0, 1), repeat=len(telling)):
         told = told_by([name for name, flag in zip(telling, flags, strict=True) if flag])
         place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
-        use[place] = utilisation(press, tension_N[place], problem.friction, told=told)
+        use[place] = SlipTable(press, tension_N[place], problem.friction, told=told).utilisation
     whole_N = tension_N.copy()
     if "belt-inertia" in names:
         whole_N[(slice(None),) * names.index("belt-inertia") + (1,)] += squared * press.density_kg_m

@@ -5,7 +5,7 @@ while it gains speed is in `transient.motion`.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +20,6 @@ from ropefric.systems.press.machine import Press
 # Below 1 N no wrap stands for the slack side, and the law's angle starts from zero.
 _LEAST_SLACK_N = 1.0
 _LARGEST_EXPONENT = 500.0
-_BLOCK = 1 << 14
-"""Points worked on at a time: a sweep's intermediate results then stay in the processor's cache."""
 
 
 class Contacts(NamedTuple):
@@ -103,17 +101,54 @@ MEASURES = {
 """What each measure of slip says."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SlipTable:
-    """Every measure of slip for every roller; infinite where a belt has lifted off (T' ≤ 0 beside the roller)."""
+    """Every measure of slip of every roller, shape (..., n_rollers), from T' of all spans, shape (..., n_spans).
 
-    rollers: tuple[str, ...]
-    utilisation: FloatArray
-    log: FloatArray
-    mu_required: FloatArray
-    as_printed: FloatArray
-    as_plotted: FloatArray
-    exponent: FloatArray
+    They are infinite where a belt has lifted off (T' ≤ 0 beside the roller).
+
+    For constant μ and the closures "share" and "equal-torque" utilisation never rises with the preload of all
+    tensioners and never falls with the factor on all loads: the pull then is λP with P fixed by the loads, the slack
+    tension is S + λs with S > 0 growing with every preload, and λP/(S + λs) grows with λ and falls with S. It does
+    not hold for a single load (which may tighten another roller's slack side), nor with the closure "equal" (where
+    preload moves load from one driver to the other), nor for a law whose μ falls with the tension.
+    """
+
+    def __init__(
+        self,
+        press: Press,
+        effective_tension_N: npt.ArrayLike,
+        friction: float | WrapFriction,
+        *,
+        told: frozenset[str] = EVERYTHING,
+    ) -> None:
+        self.contacts = contacts_of(press, effective_tension_N)
+        self.rollers = tuple(self.contacts.roller.tolist())
+        self.exponent = self.contacts.exponent(friction, told)
+
+    @cached_property
+    def utilisation(self) -> FloatArray:
+        """Return U = (T'_tight − T'_slack) / (T'_slack (e^M − 1))."""
+        return _ratio(self.contacts.pull_N, self.contacts.slack_N * np.expm1(self.exponent))
+
+    @cached_property
+    def log(self) -> FloatArray:
+        """Return ln(T'_tight/T'_slack)/M."""
+        return np.asarray(np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N)) / self.exponent)
+
+    @cached_property
+    def mu_required(self) -> FloatArray:
+        """Return the coefficient needed."""
+        return np.asarray(self.log * self.exponent / self.contacts.wrap_angle_rad)
+
+    @cached_property
+    def as_printed(self) -> FloatArray:
+        """Return Λ of eq. (38)."""
+        return _ratio(self.contacts.upstream_N, self.contacts.downstream_N * np.expm1(self.exponent))
+
+    @cached_property
+    def as_plotted(self) -> FloatArray:
+        """Return Λ with the tensions exchanged."""
+        return _ratio(self.contacts.downstream_N, self.contacts.upstream_N * np.expm1(self.exponent))
 
     def of(self, roller: str, measure: str = "utilisation") -> FloatArray:
         """Return one measure of one roller, shape (...)."""
@@ -124,56 +159,6 @@ class SlipTable:
             )
         values: FloatArray = getattr(self, measure)
         return values[..., self.rollers.index(roller)]
-
-
-def slip_table(
-    press: Press,
-    effective_tension_N: npt.ArrayLike,
-    friction: float | WrapFriction,
-    *,
-    told: frozenset[str] = EVERYTHING,
-) -> SlipTable:
-    """Return every measure of slip side by side from T' of all spans, shape (..., n_spans)."""
-    contacts = contacts_of(press, effective_tension_N)
-    exponent = contacts.exponent(friction, told)
-    growth = np.expm1(exponent)
-    log = np.log1p(_ratio(contacts.pull_N, contacts.slack_N)) / exponent
-    return SlipTable(
-        rollers=tuple(contacts.roller.tolist()),
-        utilisation=_ratio(contacts.pull_N, contacts.slack_N * growth),
-        log=log,
-        mu_required=log * exponent / contacts.wrap_angle_rad,
-        as_printed=_ratio(contacts.upstream_N, contacts.downstream_N * growth),
-        as_plotted=_ratio(contacts.downstream_N, contacts.upstream_N * growth),
-        exponent=np.broadcast_to(exponent, log.shape),
-    )
-
-
-def utilisation(
-    press: Press,
-    effective_tension_N: FloatArray,
-    friction: float | WrapFriction,
-    *,
-    told: frozenset[str] = EVERYTHING,
-) -> FloatArray:
-    """Return required over available friction pull of every roller, shape (..., n_rollers) [-].
-
-    U = (T'_tight − T'_slack) / (T'_slack (e^M − 1)): 0 without torque and exactly 1 at impending gross slip.
-
-    For constant μ and the closures "share" and "equal-torque" it never rises with the preload of all tensioners and
-    never falls with the factor on all loads: the pull then is λP with P fixed by the loads, the slack tension is
-    S + λs with S > 0 growing with every preload, and λP/(S + λs) grows with λ and falls with S. It does not hold for
-    a single load (which may tighten another roller's slack side), nor with the closure "equal" (where preload moves
-    load from one driver to the other), nor for a law whose μ falls with the tension.
-    """
-    flat = effective_tension_N.reshape(-1, len(press.spans))
-    found = np.empty((len(flat), len(press.rollers)))
-    for start in range(0, len(flat), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        contacts = contacts_of(press, flat[part])
-        available_N = contacts.slack_N * np.expm1(contacts.exponent(friction, told))
-        found[part] = _ratio(contacts.pull_N, available_N)
-    return found.reshape(*effective_tension_N.shape[:-1], len(press.rollers))
 
 
 def _ratio(above: FloatArray, below: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
-from ropefric.systems.press.slip import utilisation
+from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 
@@ -66,9 +66,9 @@ def test_the_utilisation_there_is_one(statics, change, friction):
     for i, value in enumerate(values.values()):
         if value:  # 0.0 and None: slips at rest, or never
             state = steady_state(statics, **CALLS[change](value), on_slack="flag")
-            assert utilisation(state.press, state.effective_tension_N, friction)[i] == pytest.approx(
-                1.0, abs=1e-9
-            )
+            assert SlipTable(state.press, state.effective_tension_N, friction).utilisation[
+                i
+            ] == pytest.approx(1.0, abs=1e-9)
             checked += 1
     assert checked >= 1
 
@@ -77,7 +77,7 @@ def test_the_critical_friction_is_where_utilisation_is_one(statics):
     tension_N = steady_state(statics).effective_tension_N
     for i, mu in enumerate(critical_values(statics, 1.2, "friction").values()):
         if mu is not None:
-            assert utilisation(statics.press, tension_N, mu)[i] == pytest.approx(1.0, abs=1e-12)
+            assert SlipTable(statics.press, tension_N, mu).utilisation[i] == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("change", CHANGES)

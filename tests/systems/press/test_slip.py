@@ -12,7 +12,7 @@ from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.critical import sweep_press
-from ropefric.systems.press.slip import MEASURES, slip_table, utilisation
+from ropefric.systems.press.slip import MEASURES, SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 
@@ -42,7 +42,7 @@ def steady_tension_N(press, closure="share"):
 
 @pytest.fixture(scope="module")
 def paper_slip(paper_press, paper_data):
-    return slip_table(paper_press, steady_tension_N(paper_press), paper_data["mu"])
+    return SlipTable(paper_press, steady_tension_N(paper_press), paper_data["mu"])
 
 
 @pytest.mark.parametrize("roller", TABLE)
@@ -142,7 +142,7 @@ def test_utilisation_is_one_at_the_limit(paper_press, friction, turned):
     )  # fmt: skip
     tension_N = np.full(14, 500.0)
     tension_N[0 if turned else 1] *= float(np.exp(exponent))
-    table = slip_table(paper_press, tension_N, friction)
+    table = SlipTable(paper_press, tension_N, friction)
     assert float(table.of("2")) == pytest.approx(1.0, abs=1e-12)
     assert float(table.of("2", "log")) == pytest.approx(1.0, abs=1e-12)
     wanted = float(exponent) / roller.wrap_angle_rad
@@ -156,7 +156,7 @@ def test_utilisation_is_one_at_the_limit(paper_press, friction, turned):
 def test_a_law_that_hardly_depends_on_the_wrap_is_a_constant(paper_press, paper_slip, theta):
     """b → 0 or a → 0."""
     friction = replace(law_friction(-0.5), theta=np.array(theta))
-    table = slip_table(paper_press, steady_tension_N(paper_press), friction)
+    table = SlipTable(paper_press, steady_tension_N(paper_press), friction)
     for name in MEASURED:
         np.testing.assert_allclose(getattr(table, name), getattr(paper_slip, name), rtol=1e-8, atol=1e-12)
 
@@ -165,7 +165,7 @@ def test_a_law_sees_radius_thickness_and_slack_tension_of_each_roller(paper_pres
     law, theta = LAWS["coupled"], np.array([0.4, -0.02, -0.3, -0.4, 0.1])
     friction = WrapFriction(law=law, theta=theta, reference=one_condition(0.1, 0.0025, 2.0, 500.0))
     tension_N = steady_tension_N(paper_press)
-    found = slip_table(paper_press, tension_N, friction).exponent
+    found = SlipTable(paper_press, tension_N, friction).exponent
     slack = np.minimum(tension_N @ paper_press.into.T, tension_N @ paper_press.out_of.T)
     at = Conditions(
         wheel_radius_m=np.array([roller.radius_m for roller in paper_press.rollers]),
@@ -180,21 +180,21 @@ def test_blocks_of_points_are_the_points(paper_press):
     statics = solve_statics(paper_press)
     preload = np.linspace(1500, 3000, 70_001)
     tension_N = steady_state(statics, preload_N=preload).effective_tension_N
-    whole = utilisation(paper_press, tension_N, 1.2)
+    whole = SlipTable(paper_press, tension_N, 1.2).utilisation
     assert whole.shape == (70_001, 13)
     some = [0, 16383, 16384, 32768, 70_000]
     np.testing.assert_allclose(
-        whole[some], utilisation(paper_press, tension_N[some], 1.2), rtol=1e-14, atol=1e-15
+        whole[some], SlipTable(paper_press, tension_N[some], 1.2).utilisation, rtol=1e-14, atol=1e-15
     )
     np.testing.assert_allclose(
-        whole, slip_table(paper_press, tension_N, 1.2).utilisation, rtol=1e-14, atol=1e-15
+        whole, SlipTable(paper_press, tension_N, 1.2).utilisation, rtol=1e-14, atol=1e-15
     )
 
 
 @pytest.mark.parametrize("mu", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_coefficient_is_positive(paper_press, mu):
     with pytest.raises(InputError, match="mu is"):
-        utilisation(paper_press, steady_tension_N(paper_press), mu)
+        SlipTable(paper_press, steady_tension_N(paper_press), mu)
 
 
 def test_a_law_without_friction_is_refused(paper_press):
@@ -202,12 +202,12 @@ def test_a_law_without_friction_is_refused(paper_press):
         law=LAWS["constant"], theta=np.array([0.0]), reference=one_condition(0.2, 0.0025, 2.0, 500.0)
     )
     with pytest.raises(InputError, match="roller 1: there is no friction at all"):
-        utilisation(paper_press, steady_tension_N(paper_press), friction)
+        SlipTable(paper_press, steady_tension_N(paper_press), friction)
 
 
 def test_a_belt_that_lifts_off_has_no_grip(paper_press):
     state = steady_state(solve_statics(paper_press), preload_N=[100.0, 2000.0], on_slack="flag")
-    table = slip_table(paper_press, state.effective_tension_N, 1.2)
+    table = SlipTable(paper_press, state.effective_tension_N, 1.2)
     for name in ("utilisation", "log", "mu_required"):
         values = getattr(table, name)
         assert np.isinf(values[0, :2]).all()  # span 1 is slack: rollers 1 and 2
@@ -238,7 +238,7 @@ def test_more_preload_never_raises_utilisation(paper_press, *, closure, mu, spee
         load_factor=load,
         on_slack="flag",
     )
-    less, tighter = utilisation(state.press, state.effective_tension_N, mu)
+    less, tighter = SlipTable(state.press, state.effective_tension_N, mu).utilisation
     assert (tighter <= less * (1 + 1e-12) + 1e-12).all()
 
 
@@ -260,7 +260,7 @@ def test_more_load_never_lowers_utilisation(paper_press, *, closure, mu, speed_m
         load_factor=[load, load + more],
         on_slack="flag",
     )
-    less, heavier = utilisation(state.press, state.effective_tension_N, mu)
+    less, heavier = SlipTable(state.press, state.effective_tension_N, mu).utilisation
     assert (heavier >= less * (1 - 1e-12) - 1e-12).all()
 
 
@@ -268,20 +268,20 @@ def test_outside_that_domain_it_does_not_hold(paper_press):
     """One load alone tightens another roller's slack side; `equal` moves load between the drivers; μ may fall."""
     rollers = tuple(replace(r, gravity_torque_N_m=60.0) if r.name == "3" else r for r in paper_press.rollers)
     machine = replace(paper_press, rollers=rollers)
-    heavier = utilisation(machine, steady_tension_N(machine), 1.2)
-    base = utilisation(paper_press, steady_tension_N(paper_press), 1.2)
+    heavier = SlipTable(machine, steady_tension_N(machine), 1.2).utilisation
+    base = SlipTable(paper_press, steady_tension_N(paper_press), 1.2).utilisation
     assert heavier[4] < base[4]
     tighter = tuple(
         replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
         for r in paper_press.rollers
     )
     one, other = (
-        utilisation(press, steady_tension_N(press, closure="equal"), 1.2)
+        SlipTable(press, steady_tension_N(press, closure="equal"), 1.2).utilisation
         for press in (paper_press, replace(paper_press, rollers=tighter))
     )
     assert other[9] > one[9]
     friction = law_friction(-0.9, a=0.5, c=0.0)
     state = steady_state(solve_statics(paper_press), preload_N=[2000.0, 4000.0])
-    less, tighter = utilisation(state.press, state.effective_tension_N, friction)
+    less, tighter = SlipTable(state.press, state.effective_tension_N, friction).utilisation
     loaded = np.array([float(value) > 0.0 for *_, value in TABLE.values()])
     assert (tighter > less)[loaded].any()

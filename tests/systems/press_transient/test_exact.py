@@ -13,7 +13,7 @@ from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import speed_shift_kg_m
 from ropefric.systems.press.transient.exact import Propagator
 from ropefric.systems.press.transient.motion import MOVING, elastic_press, settled_tension_N
-from ropefric.systems.press.transient.start_up import energies_of, start_up
+from ropefric.systems.press.transient.start_up import Energies, start_up
 
 POWERS = 6
 
@@ -25,7 +25,7 @@ def tensions(problem, states, times_s):
 
 def balance(problem, states, times_s):
     w = np.hstack([states[:, :-POWERS], problem.inputs.at(times_s)])
-    return energies_of(problem.motion, w, states[:, -POWERS:])
+    return Energies(problem.motion, w, states[:, -POWERS:])
 
 
 @pytest.mark.parametrize("rate", [1e-3, 1.0, 1e4, 1e8])

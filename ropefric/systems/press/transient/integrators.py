@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -22,56 +21,37 @@ from ropefric.systems.press.transient.motion import (
 )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class LinearStartUp:
-    """A start-up in which no belt slips or goes slack: dy/dt = A y + B u(t), and powers that are squares of it."""
+    """A start-up in which no belt slips or goes slack: dy/dt = A y + B u(t), and powers that are squares of it.
 
-    model: ElasticPress
-    inputs: Inputs
+    Attributes
+    ----------
+    n_state, start
+        Size of the state y = (q, dq/dt), and y at t = 0.
+    forms
+        The powers, shape (6, n_w, n_w), see `motion.POWERS`.
+    scale
+        What counts as large for each state and work, for absolute tolerances, shape (n_state + 6,).
+    tension_scale
+        What changes a tension by as much as there is at rest, for each state; infinite for works. The tension is
+        T_0 + k (e + η de/dt): on a stiff, damped belt a speed that is small beside the drive's is a large tension, so
+        that an error of the states alone says little of the tensions.
+    """
 
-    @cached_property
-    def motion(self) -> Motion:
-        """Return the equations of motion."""
-        return Motion(self.model, sticking(self.model))
-
-    @cached_property
-    def n_state(self) -> int:
-        """Return the size of the state y = (q, dq/dt)."""
-        return 2 * self.motion.n_coordinates
-
-    @cached_property
-    def forms(self) -> FloatArray:
-        """Return the powers, shape (6, n_w, n_w), see `ropefric.systems.press.transient.motion.POWERS`."""
-        return power_forms(self.motion)
-
-    @cached_property
-    def start(self) -> FloatArray:
-        """Return the state at t = 0."""
-        return starting_state(self.motion, self.inputs)
-
-    @cached_property
-    def scale(self) -> FloatArray:
-        """Return what counts as large for each state and work, for absolute tolerances, shape (n_state + 6,)."""
-        model = self.model
+    def __init__(self, model: ElasticPress, inputs: Inputs) -> None:
+        self.model, self.inputs = model, inputs
+        self.motion = Motion(model, sticking(model))
+        self.forms, self.start = power_forms(self.motion), starting_state(self.motion, inputs)
+        self.n_state, n_q = len(self.start), self.motion.n_coordinates
         way = float((model.preload_N / model.stiffness_N_m).max())
-        speed = max(float(np.abs(self.inputs.taylor[:, SPEED, 0]).max()), 1e-3)
+        speed = max(float(np.abs(inputs.taylor[:, SPEED, 0]).max()), 1e-3)
         mass = float(model.roller_mass_kg.sum() + model.arc_mass_kg.sum())
-        n_q = self.n_state // 2
-        return np.repeat([way, speed, 0.5 * mass * speed**2], [n_q, n_q, 6])
-
-    @cached_property
-    def tension_scale(self) -> FloatArray:
-        """Return what changes a tension by as much as there is at rest, for each state; infinite for works.
-
-        The tension is T_0 + k (e + η de/dt): on a stiff, damped belt a speed that is small beside the drive's is a
-        large tension, so that an error of the states alone says little of the tensions.
-        """
-        rows = np.abs(self.motion.tension_N[:, : self.n_state])
+        self.scale = np.repeat([way, speed, 0.5 * mass * speed**2], [n_q, n_q, 6])
         with np.errstate(divide="ignore"):
-            ways = (self.model.preload_N[:, np.newaxis] / rows).min(axis=0)
-        return np.concatenate([ways, np.full(6, np.inf)])
+            ways = model.preload_N[:, np.newaxis] / np.abs(self.motion.tension_N[:, : self.n_state])
+        self.tension_scale = np.concatenate([ways.min(axis=0), np.full(6, np.inf)])
 
-    @cached_property
+    @property
     def eigenvalues(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s]."""
         return np.linalg.eigvals(self.motion.derivative[:, : self.n_state])

@@ -18,7 +18,6 @@ from ropefric.systems.press.transient.exact import Guard, HybridSolver
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import (
     MOVING,
-    POWERS,
     STICK,
     Motion,
     elastic_energy_J,
@@ -39,42 +38,24 @@ class SlipInterval(NamedTuple):
     direction: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Energies:
-    """Works since the start and energies, each of shape (n_times,) [J]."""
+    """Works since the start and energies, each of shape (n_times,) [J], from states w and works (n_times, 6).
 
-    drive: FloatArray
-    load: FloatArray
-    belt: FloatArray
-    tensioner: FloatArray
-    slip: FloatArray
-    centrifugal: FloatArray
-    kinetic: FloatArray
-    elastic: FloatArray
+    `residual` is what does not add up since the first time, zero but for rounding and the integrator's error;
+    `relative_residual` its greatest over the greatest of all works and changes of energy [-].
+    """
 
-    @property
-    def residual(self) -> FloatArray:
-        """Return what does not add up since the first time [J]; zero but for rounding and the integrator's error."""
-        stored = self.kinetic + self.elastic
+    def __init__(self, motion: Motion, w: FloatArray, works: FloatArray) -> None:
+        self.drive, self.load, self.belt, self.tensioner, self.slip, self.centrifugal = (
+            works.T
+        )  # as in `POWERS`
+        self.kinetic, self.elastic = kinetic_energy_J(motion, w), elastic_energy_J(motion, w)
         supplied = self.drive + self.centrifugal - self.load - self.belt - self.tensioner - self.slip
-        return np.asarray((supplied - supplied[0]) - (stored - stored[0]))
-
-    @property
-    def relative_residual(self) -> float:
-        """Return the greatest residual over the greatest of all works and changes of energy [-]."""
-        parts = [getattr(self, name) for name in POWERS]
-        parts += [part - part[0] for part in (self.kinetic, self.elastic)]
-        scale = max(float(np.abs(part).max()) for part in parts)
-        return float(np.abs(self.residual).max()) / scale if scale > 0.0 else 0.0
-
-
-def energies_of(motion: Motion, w: FloatArray, works: FloatArray) -> Energies:
-    """Return the balance of states w, shape (n, n_w), and works in the order of `POWERS`, shape (n, 6)."""
-    return Energies(
-        **dict(zip(POWERS, works.T, strict=True)),
-        kinetic=kinetic_energy_J(motion, w),
-        elastic=elastic_energy_J(motion, w),
-    )
+        stored = self.kinetic + self.elastic
+        self.residual = (supplied - supplied[0]) - (stored - stored[0])
+        changes = (self.kinetic - self.kinetic[0], self.elastic - self.elastic[0])
+        scale = max(float(np.abs(part).max()) for part in (*works.T, *changes))
+        self.relative_residual = float(np.abs(self.residual).max()) / scale if scale > 0.0 else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -213,7 +194,7 @@ def start_up(
         slip_speed_m_s=w @ first.slip_speed_m_s.T,
         friction_N=friction_N,
         utilisation=utilisation,
-        energy=energies_of(first, w, works),
+        energy=Energies(first, w, works),
         slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
         settled_tension_N=settled_tension_N(model, final_value(speed)),
     )

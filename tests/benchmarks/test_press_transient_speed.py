@@ -12,7 +12,7 @@ import pytest
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
-from ropefric.systems.press.transient.motion import elastic_press
+from ropefric.systems.press.transient.motion import ElasticPress
 from ropefric.systems.press.transient.start_up import start_up
 
 TIMES_S = np.linspace(0.0, 10.0, 201)
@@ -44,7 +44,7 @@ def machine(eta_s):
 
 @pytest.fixture(scope="module", params=[1e-3, 1e-2], ids=["eta=1e-3", "eta=1e-2"])
 def problem(request):
-    model = elastic_press(machine(request.param))
+    model = ElasticPress(machine(request.param))
     speed = DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=2.0)
     return LinearStartUp(model=model, inputs=press_inputs(model.overspeed, speed, "with-speed"))
 

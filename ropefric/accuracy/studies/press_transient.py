@@ -20,7 +20,7 @@ from ropefric.arrays import FloatArray
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, rk4_limit_s
-from ropefric.systems.press.transient.motion import elastic_press
+from ropefric.systems.press.transient.motion import ElasticPress
 
 TIMES_S = (0.1, 0.2, 0.4)
 SPEED_M_S, RUN_UP_S = 0.916, 0.3
@@ -89,7 +89,7 @@ def machine(stiffness_N: float, damping_s: float) -> Press:
 @cache
 def start_up(case: str) -> LinearStartUp:
     """Return the start-up of a case: a smooth run-up in 0.3 s, the loads in proportion to the speed."""
-    model = elastic_press(machine(*BELTS[case]))
+    model = ElasticPress(machine(*BELTS[case]))
     speed = DRIVE_LAWS["s-curve"](speed_m_s=SPEED_M_S, duration_s=RUN_UP_S)
     return LinearStartUp(model=model, inputs=press_inputs(model.overspeed, speed, "with-speed"))
 

@@ -10,7 +10,7 @@ import pytest
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
-from ropefric.systems.press.transient.motion import elastic_press
+from ropefric.systems.press.transient.motion import ElasticPress
 
 RADII_MM = [175, 75, 75, 75, 250, 200, 175, 150, 100, 175, 75, 75, 75]
 WRAPS_DEG = [177.6, 28.1, 163.3, 28.1, 56.7, 131.8, 157.0, 147.2, 91.1, 81.4, 79.6, 64.1, 126.1]
@@ -105,7 +105,7 @@ def run_up(law="s-curve", speed_m_s=SPEED_M_S, duration_s=2.0):
 
 
 def linear_problem(press, speed=None, loads="with-speed", **model):
-    made = elastic_press(press, **model)
+    made = ElasticPress(press, **model)
     return LinearStartUp(
         model=made, inputs=press_inputs(made.overspeed, run_up() if speed is None else speed, loads)
     )

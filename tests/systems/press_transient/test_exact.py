@@ -12,7 +12,7 @@ from ropefric.errors import InputError
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import speed_shift_kg_m
 from ropefric.systems.press.transient.exact import Propagator
-from ropefric.systems.press.transient.motion import MOVING, elastic_press, settled_tension_N
+from ropefric.systems.press.transient.motion import MOVING, ElasticPress, settled_tension_N
 from ropefric.systems.press.transient.start_up import Energies, start_up
 
 POWERS = 6
@@ -134,7 +134,7 @@ def test_the_steady_run_is_that_of_the_paper_s_equations(kit):
 def test_what_speed_does_to_the_tensions(kit, k1):
     """dT' = −ρAv²/(1 + s) with the belt's stiffness from its free spans, which is what the model stretches."""
     press = kit.small(k1=k1)
-    model = elastic_press(press)
+    model = ElasticPress(press)
     still, run = (settled_tension_N(model, v) for v in (0.0, 2.0))
     c = 8.0 * 4.0
     s = 4.0 * (2e5 / (0.8 + 1.0 + 1.3)) / k1
@@ -182,7 +182,7 @@ def test_bad_questions_are_refused(kit, arguments, said):
 
 def test_drivers_of_different_speed_settle_nowhere(kit):
     press = kit.paper(overspeed=1e-3)
-    assert settled_tension_N(elastic_press(press), 1.0) is None
+    assert settled_tension_N(ElasticPress(press), 1.0) is None
     found = start_up(press, speed=kit.run_up(), time_s=np.linspace(0.0, 5.0, 51))
     assert found.settled_tension_N is None
     assert found.energy.relative_residual < 1e-8

@@ -12,7 +12,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.transient.motion import (
-    elastic_press,
+    ElasticPress,
     friction_limit,
     friction_utilisation,
     settled_tension_N,
@@ -131,7 +131,7 @@ def test_friction_that_suffices_changes_nothing(kit):
 def test_the_threshold_of_slip_in_a_slow_start(kit, factor, slips):
     """Slow enough, roller 2 slips just where the steady run needs more than its friction: ln(T2'/T1')/α."""
     press = kit.paper(eta_s=1e-2)
-    settled = settled_tension_N(elastic_press(press), kit.speed_m_s) - 15.0 * kit.speed_m_s**2
+    settled = settled_tension_N(ElasticPress(press), kit.speed_m_s) - 15.0 * kit.speed_m_s**2
     needed = math.log(settled[1] / settled[0]) / press.rollers[1].wrap_angle_rad
     found = start_up(
         press, speed=kit.run_up(duration_s=12.0), time_s=np.linspace(0.0, 13.0, 14), friction=factor * needed
@@ -201,7 +201,7 @@ def test_a_machine_coded_by_itself_slips_alike(kit, mu, load_N_m):
 
 
 def test_the_limit_of_a_constant_coefficient(kit):
-    model = elastic_press(kit.paper())
+    model = ElasticPress(kit.paper())
     limit = friction_limit(model, 0.4)
     M = 0.4 * np.array([roller.wrap_angle_rad for roller in model.press.rollers])
     np.testing.assert_allclose(limit.growth, np.exp(M), rtol=1e-14)
@@ -228,7 +228,7 @@ def local_mu(friction, slack_N):
 @pytest.mark.parametrize("alpha", [0.5, 2.5, 5.0])
 def test_utilisation_is_one_at_the_limit_of_the_belt_element(kit, friction, inertia_N, alpha):
     """The belt element dT/dφ = ρAR²θ'' − F with F at its greatest everywhere, integrated directly."""
-    model = elastic_press(kit.small(wrap_rad=alpha))
+    model = ElasticPress(kit.small(wrap_rad=alpha))
     slack_N = float(model.preload_N[0])
     mu = local_mu(friction, slack_N)
     limit = friction_limit(model, friction)
@@ -263,7 +263,7 @@ def test_the_share_of_inertia_is_exact_where_the_coefficient_is_steep(kit, b):
 
     with mpmath.workdps(30):
         swell = mpmath.quad(lambda u: 20 * u**19 * (mpmath.exp(M(alpha) - M(alpha * u**20)) - 1), [0, 0.5, 1])
-    model = elastic_press(small)
+    model = ElasticPress(small)
     assert model.preload_N[0] == pytest.approx(1.0, rel=1e-12)
     assert friction_limit(model, friction).share[1] == pytest.approx(float(1 / (1 + swell)), rel=1e-9)
 

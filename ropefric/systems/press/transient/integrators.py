@@ -29,7 +29,7 @@ class LinearStartUp:
     n_state, start
         Size of the state y = (q, dq/dt), and y at t = 0.
     forms
-        The powers, shape (6, n_w, n_w), see `motion.POWERS`.
+        The powers, shape (6, n_w, n_w), see `power_forms`.
     scale
         What counts as large for each state and work, for absolute tolerances, shape (n_state + 6,).
     tension_scale

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
@@ -40,23 +39,34 @@ MOVING = frozenset({"belt-inertia", "belt-damping", "tensioner-damping", "arc-in
 """What a start-up may contain beside elastic belts and turning rollers; what is left out is never computed."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ElasticPress:
-    """A press ready to be moved. Rollers are described at their rims: s = Rθ [m], mass J/R² [kg], load M/R [N]."""
+    """A press ready to be moved, as arrays over spans, rollers, drivers and tensioners.
 
-    press: Press
-    stiffness_N_m: FloatArray
-    damping_N_s_m: FloatArray
-    density_kg_m: FloatArray
-    preload_N: FloatArray
-    roller_mass_kg: FloatArray
-    arc_mass_kg: FloatArray
-    driven: npt.NDArray[np.intp]
-    drivers: npt.NDArray[np.intp]
-    overspeed: FloatArray
-    tensioner_mass_kg: FloatArray
-    tensioner_damping_N_s_m: FloatArray
-    spring_N_m: FloatArray
+    Rollers are described at their rims: s = Rθ [m], mass J/R² [kg], load M/R [N].
+    """
+
+    def __init__(self, press: Press, effects: Collection[str] = MOVING) -> None:
+        refuse_missing("a start-up", [*press.missing_elasticity, *press.missing_masses], fix="give them")
+        self.press, rollers, carriers = press, press.rollers, press.tensioners.values()
+        self.preload_N = standstill_tension_N(press)
+        index = {(span.start, span.end): i for i, span in enumerate(press.spans)}
+        self.stiffness_N_m, self.damping_N_s_m = np.zeros((2, len(index)))
+        for belt in press.belts:
+            for step, length_m in zip(belt.steps, belt.span_lengths_m or (), strict=True):
+                own = (belt.axial_stiffness_N or 0.0) / length_m
+                self.stiffness_N_m[index[step]] += own
+                self.damping_N_s_m[index[step]] += own * belt.damping_s * ("belt-damping" in effects)
+        self.density_kg_m = press.density_kg_m * ("belt-inertia" in effects)
+        on_arcs = [sum(belt.linear_density_kg_m for belt in press.belts_on(one.name)) for one in rollers]
+        arcs_m = press.radius_m * [one.wrap_angle_rad for one in rollers]
+        self.arc_mass_kg = np.array(on_arcs) * arcs_m * ("arc-inertia" in effects)
+        self.roller_mass_kg = np.array([one.inertia_kg_m2 or 0.0 for one in rollers]) / press.radius_m**2
+        self.driven, self.drivers = np.flatnonzero(press.is_driven), np.flatnonzero(~press.is_driven)
+        self.overspeed = np.array([one.overspeed or 0.0 for one in press.drivers])
+        self.spring_N_m = np.array([one.spring_N_m for one in carriers])
+        self.tensioner_mass_kg = np.array([one.mass_kg or 0.0 for one in carriers])
+        dampers = np.array([one.damping_N_s_m for one in carriers])
+        self.tensioner_damping_N_s_m = dampers * ("tensioner-damping" in effects)
 
 
 def standstill_tension_N(press: Press) -> FloatArray:
@@ -82,39 +92,6 @@ def standstill_tension_N(press: Press) -> FloatArray:
             fix="raise the tensioner's force or travel",
         )
     return np.asarray(level_N @ press.carried)
-
-
-def elastic_press(press: Press, *, effects: Collection[str] = MOVING) -> ElasticPress:
-    """Return a press with elastic belts as arrays."""
-    refuse_missing("a start-up", [*press.missing_elasticity, *press.missing_masses], fix="give them")
-    index = {(span.start, span.end): i for i, span in enumerate(press.spans)}
-    stiffness, damping = np.zeros((2, len(index)))
-    for belt in press.belts:
-        for step, length_m in zip(belt.steps, belt.span_lengths_m or (), strict=True):
-            own = (belt.axial_stiffness_N or 0.0) / length_m
-            stiffness[index[step]] += own
-            damping[index[step]] += own * belt.damping_s
-    arcs = [
-        sum(belt.linear_density_kg_m for belt in press.belts_on(one.name)) * one.radius_m * one.wrap_angle_rad
-        for one in press.rollers
-    ]
-    carriers, drivers = press.tensioners.values(), np.flatnonzero(~press.is_driven)
-    return ElasticPress(
-        press=press,
-        stiffness_N_m=stiffness,
-        damping_N_s_m=damping * ("belt-damping" in effects),
-        density_kg_m=press.density_kg_m * ("belt-inertia" in effects),
-        preload_N=standstill_tension_N(press),
-        roller_mass_kg=np.array([one.inertia_kg_m2 or 0.0 for one in press.rollers]) / press.radius_m**2,
-        arc_mass_kg=np.array(arcs) * ("arc-inertia" in effects),
-        driven=np.flatnonzero(press.is_driven),
-        drivers=drivers,
-        overspeed=np.array([press.rollers[i].overspeed or 0.0 for i in drivers]),
-        tensioner_mass_kg=np.array([one.mass_kg or 0.0 for one in carriers]),
-        tensioner_damping_N_s_m=np.array([one.damping_N_s_m for one in carriers])
-        * ("tensioner-damping" in effects),
-        spring_N_m=np.array([one.spring_N_m for one in carriers]),
-    )
 
 
 class FrictionLimit(NamedTuple):
@@ -350,13 +327,12 @@ def settled_tension_N(model: ElasticPress, speed_m_s: float) -> FloatArray | Non
     return np.asarray(motion.tension_N @ np.concatenate([at_rest, np.zeros_like(at_rest), inputs]))
 
 
-POWERS = ("drive", "load", "belt", "tensioner", "slip", "centrifugal")
-"""Works that are counted: done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and
-done by the running belts' momentum ρAv² on the tensioners."""
-
-
 def power_forms(motion: Motion) -> FloatArray:
-    """Return the powers in the order of `POWERS` as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w)."""
+    """Return powers as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w).
+
+    They are done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and done by the
+    running belts' momentum ρAv² on the tensioners.
+    """
     model, drivers = motion.model, motion.model.drivers
     push = model.roller_mass_kg[:, None] * motion.rim_acceleration_m_s2 + motion.load_N - motion.friction_N
     kept = _where(motion.mode.strained, motion.spring_N)

@@ -19,9 +19,9 @@ from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStar
 from ropefric.systems.press.transient.motion import (
     MOVING,
     STICK,
+    ElasticPress,
     Motion,
     elastic_energy_J,
-    elastic_press,
     friction_limit,
     friction_utilisation,
     kinetic_energy_J,
@@ -46,9 +46,8 @@ class Energies:
     """
 
     def __init__(self, motion: Motion, w: FloatArray, works: FloatArray) -> None:
-        self.drive, self.load, self.belt, self.tensioner, self.slip, self.centrifugal = (
-            works.T
-        )  # as in `POWERS`
+        self.drive, self.load, self.belt = works.T[:3]
+        self.tensioner, self.slip, self.centrifugal = works.T[3:]
         self.kinetic, self.elastic = kinetic_energy_J(motion, w), elastic_energy_J(motion, w)
         supplied = self.drive + self.centrifugal - self.load - self.belt - self.tensioner - self.slip
         stored = self.kinetic + self.elastic
@@ -125,7 +124,7 @@ def start_up(
     two changes of a contact the solution is exact.
     """
     times = _checked(time_s)
-    model = elastic_press(press, effects=effects)
+    model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
     limit = None if friction is None else friction_limit(model, friction)
     slips = limit is not None and slip

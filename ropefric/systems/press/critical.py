@@ -1,14 +1,13 @@
 """Tensions and slip over preloads and speeds, and what has to change until a roller slips, or the last one stops."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.answer import PressAnswer, take_up
@@ -17,53 +16,34 @@ from ropefric.systems.press.statics import Statics, solve_statics
 from ropefric.systems.press.steady import TakeUp, speed_shift_kg_m, steady_state
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PressSweep:
-    """A press at every pair of preload and speed; without preloads at the machine's own."""
-
-    preload_N: FloatArray
-    speed_m_s: FloatArray
-    spans: tuple[str, ...]
-    rollers: tuple[str, ...]
-    effective_tension_N: FloatArray
-    slack: BoolArray
-    slip: SlipTable
-
-    @property
-    def margin(self) -> FloatArray:
-        """Return the largest utilisation of all rollers, shape (n_preloads or 1, n_speeds); slip begins at 1."""
-        return np.asarray(self.slip.utilisation.max(axis=-1))
-
-
-def sweep_press(
-    statics: Statics,
-    friction: float | WrapFriction,
-    *,
-    preload_N: npt.ArrayLike | None = None,
-    speed_m_s: npt.ArrayLike | None = None,
-) -> PressSweep:
-    """Return tensions and slip at every pair of preloads of all tensioners and speeds; what is not given stays.
+    """Tensions and slip at every pair of preloads of all tensioners and speeds; what is not given stays.
 
     Over the speed alone the arrays behind figures 4 and 5, over the preload figure 6, over both figure 7 and the map.
+    `margin` is the largest utilisation of all rollers, shape (n_preloads or 1, n_speeds); slip begins at 1.
     """
-    preloads = np.empty(0) if preload_N is None else _row("preload_N", preload_N)
-    speeds = _row("speed_m_s", [statics.press.speed_m_s] if speed_m_s is None else speed_m_s)
-    state = steady_state(
-        statics,
-        preload_N=preloads[:, None] if preloads.size else None,
-        speed_m_s=speeds[None, :],
-        on_slack="flag",
-    )
-    slip = SlipTable(statics.press, state.effective_tension_N, friction)
-    return PressSweep(
-        preload_N=preloads,
-        speed_m_s=speeds,
-        spans=tuple(span.name for span in statics.press.spans),
-        rollers=slip.rollers,
-        effective_tension_N=state.effective_tension_N,
-        slack=state.slack,
-        slip=slip,
-    )
+
+    def __init__(
+        self,
+        statics: Statics,
+        friction: float | WrapFriction,
+        *,
+        preload_N: npt.ArrayLike | None = None,
+        speed_m_s: npt.ArrayLike | None = None,
+    ) -> None:
+        press = statics.press
+        self.preload_N = np.empty(0) if preload_N is None else _row("preload_N", preload_N)
+        self.speed_m_s = _row("speed_m_s", [press.speed_m_s] if speed_m_s is None else speed_m_s)
+        state = steady_state(
+            statics,
+            preload_N=self.preload_N[:, None] if self.preload_N.size else None,
+            speed_m_s=self.speed_m_s[None, :],
+            on_slack="flag",
+        )
+        self.effective_tension_N, self.slack = state.effective_tension_N, state.slack
+        self.slip = SlipTable(press, self.effective_tension_N, friction)
+        self.spans, self.rollers = tuple(span.name for span in press.spans), self.slip.rollers
+        self.margin = self.slip.utilisation.max(axis=-1)
 
 
 def _row(name: str, values: npt.ArrayLike) -> FloatArray:

@@ -190,12 +190,7 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "tensioners locked where they stand at rest",
             lambda problem: () if problem.press.tensioners else ("rollers.NAME.tensioner",),
         ),
-        _steady(
-            "belt-elasticity",
-            "belts that stretch by their EA",
-            "belts that do not stretch",
-            _lacking,
-        ),
+        _steady("belt-elasticity", "belts that stretch by their EA", "belts that do not stretch", _lacking),
         _steady(
             "elastic-creep",
             "belts that are strained by T/EA, so that driven rollers run slower than the drivers and power is lost",

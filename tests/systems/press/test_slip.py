@@ -11,7 +11,7 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.critical import sweep_press
+from ropefric.systems.press.critical import PressSweep
 from ropefric.systems.press.slip import MEASURES, SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
@@ -70,8 +70,8 @@ def test_measures_are_described_and_misses_are_named(paper_slip):
 @pytest.fixture(scope="module")
 def trends(paper_press, paper_data):
     statics = solve_statics(paper_press)
-    preload = sweep_press(statics, paper_data["mu"], preload_N=np.linspace(1500, 4000, 11))
-    speed = sweep_press(statics, paper_data["mu"], speed_m_s=2 * np.pi / 60 * 0.175 * np.linspace(0, 100, 11))
+    preload = PressSweep(statics, paper_data["mu"], preload_N=np.linspace(1500, 4000, 11))
+    speed = PressSweep(statics, paper_data["mu"], speed_m_s=2 * np.pi / 60 * 0.175 * np.linspace(0, 100, 11))
     return preload, speed
 
 

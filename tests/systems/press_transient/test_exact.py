@@ -169,7 +169,6 @@ def test_loads_from_the_start_begin_in_balance_with_them(kit):
         ({"time_s": [1.0, 0.5]}, "rise"),
         ({"time_s": [-1.0, 0.5]}, "rise"),
         ({"time_s": []}, "finite times"),
-        ({"friction": 0.3, "integrator": "rk4"}, "exactly between"),
         ({"friction": 0.3, "effects": MOVING - {"arc-inertia"}}, "own mass"),
         ({"friction": -0.3}, "positive"),
     ],

@@ -38,13 +38,14 @@ _LOADS = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_
 
 
 def _largest_change(name: str, problem: PressProblem) -> float:
-    names, (tension_N, use, pace) = _applicable(problem), _corners(problem)
+    names = _applicable(problem)
+    if name not in (*names, "elastic-creep"):
+        return 0.0
+    tension_N, use, pace = _corners(problem)
     whole = (-1,) * len(names)
     fastest = pace[whole].max(axis=-1, keepdims=True)
     if name == "elastic-creep":  # tensions and slip know nothing of it
         return float((np.abs(pace - 1.0) / fastest).max())
-    if name not in names:
-        return 0.0
     axis = names.index(name)
     changes = (
         np.abs(np.diff(tension_N, axis=axis)) / tension_N[whole],
@@ -62,12 +63,11 @@ def _share_of_largest(change: FloatArray, reference: FloatArray) -> FloatArray:
 
 def _share_of_pull(name: str, problem: PressProblem) -> float:
     """Return a load's share of the pull Σ M/R of all loads, and so of the drivers' power."""
-    rollers = problem.press.rollers
-    own_N = (
-        sum(getattr(roller, _LOADS[name]) / roller.radius_m for roller in rollers) if name in _LOADS else 0
-    )
-    total_N = problem.press.rim_load_N.sum()
-    return own_N and (float(abs(own_N / total_N)) if total_N else math.inf)
+    if name not in _LOADS:
+        return 0.0
+    own_N = sum(getattr(roller, _LOADS[name]) / roller.radius_m for roller in problem.press.rollers)
+    total_N = float(problem.press.rim_load_N.sum())
+    return own_N and (abs(own_N / total_N) if total_N else math.inf)
 
 
 @lru_cache(maxsize=4)

@@ -473,3 +473,14 @@ def test_every_subset_of_effects_can_be_assembled_and_solved(paper_problem):
     for chosen in product((False, True), repeat=len(names)):
         kept = [name for name, wanted in zip(names, chosen, strict=True) if wanted]
         assert (tensions(paper_problem, kept) > 0.0).all()
+
+
+def test_what_no_law_looks_at_is_worth_nothing_even_where_a_span_would_go_slack(paper_problem):
+    """Without the drag of the weight this press has no answer: no bound of a load, and none needed of the wrap."""
+    rollers = tuple(
+        replace(r, gravity_torque_N_m=-2000.0, squeeze_torque_N_m=2000.0) if r.name == "8" else r
+        for r in paper_problem.press.rollers
+    )
+    problem = replace(paper_problem, press=replace(paper_problem.press, rollers=rollers), friction=CONSTANT)
+    assert math.isinf(SYSTEM.effects["gravity-load"].influence(problem))
+    assert SYSTEM.effects["wrap-dependence"].influence(problem) == 0.0

@@ -83,7 +83,7 @@ def _press() -> PressProblem:
 
 PROBLEMS = {
     "hoist": Planned(
-        HOIST,
+        replace(HOIST, solved_whole=False),  # what a plan of it would be like, were it made
         _hoist,
         "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
     ),

@@ -27,8 +27,14 @@ from ropefric.scenes.kind import (
     in_words,
     key,
 )
-from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
-from ropefric.systems.beltdrive.effects import SYSTEM
+from ropefric.systems.beltdrive.drive import (
+    CLOSURES,
+    SYSTEM,
+    DriveAnswer,
+    DriveProblem,
+    answerable,
+    best_speed_m_s,
+)
 from ropefric.systems.friction import WrapFriction
 
 _TURN = 2.0 * math.pi

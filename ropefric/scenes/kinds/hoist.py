@@ -16,8 +16,8 @@ from ropefric.scenes.kind import (
     first,
     key,
 )
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift
-from ropefric.systems.hoist.effects import SYSTEM, answerable
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift, answerable
+from ropefric.systems.hoist.effects import SYSTEM
 
 
 class WheelTable(Table):

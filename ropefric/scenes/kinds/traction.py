@@ -26,8 +26,14 @@ from ropefric.scenes.kind import (
     finite,
     key,
 )
-from ropefric.systems.traction.effects import SYSTEM
-from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
+from ropefric.systems.traction.sheave import (
+    CASES,
+    GROOVES,
+    SYSTEM,
+    TractionAnswer,
+    TractionProblem,
+    answerable,
+)
 
 _NO_CERTIFICATE = "a check after EN 81-50, 5.11, and no certificate: lifts are approved by notified bodies"
 _LARGEST_UNDERCUT_RAD = math.radians(106.0)
@@ -97,7 +103,7 @@ def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[Quant
     return (
         Quantity("largest_utilisation", answer.utilisation.max(axis=0), positive=True),
         Quantity("needed_wrap_rad", answer.needed_wrap_rad, positive=True),
-        *(undercut if problem.groove in {"undercut", "semicircular"} else ()),
+        *(undercut if problem.is_round else ()),
         *(
             Quantity(f"cases.{case}.utilisation", use, positive=True)
             for case, use in zip(CASES, answer.utilisation, strict=True)

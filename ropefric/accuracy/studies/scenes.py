@@ -12,8 +12,8 @@ from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import Plan, make_plan
+from ropefric.systems.bandsaw.answer import SYSTEM as SAW
 from ropefric.systems.bandsaw.answer import SawProblem
-from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import STEEL_85_09
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction

@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 from functools import partial
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -31,8 +32,7 @@ from ropefric.scenes.kind import (
     number_where,
 )
 from ropefric.systems.bandsaw import resonance
-from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem
-from ropefric.systems.bandsaw.effects import SYSTEM, answerable
+from ropefric.systems.bandsaw.answer import SYSTEM, SawAnswer, SawProblem, answerable
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
@@ -280,11 +280,11 @@ def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[Quantity, ...]:
 
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
     thickness_m = _UNKNOWN_THICKNESS_M if problem.section is None else problem.section.thickness_m
-    radius_m = np.ones(problem.m) if problem.wheel_radius_m is None else problem.wheel_radius_m
+    radius_m = np.ones(problem.n) if problem.wheel_radius_m is None else problem.wheel_radius_m
     return {
         "wheel_radius_m": radius_m,
-        "rope_radius_m": np.full(problem.m, 0.5 * thickness_m),
-        "wrap_angle_rad": np.full(problem.m, problem.wheel_wrap_rad),
+        "rope_radius_m": np.full(problem.n, 0.5 * thickness_m),
+        "wrap_angle_rad": np.full(problem.n, problem.wheel_wrap_rad),
         "end_tension_N": problem.preload_N,
     }
 
@@ -302,17 +302,10 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
     saws = _saws(answer, problem)
-    if saws is None:
-        return tree
-    whole, planned = saws
-    if problem.excitations:
-        tree["resonance"] = _resonance(planned, problem)
-    if problem.measurements:
-        tree["comparison"] = {
-            "deviations": _deviations(whole, problem),
-            "mounting": _mountings(planned, problem),
-            "identified": _identified(planned, problem),
-        }
+    if saws is not None and problem.excitations:
+        tree["resonance"] = _resonance(saws[1], problem)
+    if saws is not None and problem.measurements:
+        tree["comparison"] = _comparison(*saws, problem.measurements)
     return tree
 
 
@@ -331,27 +324,6 @@ def _saws(answer: SawAnswer, problem: SawProblem) -> tuple[Saw, Saw] | None:
     return whole, whole if stiff else replace(whole, bending_stiffness_N_m2=0.0)
 
 
-def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    near = resonance.margins(saw, _RUNNING, problem.excitations, problem.n_modes)[:_NEAREST]
-    met = [
-        crossing
-        for side in _RUNNING
-        for crossing in resonance.find_crossings(
-            saw, side, problem.excitations, _speeds_m_s(saw, side), problem.n_modes
-        )
-    ]
-    nearest = [asdict(one) | {"side": one.side.value, "margin": one.relative} for one in near]
-    for row in nearest:
-        del row["relative"]
-    return {
-        "recommended_preload": _recommended(saw, problem),
-        "nearest": nearest,
-        "crossings": [
-            asdict(one) | {"side": one.side.value, "speed_margin": finite(one.speed_margin)} for one in met
-        ],
-    }
-
-
 def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
     """Return these numbers of what is found, with its status and advice; the reason where nothing can be."""
     try:
@@ -364,17 +336,23 @@ def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
     }
 
 
-def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
-    """Return the preload that keeps the margin wanted, where one was."""
+def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
+    shakes, n_modes, recommended = problem.excitations, problem.n_modes, None
     margin, range_N = problem.margin_wanted, problem.preload_range_N
-    if margin is None or range_N is None:
-        return None
-    wanted: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": problem.n_modes}
-    find = partial(resonance.recommend_preload, saw, problem.excitations, **wanted)
-    found = _judged(find, "preload_N", "margin", "forbidden_N")
-    if "forbidden_N" in found:
-        found["forbidden_N"] = [list(interval) for interval in found["forbidden_N"]]
-    return found
+    if margin is not None and range_N is not None:
+        wanted: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": n_modes}
+        recommended = _judged(
+            partial(resonance.recommend_preload, saw, shakes, **wanted), "preload_N", "margin", "forbidden_N"
+        )
+    return {
+        "recommended_preload": recommended,
+        "nearest": [one._asdict() for one in resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]],
+        "crossings": [
+            one._asdict() | {"speed_margin": finite(one.speed_margin)}
+            for side in _RUNNING
+            for one in resonance.find_crossings(saw, side, shakes, _speeds_m_s(saw, side), n_modes)
+        ],
+    }
 
 
 def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
@@ -385,44 +363,38 @@ def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
     return np.linspace(0.0, fastest, _SPEEDS)
 
 
-def _deviations(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
-    """Return how far each model is from each measurement; a model that has no answer for this saw says why."""
-    found: list[dict[str, Any]] = []
-    for model in MODELS:
-        for point in problem.measurements:
-            row = _measurement(point, model=model)
-            try:
-                (one,) = deviations(saw, (point,), (model,))
-            except RopefricError as error:
-                found.append(row | {"model_Hz": None, "relative": None, "why": error.problem.message})
-            else:
-                found.append(row | {"model_Hz": one.frequency_Hz, "relative": one.relative, "why": ""})
-    return sorted(found, key=lambda row: (row["side"] != Side.REST.value, row["side"] != Side.TIGHT.value))
+def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> dict[str, Any]:
+    """Return how far each model is from each measurement, and what mounting and preload the measurements tell."""
 
+    def row(point: Measurement, **first: str | None) -> dict[str, Any]:
+        return {**first, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
 
-def _measurement(point: Measurement, **first: str) -> dict[str, Any]:
-    return {**first, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
-
-
-def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
-    return [
-        {"mounting_factor": None}
-        | _measurement(point)
-        | _judged(partial(explain_mounting, saw, point), "mounting_factor")
-        for point in problem.measurements
-        if point.side is not Side.REST
-    ]
-
-
-def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    names = ("preload_N", "mounting_factor", "free_mounting_factor", "std")
-    found = _judged(partial(identify, saw, problem.measurements), *names)
-    if "std" in found:
-        std = found.pop("std")
-        found["preload_std_N"], found["mounting_factor_std"] = (
-            (None, None) if std is None else map(finite, std)
-        )
-    return found
+    off: list[dict[str, Any]] = []
+    for model, point in product(MODELS, points):
+        found: dict[str, Any] = {"model_Hz": None, "relative": None, "why": ""}
+        try:
+            (one,) = deviations(whole, (point,), (model,))
+            found |= {"model_Hz": one.frequency_Hz, "relative": one.relative}
+        except RopefricError as error:  # this model has no answer for this saw
+            found["why"] = error.problem.message
+        off.append(row(point, model=model) | found)
+    identified = _judged(
+        partial(identify, planned, points), "preload_N", "mounting_factor", "free_mounting_factor", "std"
+    )
+    if "std" in identified:
+        std = identified.pop("std") or (math.nan, math.nan)
+        identified["preload_std_N"], identified["mounting_factor_std"] = map(finite, std)
+    order = [Side.REST.value, Side.TIGHT.value, Side.SLACK.value]
+    return {
+        "deviations": sorted(off, key=lambda one: order.index(one["side"])),
+        "mounting": [
+            row(point, mounting_factor=None)
+            | _judged(partial(explain_mounting, planned, point), "mounting_factor")
+            for point in points
+            if point.side is not Side.REST
+        ],
+        "identified": identified,
+    }
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:

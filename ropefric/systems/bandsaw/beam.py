@@ -401,7 +401,7 @@ def beam_frequencies_Hz(
     if not stiff.any():
         return string_frequencies_Hz(span, n_modes)
     refuse_overspeed(span, ends)
-    frequencies = np.empty((span.m, n_modes))
+    frequencies = np.empty((span.n, n_modes))
     if not stiff.all():
         frequencies[~stiff] = string_frequencies_Hz(span.select(~stiff), n_modes)
     hertz = span.wave_speed_m_s / (2.0 * math.pi * span.free_span_m)

@@ -3,16 +3,22 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.files.digits import significant
-from ropefric.systems.bandsaw.roots import roots_between
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, preloads_for_N
+from ropefric.systems.bandsaw.saw import (
+    AdvisedStatus,
+    Saw,
+    Side,
+    frequencies_Hz,
+    preloads_for_N,
+    roots_between,
+)
 from ropefric.systems.checks import checked
 
 _SIDES = (Side.TIGHT, Side.SLACK)
@@ -61,8 +67,7 @@ def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] =
     return Excitation(name=name, constant_Hz=frequency_Hz, harmonics=harmonics)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Crossing:
+class Crossing(NamedTuple):
     """A blade speed at which an excitation has the frequency of a mode."""
 
     side: Side
@@ -74,8 +79,7 @@ class Crossing:
     speed_margin: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Margin:
+class Margin(NamedTuple):
     """How far a mode is from an excitation at the speed at work."""
 
     side: Side
@@ -84,7 +88,7 @@ class Margin:
     harmonic: int
     mode_Hz: float
     excitation_Hz: float
-    relative: float
+    margin: float
 
 
 def find_crossings(
@@ -118,16 +122,15 @@ def find_crossings(
     if not pairs:
         return ()
     modes = np.array([mode for _, _, mode in pairs])
-    constant_Hz = np.array([harmonic * excitation.constant_Hz for excitation, harmonic, _ in pairs])
-    per_metre = np.array([harmonic * excitation.per_metre for excitation, harmonic, _ in pairs])
+    constant_Hz, per_metre = np.array([(h * one.constant_Hz, h * one.per_metre) for one, h, _ in pairs]).T
 
-    def above_Hz(speed: FloatArray, cases: npt.NDArray[np.intp]) -> FloatArray:
+    def above_Hz(speed: FloatArray, cases: IntArray) -> FloatArray:
         found = frequencies_Hz(saw, side, int(modes[cases].max()), speed_m_s=speed)
         own_Hz = found[np.arange(cases.size), modes[cases] - 1]
         return np.asarray(own_Hz - constant_Hz[cases] - per_metre[cases] * speed)
 
     low, high = (np.full(len(pairs), end) for end in ends)
-    meeting = roots_between(above_Hz, low, high, tolerance=1e-11)
+    meeting = roots_between(above_Hz, low, high)
     crossings = [
         Crossing(
             side=side,
@@ -152,32 +155,20 @@ def margins(
     saw: Saw, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
 ) -> tuple[Margin, ...]:
     """Return how far every mode is from every excitation at the speed at work, the nearest first."""
-    found = []
-    for side in sides:
-        of_modes = frequencies_Hz(saw, side, n_modes)[0]
-        for excitation in excitations:
-            excited = excitation.frequencies_Hz(saw.speed_m_s)
-            found += [
-                Margin(
-                    side=side,
-                    mode=mode,
-                    excitation=excitation.name,
-                    harmonic=harmonic,
-                    mode_Hz=mode_Hz,
-                    excitation_Hz=excited_Hz,
-                    relative=mode_Hz / excited_Hz - 1.0,
-                )
-                for harmonic, excited_Hz in zip(excitation.harmonics, excited.tolist(), strict=True)
-                if excited_Hz > 0.0
-                for mode, mode_Hz in enumerate(of_modes.tolist(), start=1)
-            ]
-    return tuple(
-        sorted(found, key=lambda margin: (significant(abs(margin.relative)), margin.mode, margin.harmonic))
-    )
+    found = [
+        Margin(side, mode, excitation.name, harmonic, mode_Hz, excited_Hz, mode_Hz / excited_Hz - 1.0)
+        for side in sides
+        for mode, mode_Hz in enumerate(frequencies_Hz(saw, side, n_modes)[0].tolist(), start=1)
+        for excitation in excitations
+        for harmonic, excited_Hz in zip(
+            excitation.harmonics, excitation.frequencies_Hz(saw.speed_m_s).tolist(), strict=True
+        )
+        if excited_Hz > 0.0
+    ]
+    return tuple(sorted(found, key=lambda one: (significant(abs(one.margin)), one.mode, one.harmonic)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SawChart:
+class SawChart(NamedTuple):
     """What a Campbell chart shows."""
 
     saw: Saw
@@ -210,28 +201,18 @@ def saw_chart(
 _SEARCHED = 65
 
 
-class StrainStatus(StrEnum):
+class StrainStatus(AdvisedStatus):
     """What is to be done about the preload."""
 
-    KEEP = "keep"
-    CHANGE = "change"
-    IMPOSSIBLE = "impossible"
-
-    @property
-    def advice(self) -> str:
-        """Return what the status means and what to do."""
-        return {
-            StrainStatus.KEEP: "The present preload keeps every mode far enough from every excitation.",
-            StrainStatus.CHANGE: "Set the recommended preload: the nearest that keeps the margin.",
-            StrainStatus.IMPOSSIBLE: (
-                "No preload in the range keeps the margin: as one mode leaves an excitation another arrives. "
-                "Change the wheel speed or the free span, accept the best margin, or consider fewer harmonics."
-            ),
-        }[self]
+    KEEP = "keep: The present preload keeps every mode far enough from every excitation."
+    CHANGE = "change: Set the recommended preload: the nearest that keeps the margin."
+    IMPOSSIBLE = (
+        "impossible: No preload in the range keeps the margin: as one mode leaves an excitation another arrives. "
+        "Change the wheel speed or the free span, accept the best margin, or consider fewer harmonics."
+    )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StrainAdvice:
+class StrainAdvice(NamedTuple):
     """A recommended preload."""
 
     status: StrainStatus
@@ -332,4 +313,4 @@ def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float
 
 def _margin_at(saw: Saw, excitations: tuple[Excitation, ...], preload_N: float, n_modes: int) -> float:
     nearest = margins(replace(saw, preload_N=preload_N), _SIDES, excitations, n_modes)
-    return abs(nearest[0].relative) if nearest else math.inf
+    return abs(nearest[0].margin) if nearest else math.inf

@@ -93,7 +93,6 @@ def test_exact_points_give_the_truth(saw, stiffness, bends):
     assert found.status is IdentificationStatus.OK
     assert found.preload_N == pytest.approx(3900.0, rel=1e-8)
     assert found.mounting_factor == pytest.approx(0.4, abs=1e-7)
-    assert found.n == 6
     assert found.dof == 4
     assert np.abs(found.residual_Hz).max() < 1e-6
     assert not found.residual_Hz.flags.writeable

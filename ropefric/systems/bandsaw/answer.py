@@ -39,11 +39,11 @@ class SawProblem(Cases):
     ends: Ends = CLAMPED
     section: Section | None = None
     friction: WrapFriction | None = None
-    wheel_wrap_rad: float = np.pi
+    wheel_wrap_rad: Positive = np.pi  # type: ignore[assignment]  # spread in __post_init__
     excitations: tuple[Excitation, ...] = ()
     measurements: tuple[Measurement, ...] = ()
     margin_wanted: float | None = None
-    preload_range_N: tuple[float, float] | None = None
+    preload_range_N: list[float] | None = None
 
     def __post_init__(self) -> None:
         Cases.__post_init__(self)

@@ -4,10 +4,10 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from statistics import median
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.scenes.kind import finite
@@ -24,8 +24,7 @@ _METHOD_SHARE = 0.1
 Fate = Literal["simulated", "left out", "not applicable"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Decision:
+class Decision(NamedTuple):
     """What became of one effect and why; what it turned out to be worth, and its share of the time, if measured."""
 
     name: str
@@ -154,15 +153,7 @@ def _decide(
         why = worth
     else:
         why = f"{'' if math.isnan(bound) else worth + '; '}leaving it out would save no time"
-    return Decision(
-        name=effect.name,
-        fate=fate,
-        bound=bound,
-        why=why,
-        missing=missing,
-        adds=effect.adds,
-        instead=effect.instead,
-    )
+    return Decision(effect.name, fate, bound, why, missing, effect.adds, effect.instead)
 
 
 def _relative(log_change: float) -> float:
@@ -214,7 +205,7 @@ class Explanation:
             "error_bound": finite(self.plan.error_bound),
             "method": method_tree(self.plan.method),
             "effects": [
-                asdict(one)
+                one._asdict()
                 | {name: finite(getattr(one, name)) for name in ("bound", "worth", "time_share")}
                 | {"simulated": one.fate == "simulated", "missing": list(one.missing)}
                 for one in self.plan.decisions
@@ -263,9 +254,9 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
             if one.fate == "simulated":
                 other, other_s = solved(simulated - {one.name})
                 share = max(0.0, 1.0 - other_s / planned_s) if planned_s > 0.0 else math.nan
-                found = replace(one, worth=system.distance(other, planned), time_share=share)
+                found = one._replace(worth=system.distance(other, planned), time_share=share)
             elif one.fate == "left out":
-                found = replace(one, worth=system.distance(planned, solved(simulated | {one.name})[0]))
+                found = one._replace(worth=system.distance(planned, solved(simulated | {one.name})[0]))
         decisions.append(found)
     everything, all_s = solved(simulated | set(plan.left_out))
     return replace(

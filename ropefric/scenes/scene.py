@@ -39,10 +39,6 @@ class FrictionSource:
     tested: Mapping[str, tuple[float, float]] | None = None
     warnings: tuple[str, ...] = ()
 
-    def with_theta(self, theta: FloatArray) -> WrapFriction:
-        """Return the same friction with other parameters."""
-        return replace(self.friction, theta=theta)
-
 
 def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | None:
     """Return the friction that the `[friction]` of a checked scene names; None where there is none."""

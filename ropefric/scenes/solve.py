@@ -198,7 +198,10 @@ def carry_through(
         columns = directions(source.covariance) if finite else np.zeros((0, 0))
         try:
             for step in _STEP * columns.T[columns.any(axis=0)]:
-                up, down = (solve(source.with_theta(source.friction.theta + way)) for way in (step, -step))
+                up, down = (
+                    solve(replace(source.friction, theta=source.friction.theta + way))
+                    for way in (step, -step)
+                )
                 slopes = [(_read(a) - _read(b)) / (2.0 * _STEP) for a, b in zip(up, down, strict=True)]
                 stds = [np.hypot(std, slope) for std, slope in zip(stds, slopes, strict=True)]
         except RopefricError:

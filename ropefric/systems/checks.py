@@ -51,6 +51,18 @@ def refuse_out_of_scale(name: str, values: npt.ArrayLike, *, may_vanish: bool) -
         )
 
 
+def refuse(wrong: BoolArray, words: str, *, key: str, fix: str = "", code: str = "", **values: Any) -> None:
+    """Refuse the first of many cases in which something is wrong.
+
+    In the words and the fix `{name}` stands for its value there and `{place}` for which case it is, if there are many.
+    """
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        here = {name: np.broadcast_to(value, wrong.shape)[first] for name, value in values.items()}
+        here["place"] = f" at case {first}" if wrong.size > 1 else ""
+        raise InputError(words.format(**here), code=code, key=key, fix=fix.format(**here))
+
+
 def side_by_side(
     values: Mapping[str, npt.ArrayLike | None], rules: Mapping[str, Rule]
 ) -> dict[str, FloatArray]:

@@ -145,6 +145,7 @@ class MeasuredTable(kind.Table):
     side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
     frequency: Annotated[float, kind.key("Hz", "24.9 Hz", "frequency_Hz")]
     mode: Annotated[int, PlainValidator(whole_number(1, 40)), kind.Becomes("mode")] = 1
+    speed: Annotated[float | None, kind.key("m/s", "20 m/s", "speed_m_s")] = None
     uncertainty: Annotated[float | None, kind.key("Hz", "0.1 Hz", "std_Hz")] = None
 
 

@@ -10,14 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_no_modes
-from ropefric.systems.checks import Cases, Positive, ZeroOrMore
+from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Effect, Method, Model, System, missing, worst_case
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.subsets import largest_changes, log_change
@@ -189,16 +188,16 @@ def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> Fl
     refuse_no_modes(n_modes)
     speed = torsion_wave_speed_m_s(span, section)
     squared = span.net_tension_N / span.linear_density_kg_m + _stiffness_part(section)
-    beyond = squared <= 0.0
-    if beyond.any():
-        first = int(np.argmax(beyond))
-        raise InputError(
-            f"the blade travels at {span.travel_speed_m_s[first]:.9g} m/s{span.place(first)} and the critical speed "
-            f"of torsion is {speed[first]:.9g} m/s, where its frequency is zero",
-            code="RF530",
-            key="travel_speed_m_s",
-            fix="run slower, or raise the preload",
-        )
+    refuse(
+        squared <= 0.0,
+        "the blade travels at {travel_m_s:.9g} m/s{place} and the critical speed of torsion is {limit_m_s:.9g} m/s, "
+        "where its frequency is zero",
+        code="RF530",
+        key="travel_speed_m_s",
+        fix="run slower, or raise the preload",
+        travel_m_s=span.travel_speed_m_s,
+        limit_m_s=speed,
+    )
     first_Hz = squared / (2.0 * span.free_span_m * speed)
     return np.asarray(first_Hz[:, np.newaxis] * np.arange(1.0, n_modes + 1.0))
 

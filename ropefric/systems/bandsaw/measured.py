@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import NamedTuple
 
@@ -15,7 +15,6 @@ from ropefric.errors import FitError, InputError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.saw import MODELS, AdvisedStatus, Saw, Side, frequencies_Hz, preload_for_N
 from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.checks import checked
 
 
 class IdentificationStatus(AdvisedStatus):
@@ -64,8 +63,7 @@ class Identification(NamedTuple):
         return float(np.sqrt(self.covariance[0, 0])), float(np.sqrt(self.covariance[1, 1]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measurement:
+class Measurement(NamedTuple):
     """One measured frequency."""
 
     side: Side
@@ -73,15 +71,6 @@ class Measurement:
     mode: int = 1
     speed_m_s: float | None = None
     std_Hz: float | None = None
-
-    def __post_init__(self) -> None:
-        checked("frequency_Hz", self.frequency_Hz)
-        if self.std_Hz is not None:
-            checked("std_Hz", self.std_Hz)
-        if self.speed_m_s is not None:
-            checked("speed_m_s", self.speed_m_s, "zero or more")
-        if self.mode < 1:
-            raise InputError(f"the mode is {self.mode}; modes count from 1", key="mode")
 
 
 class Deviation(NamedTuple):

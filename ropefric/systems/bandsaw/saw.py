@@ -14,8 +14,8 @@ from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, SolverError
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_mounting
-from ropefric.systems.checks import checked
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
+from ropefric.systems.checks import checked, refuse
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,13 +111,6 @@ class Saw:
     bending_stiffness_N_m2: float = 0.0
     ends: Ends = CLAMPED
 
-    def __post_init__(self) -> None:
-        for name in ("free_span_m", "linear_density_kg_m", "preload_N", "wheel_radius_m"):
-            checked(name, getattr(self, name))
-        for name in ("wheel_speed_rad_s", "tension_difference_N", "bending_stiffness_N_m2"):
-            checked(name, getattr(self, name), "zero or more")
-        refuse_mounting(self.mounting_factor)
-
     @property
     def speed_m_s(self) -> float:
         """Return the blade's speed at work v = ω R [m/s]."""
@@ -171,9 +164,7 @@ def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.
     For a string c = a + √(a² + v²) with a = f l/n, from eq. (8), and F_0 = ρA c² ∓ ΔF/2 − κ ρA v². A stiff blade
     needs less, which is found by bracketing.
     """
-    wanted_Hz, modes = np.broadcast_arrays(np.atleast_1d(checked("frequency_Hz", frequency_Hz)), mode)
-    if modes.size and modes.min() < 1:
-        raise InputError(f"the mode is {modes.min()}; modes count from 1", key="mode")
+    wanted_Hz, modes = np.broadcast_arrays(np.atleast_1d(np.asarray(frequency_Hz, dtype=np.float64)), mode)
     v = 0.0 if side is Side.REST else saw.speed_m_s
     a = wanted_Hz * saw.free_span_m / modes
     c = a + np.hypot(a, v)
@@ -196,14 +187,15 @@ def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.
     below = total_N <= lowest_N
     if not below.any():
         below = surplus_Hz(lowest_N, every) >= 0.0
-    if below.any():
-        first = int(np.argmax(below))
-        raise InputError(
-            f"mode {modes[first]} of the {side} side has {wanted_Hz[first]:g} Hz only below a tension of "
-            f"{lowest_N[first]:.4g} N",
-            key="frequency_Hz",
-            fix="ask for a higher frequency or a lower mode",
-        )
+    refuse(
+        below,
+        f"mode {{mode}} of the {side} side has {{wanted_Hz:g}} Hz only below a tension of {{lowest_N:.4g}} N",
+        key="frequency_Hz",
+        fix="ask for a higher frequency or a lower mode",
+        mode=modes,
+        wanted_Hz=wanted_Hz,
+        lowest_N=lowest_N,
+    )
     return roots_between(surplus_Hz, lowest_N, total_N) - apart_N
 
 

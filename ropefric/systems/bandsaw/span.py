@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse_out_of_scale
+from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse, refuse_out_of_scale
 
 _PI_SQUARED = (9.869604401089358, 6.265295508739711e-16)
 
@@ -143,15 +143,17 @@ class Span(Cases):
     def __post_init__(self) -> None:
         refuse_mounting(self.mounting_factor)
         Cases.__post_init__(self)
-        slack = self.tension_N <= 0.0
-        if slack.any():
-            first = int(np.argmax(slack))
-            raise InputError(
-                f"the tension is {self.tension_N[first]:.6g} N (preload {self.preload_N[first]:.6g} N, pull "
-                f"{self.pull_N[first]:+.6g} N){self.place(first)}; it must be positive: a slack blade is no string",
-                key="preload_N",
-                fix=f"raise the preload above {self.preload_N[first] - self.tension_N[first]:.6g} N",
-            )
+        refuse(
+            self.tension_N <= 0.0,
+            "the tension is {tension_N:.6g} N (preload {preload_N:.6g} N, pull {pull_N:+.6g} N){place}; it must be "
+            "positive: a slack blade is no string",
+            key="preload_N",
+            fix="raise the preload above {least_N:.6g} N",
+            least_N=self.preload_N - self.tension_N,
+            tension_N=self.tension_N,
+            preload_N=self.preload_N,
+            pull_N=self.pull_N,
+        )
         refuse_out_of_scale("tension_N", self.tension_N, may_vanish=False)
 
     @cached_property
@@ -200,10 +202,6 @@ class Span(Cases):
         chosen = np.asarray(index)
         return Span(**{one.name: getattr(self, one.name)[chosen] for one in fields(self) if one.init})
 
-    def place(self, index: int) -> str:
-        """Return ` at case i` for messages, nothing where there is only one."""
-        return f" at case {index}" if self.n > 1 else ""
-
     @cached_property
     def _net(self) -> Pair:
         # κ v_w² − v² cancels for κ near 1, where (v_w² − v²) − (1 − κ) v_w² does not; F and ρA v² do as v nears c.
@@ -225,17 +223,16 @@ class Span(Cases):
 def refuse_overspeed(span: Span, ends: Ends) -> FloatArray:
     """Return `Span.margin_N` where all of it is positive; refuse otherwise, naming the critical speed."""
     margin = span.margin_N(ends)
-    beyond = margin <= 0.0
-    if beyond.any():
-        first = int(np.argmax(beyond))
-        raise InputError(
-            f"the blade travels at {span.travel_speed_m_s[first]:.9g} m/s and its critical speed is "
-            f"{_tension_limit_m_s(span, ends)[first]:.9g} m/s{span.place(first)}: there its first frequency is zero "
-            "and the theory ends",
-            code="RF530",
-            key="travel_speed_m_s",
-            fix="run slower, or raise the preload",
-        )
+    refuse(
+        margin <= 0.0,
+        "the blade travels at {speed_m_s:.9g} m/s and its critical speed is {limit_m_s:.9g} m/s{place}: there its "
+        "first frequency is zero and the theory ends",
+        code="RF530",
+        key="travel_speed_m_s",
+        fix="run slower, or raise the preload",
+        speed_m_s=span.travel_speed_m_s,
+        limit_m_s=_tension_limit_m_s(span, ends) if (margin <= 0.0).any() else 0.0,
+    )
     return margin
 
 

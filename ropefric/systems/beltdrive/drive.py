@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError, SolverError
-from ropefric.systems.checks import Cases, Positive, ZeroOrMore
+from ropefric.errors import SolverError
+from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.creep import speed_ratio
 from ropefric.systems.effect import Method, Model, System, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
@@ -38,13 +38,14 @@ class DriveProblem(Cases):
 
     def __post_init__(self) -> None:
         Cases.__post_init__(self)
-        groove = self.groove_angle_rad
-        if groove is not None and ((groove < 1e-3) | (groove > np.pi)).any():
-            raise InputError(
-                "a groove opens by less than a hair or more than half a turn", key="groove_angle_rad"
-            )
-        if (self.product("power_W") * (self.belt_speed_m_s <= 0.0)).any():
-            raise InputError("a pulley at rest carries no power", key="speed_rad_s", fix="give its speed")
+        groove = np.ones(1) if self.groove_angle_rad is None else self.groove_angle_rad
+        refuse(
+            (groove < 1e-3) | (groove > np.pi),
+            "a groove opens by less than a hair or more than half a turn",
+            key="groove_angle_rad",
+        )
+        at_rest = self.product("power_W") * (self.belt_speed_m_s <= 0.0) > 0.0
+        refuse(at_rest, "a pulley at rest carries no power", key="speed_rad_s", fix="give its speed")
 
     @property
     def belt_speed_m_s(self) -> FloatArray:
@@ -138,7 +139,15 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     """Return what a belt drive carries, and how it runs at the power asked for."""
     problem = model.problem
     circling_N = model.part("centrifugal", problem.circling_N)
-    _refuse_floating(problem, circling_N)
+    refuse(
+        problem.tension_N <= circling_N,
+        "m v^2 = {circling_N:.6g} N is not below the tension of {tension_N:.6g} N: the belt lifts off the pulley",
+        code="RF510",
+        key="speed_rad_s",
+        fix="raise the tension or lower the speed",
+        circling_N=circling_N,
+        tension_N=problem.tension_N,
+    )
     pressing_N, law = problem.tension_N - circling_N, problem.friction.law
     coefficients = _coefficients(model, pressing_N)
     if "wrap-dependence" in model.effects and "end-tension" in law.effects and problem.closure != "tensioner":
@@ -220,19 +229,6 @@ def _full_N(
         return pressing_N * np.exp(exponent), pressing_N
     share = np.tanh(0.5 * exponent)
     return pressing_N * (1.0 + share), pressing_N * 2.0 / (1.0 + np.exp(exponent))
-
-
-def _refuse_floating(problem: DriveProblem, circling_N: FloatArray) -> None:
-    floating = problem.tension_N <= circling_N
-    if floating.any():
-        first = int(np.argmax(floating))
-        raise InputError(
-            f"m v^2 = {circling_N[first]:.6g} N is not below the tension of {problem.tension_N[first]:.6g} N: the belt "
-            "lifts off the pulley",
-            code="RF510",
-            key="speed_rad_s",
-            fix="raise the tension or lower the speed",
-        )
 
 
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:

@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
-from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore
+from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
 
@@ -102,9 +102,25 @@ def solve_lift(model: HoistModel) -> Lift:
     stiff_N = model.part("bending-stiffness", problem.bending_N)
     # In this order, because their sum would round away a small E beside a large c.
     pressing_N = (end_N - circling_N) - stiff_N
-    if (pressing_N <= 0.0).any():
-        first = int(np.argmax(pressing_N <= 0.0))
-        _refuse_floating(end_N[first], circling_N[first], stiff_N[first])
+    refuse(
+        end_N <= circling_N,
+        "rho v^2 = {circling_N:.6g} N is not below the end tension of {end_N:.6g} N: the rope lifts off the wheel",
+        code="RF510",
+        key="speed_m_s",
+        fix="raise the end tension or lower the speed",
+        circling_N=circling_N,
+        end_N=end_N,
+    )
+    refuse(
+        pressing_N <= 0.0,
+        "EI/(2 R^2) = {stiff_N:.6g} N is not below the {pulling_N:.6g} N that pull the rope round the wheel: it is too "
+        "stiff to follow it",
+        code="RF510",
+        key="bending_stiffness_N_m2",
+        fix="raise the end tension or the wheel radius",
+        stiff_N=stiff_N,
+        pulling_N=end_N - circling_N,
+    )
     exponent_over = partial(
         problem.friction.exponent,
         wheel_radius_m=problem.wheel_radius_m,
@@ -123,38 +139,22 @@ def solve_lift(model: HoistModel) -> Lift:
     return Lift(log_lift=log_lift, exponent=exponent, contact_rad=contact, end_tension_N=end_N)
 
 
-def _refuse_floating(end_N: float, circling_N: float, stiff_N: float) -> None:
-    if end_N <= circling_N:
-        raise InputError(
-            f"rho v^2 = {circling_N:.6g} N is not below the end tension of {end_N:.6g} N: the rope lifts off the wheel",
-            code="RF510",
-            key="speed_m_s",
-            fix="raise the end tension or lower the speed",
-        )
-    raise InputError(
-        f"EI/(2 R^2) = {stiff_N:.6g} N is not below the {end_N - circling_N:.6g} N that pull the rope round the "
-        "wheel: it is too stiff to follow it",
-        code="RF510",
-        key="bending_stiffness_N_m2",
-        fix="raise the end tension or the wheel radius",
-    )
-
-
 def _contact_arc(
     wrap_rad: FloatArray, stiff_N: FloatArray, pressing_N: FloatArray, exponent_over: partial[FloatArray]
 ) -> FloatArray:
     """Return φ − θ_A − θ_B; θ_A falls with the lift force that it helps to set, so it is iterated from above."""
     slack = lifted_arc_rad(stiff_N / (pressing_N + stiff_N))
     contact = wrap_rad - 2.0 * slack
-    if (contact < 0.0).any():
-        first = int(np.argmax(contact < 0.0))
-        raise InputError(
-            f"a wrap of {wrap_rad[first]:.6g} rad is less than the {2.0 * slack[first]:.6g} rad by which "
-            "this stiff rope stands off the wheel: it never touches",
-            code="RF510",
-            key="wrap_angle_rad",
-            fix="raise the wrap or the end tension",
-        )
+    refuse(
+        contact < 0.0,
+        "a wrap of {wrap_rad:.6g} rad is less than the {lifted_rad:.6g} rad by which this stiff rope stands off the "
+        "wheel: it never touches",
+        code="RF510",
+        key="wrap_angle_rad",
+        fix="raise the wrap or the end tension",
+        wrap_rad=wrap_rad,
+        lifted_rad=2.0 * slack,
+    )
     for _ in range(_MAX_STEPS):
         # ln F_A may exceed what a float holds; the ratio E/F_A then is zero to every digit.
         left_N = stiff_N * np.exp(-exponent_over(wrap_angle_rad=contact))

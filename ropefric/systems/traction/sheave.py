@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
-from ropefric.systems.checks import Cases, Positive, ZeroOrMore
+from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Method, Model, System, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 from ropefric.systems.subsets import closed_form_system
@@ -49,17 +48,15 @@ class TractionProblem(Cases):
     def __post_init__(self) -> None:
         Cases.__post_init__(self)
         for name, low in (("groove_angle_rad", 1e-3), ("undercut_rad", -1.0)):
-            wrong = (getattr(self, name) <= low) | (getattr(self, name) >= np.pi)
-            if wrong.any():
-                raise InputError(
-                    f"{name} is {getattr(self, name)[wrong][0]:g}, no angle of a groove", key=name
-                )
-        if self.is_round and (self.undercut_rad >= np.pi - self.groove_angle_rad).any():
-            raise InputError(
-                "the undercut and the groove angle together are 180 deg or more: nothing is left to carry the rope",
-                key="undercut_rad",
-                fix="make the undercut smaller; the standard ends at 106 deg",
-            )
+            angle = getattr(self, name)
+            wrong = (angle <= low) | (angle >= np.pi)
+            refuse(wrong, f"{name} is {{angle:g}}, no angle of a groove", key=name, angle=angle)
+        refuse(
+            self.is_round & (self.undercut_rad >= np.pi - self.groove_angle_rad),
+            "the undercut and the groove angle together are 180 deg or more: nothing is left to carry the rope",
+            key="undercut_rad",
+            fix="make the undercut smaller; the standard ends at 106 deg",
+        )
 
     @property
     def is_round(self) -> bool:
@@ -203,13 +200,13 @@ def tensions_N(model: TractionModel) -> tuple[FloatArray, FloatArray]:
             long_kg[1] * g,
         ]
     )
-    if (car_N[_BRAKING] <= 0.0).any() or (counterweight_N[_BRAKING] <= 0.0).any():
-        raise InputError(
-            "a deceleration this hard leaves a side of the ropes without tension",
-            code="RF510",
-            key="deceleration_m_s2",
-            fix="lower the deceleration, or check its unit",
-        )
+    refuse(
+        np.any(np.minimum(car_N, counterweight_N)[_BRAKING] <= 0.0, axis=0),
+        "a deceleration this hard leaves a side of the ropes without tension",
+        code="RF510",
+        key="deceleration_m_s2",
+        fix="lower the deceleration, or check its unit",
+    )
     return car_N, counterweight_N
 
 

@@ -173,19 +173,6 @@ def test_functions_refuse(call, words):
         call()
 
 
-@pytest.mark.parametrize(
-    ("changed", "words"),
-    [
-        ({"preload_N": 0.0}, "preload_N is 0"),
-        ({"mounting_factor": 1.01}, "mounting_factor is 1.01"),
-        ({"wheel_speed_rad_s": -1.0}, "wheel_speed_rad_s is -1"),
-    ],
-)
-def test_a_saw_refuses(saw, changed, words):
-    with pytest.raises(InputError, match=words):
-        replace(saw, **changed)
-
-
 @settings(max_examples=60, deadline=None)
 @given(st.floats(-1e8, 1e8), st.floats(-1e8, 1e8), st.floats(-1e8, 1e8))
 def test_pairs_hold_32_digits(a, b, c):

@@ -19,6 +19,19 @@ Row = tuple[str, str, str, Callable[[Any], tuple[str, ...]]]
 """An effect: its name, what it adds, what stands instead, what it needs."""
 
 
+def law_rows(wheel: str, rope: str, needs: Callable[[Any], tuple[str, ...]]) -> tuple[Row, Row]:
+    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope."""
+    wrapped = (
+        "a coefficient that depends on wrap and tension",
+        "its average at the reference wrap and tension",
+    )
+    sized = f"a coefficient that depends on the {wheel}'s radius over the {rope}'s"
+    return (
+        ("wrap-dependence", *wrapped, needs),
+        ("size", sized, "the coefficient at the reference wheel and rope", needs),
+    )
+
+
 def largest_changes(
     names: Iterable[str], logs: Callable[[frozenset[str]], FloatArray], *, rounding: float = _ROUNDING
 ) -> dict[str, float]:

@@ -12,7 +12,7 @@ from ropefric.systems.bandsaw.beam import ScaledBeam, scaled_beams, solve_beam
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.span import CLAMPED, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.effects import SYSTEM as HOIST
+from ropefric.systems.hoist.contact import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem, StartUpTask
 from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS

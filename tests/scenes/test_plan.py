@@ -10,7 +10,7 @@ from ropefric.registry import Registry
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.systems.effect import Effect, Method, System, assemble
-from ropefric.systems.hoist.effects import SYSTEM
+from ropefric.systems.hoist.contact import SYSTEM
 
 
 def toy(bounds, method_error=0.0):

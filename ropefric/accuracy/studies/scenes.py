@@ -17,8 +17,8 @@ from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.saw import STEEL_85_09
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.hoist.contact import SYSTEM as HOIST
 from ropefric.systems.hoist.contact import HoistProblem
-from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 

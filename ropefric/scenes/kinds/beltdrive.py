@@ -21,6 +21,7 @@ from ropefric.systems.friction import WrapFriction
 
 _TURN = 2.0 * math.pi
 _PER_MINUTE = 60.0 / _TURN
+_DEGREES = 360.0 / _TURN
 
 
 class DrivingTable(kind.Table):
@@ -181,19 +182,14 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
             f"creep: the driven rim runs {100 * (1 - creep['speed_ratio']):.3g} % slower, which loses "
             f"{creep['power_lost_W']:.4g} W"
         )
-    arcs = ("wrap_angle_rad", "slip_arc_rad", "adhesion_arc_rad")
-    rows = tuple(
-        (
-            name,
-            *(kind.in_words(None if one[arc] is None else math.degrees(one[arc]), ".1f") for arc in arcs),
-            kind.in_words(one["mu"]),
-            kind.in_words(one["speed_rad_s"] * _PER_MINUTE if "speed_rad_s" in one else None, ".5g"),
-        )
-        for name, one in tree["pulleys"].items()
-    )
-    angles = ("wrap [deg]", "slips over [deg]", "adheres over [deg]")
-    headings = ("pulley", *angles, "mu with groove", "driven [rpm]")
-    return (kind.Part("Belt and pulleys", lines=tuple(lines), headings=headings, rows=rows),)
+    columns: kind.Columns = {
+        "wrap [deg]": ("wrap_angle_rad", ".1f", _DEGREES),
+        "slips over [deg]": ("slip_arc_rad", ".1f", _DEGREES),
+        "adheres over [deg]": ("adhesion_arc_rad", ".1f", _DEGREES),
+        "mu with groove": ("mu", ".4g"),
+        "driven [rpm]": ("speed_rad_s", ".5g", _PER_MINUTE),
+    }
+    return (kind.by_rows("Belt and pulleys", "pulley", tree["pulleys"], columns, lines=tuple(lines)),)
 
 
 def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None:

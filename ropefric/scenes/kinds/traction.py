@@ -126,13 +126,14 @@ def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
-    columns = {
+    columns: kind.Columns = {
         "T1 [N]": ("tight_N", ".0f"),
         "T2 [N]": ("slack_N", ".0f"),
         "T1/T2": ("tension_ratio", ".4g"),
         "f": ("friction_factor", ".4f"),
         "e^(f alpha)": ("capacity", ".4g"),
         "utilisation": ("utilisation", ".4g"),
+        "passes ": ("passes", ""),
     }
     cases = tree["cases"]
     lines = [
@@ -149,18 +150,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     if not cases["stalled"]["passes"]:
         limit = math.degrees(cases["stalled"]["wrap_limit_rad"] or 0.0)
         lines.append(f"what would slip when stalled, all else as it is: a wrap of at most {limit:.1f} deg")
-    return (
-        kind.Part(
-            "Traction",
-            lines=tuple(lines),
-            headings=("load case", *columns, "passes "),
-            rows=tuple(
-                (case, *kind.cells(one, columns.values()), "yes" if one["passes"] else "no")
-                for case, one in cases.items()
-            ),
-            notes=(tree["note"],),
-        ),
-    )
+    more = {"lines": tuple(lines), "notes": (tree["note"],)}
+    return (kind.by_rows("Traction", "load case", cases, columns, **more),)
 
 
 def _chart(answer: TractionAnswer, problem: TractionProblem) -> kind.Chart:

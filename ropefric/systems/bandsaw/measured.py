@@ -13,7 +13,7 @@ from scipy.special import gammaincc
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import FitError, InputError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.saw import MODELS, AdvisedStatus, Saw, Side, frequencies_Hz, preload_for_N
+from ropefric.systems.bandsaw.saw import MODELS, AdvisedStatus, Saw, Side, frequencies_Hz, preloads_for_N
 from ropefric.systems.bandsaw.span import Span
 
 
@@ -138,7 +138,7 @@ def explain_mounting(saw: Saw, measurement: Measurement) -> Mounting:
             key="speed_m_s",
             fix="give a frequency that was measured on the running blade",
         )
-    needed_N = preload_for_N(running, measurement.side, measurement.frequency_Hz, measurement.mode)
+    needed_N = float(preloads_for_N(running, measurement.side, measurement.frequency_Hz, measurement.mode)[0])
     inertia_N = saw.linear_density_kg_m * running.speed_m_s**2
     kappa = (needed_N - saw.preload_N) / inertia_N
     status = MountingStatus.EXPLAINED

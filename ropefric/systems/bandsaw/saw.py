@@ -210,11 +210,6 @@ def roots_between(
     return np.asarray(found.x, dtype=np.float64)
 
 
-def preload_for_N(saw: Saw, side: Side, frequency_Hz: float, mode: int = 1) -> float:
-    """Return the preload F_0 at which a mode of one side has a frequency [N], see `preloads_for_N`."""
-    return float(preloads_for_N(saw, side, frequency_Hz, mode)[0])
-
-
 class BladeModel(NamedTuple):
     """A choice of a saw's parts, to be compared with measurements."""
 

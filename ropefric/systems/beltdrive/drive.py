@@ -11,7 +11,7 @@ from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.creep import speed_ratio
 from ropefric.systems.effect import Method, Model, System, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
-from ropefric.systems.subsets import closed_form_system
+from ropefric.systems.subsets import closed_form_system, law_rows
 
 CLOSURES = ("limit", "tensioner", "fixed")
 _MAX_STEPS = 200
@@ -269,18 +269,7 @@ SYSTEM: System[DriveProblem, DriveModel, DriveAnswer] = closed_form_system(
             "a belt that does not stretch; both rims run at one speed",
             missing({"axial_stiffness_N": "belt.axial_stiffness"}),
         ),
-        (
-            "wrap-dependence",
-            "a coefficient that depends on wrap and tension",
-            "its average at the reference wrap and tension",
-            missing({}),
-        ),
-        (
-            "size",
-            "a coefficient that depends on the pulley's radius over the belt's",
-            "the coefficient at the reference wheel and rope",
-            missing({}),
-        ),
+        *law_rows("pulley", "belt", missing({})),
     ),
     Method(
         name="closed form",

@@ -8,7 +8,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Method, Model, System, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
-from ropefric.systems.subsets import closed_form_system
+from ropefric.systems.subsets import closed_form_system, law_rows
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")
@@ -301,18 +301,7 @@ SYSTEM: System[TractionProblem, TractionModel, TractionAnswer] = closed_form_sys
             "the coefficient at rest",
             missing({"speed_m_s": "lift.speed"}),
         ),
-        (
-            "wrap-dependence",
-            "a coefficient that depends on wrap and tension",
-            "its average at the reference wrap and tension",
-            missing({"friction": "friction"}),
-        ),
-        (
-            "size",
-            "a coefficient that depends on the sheave's radius over the rope's",
-            "the coefficient at the reference wheel and rope",
-            missing({"friction": "friction"}),
-        ),
+        *law_rows("sheave", "rope", missing({"friction": "friction"})),
     ),
     Method(
         name="closed form",

@@ -15,7 +15,7 @@ from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
-from ropefric.fitting.result import CovarianceKind, FitResult, FittedParameter
+from ropefric.fitting.result import CovarianceKind, FitResult, FitStatus, FittedParameter
 from ropefric.fitting.statistics import (
     FitStatistics,
     Identifiability,
@@ -32,7 +32,6 @@ from ropefric.fitting.statistics import (
     plain_covariance,
     rounded_covariance,
 )
-from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import SETTINGS, distinct
 from ropefric.glossary import counted
 from ropefric.trials.table import TrialTable

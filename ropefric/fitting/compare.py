@@ -22,7 +22,7 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.result import FitResult
+from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, same_lift, verdict_of
 from ropefric.fitting.statistics import (
     ConditionMeans,
     ScatterFit,
@@ -33,7 +33,6 @@ from ropefric.fitting.statistics import (
     f_test,
     scatter_fit,
 )
-from ropefric.fitting.verdict import RIVAL, Doubt, FitStatus, Verdict, same_lift, verdict_of
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS

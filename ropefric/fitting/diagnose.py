@@ -12,8 +12,8 @@ from scipy.special import fdtrc, stdtr
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry, choose_law, compare_laws
+from ropefric.fitting.result import Verdict
 from ropefric.fitting.statistics import ConditionMeans, condition_means
-from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable

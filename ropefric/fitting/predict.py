@@ -13,8 +13,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.result import FitResult
-from ropefric.fitting.verdict import Doubt, Verdict, doubts_of_interval, verdict_of
+from ropefric.fitting.result import Doubt, FitResult, Verdict, doubts_of_interval, verdict_of
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root

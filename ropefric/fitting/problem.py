@@ -83,20 +83,16 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
                 raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
     for name, (low, high) in settings.bounds.items():
         if not low < high:
+            text = f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them"
             raise InputError(
-                f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them",
-                code="RF402",
-                key="bounds",
-                fix="give (lower, upper), or fix the parameter",
+                text, code="RF402", key="bounds", fix="give (lower, upper), or fix the parameter"
             )
     if settings.loss not in tuple(LOSSES):
-        raise UnknownNameError(
-            f"unknown loss {settings.loss!r}", key="loss", fix=did_you_mean(str(settings.loss), LOSSES)
-        )
+        fix = did_you_mean(str(settings.loss), LOSSES)
+        raise UnknownNameError(f"unknown loss {settings.loss!r}", key="loss", fix=fix)
     if settings.scale_covar not in ("auto", True, False):
-        raise InputError(
-            f"{settings.scale_covar!r} is no setting", key="scale_covar", fix="use 'auto', True or False"
-        )
+        text = f"{settings.scale_covar!r} is no setting"
+        raise InputError(text, key="scale_covar", fix="use 'auto', True or False")
     for key, least, most, why in (
         ("n_starts", 1, _MOST_STARTS, "a search needs at least one start"),
         ("seed", 0, 2**63, "a seed is a whole number of at least 0"),
@@ -128,6 +124,11 @@ class FitProblem:
     def n_points(self) -> int:
         """Return the number of points n."""
         return int(self.log_lift.size)
+
+    @property
+    def n_conditions(self) -> int:
+        """Return the number of conditions, however often each was repeated."""
+        return int(self.group.max(initial=-1)) + 1
 
     @property
     def n_varying(self) -> int:

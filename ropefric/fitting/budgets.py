@@ -118,11 +118,8 @@ def coefficient_model(
     if not phi > 0.0:
         raise InputError(f"over a wrap of {phi:g} rad there is no average coefficient", key="wrap_angle_rad")
     if not F_A > F_B > 0.0:
-        raise InputError(
-            f"F_A = {F_A:.6g} N does not exceed F_B = {F_B:.6g} N: friction holds nothing",
-            key="lift_force_N",
-            fix="check which side is which",
-        )
+        text = f"F_A = {F_A:.6g} N does not exceed F_B = {F_B:.6g} N: friction holds nothing"
+        raise InputError(text, key="lift_force_N", fix="check which side is which")
     n_A, n_B = len(lift.quantities), len(end.quantities)
     gain = (limit_of_error("gain of the measuring chain", "ε", "-", gain_limit),) if gain_limit > 0.0 else ()
 
@@ -188,11 +185,8 @@ def condition_numbered(conditions: Sequence[MeasuredCondition], number: int) -> 
     numbers = [condition.number for condition in conditions]
     if number in numbers:
         return conditions[numbers.index(number)]
-    raise InputError(
-        f"there is no condition {number} with a force",
-        key="condition",
-        fix=f"there are {len(numbers)}, numbered {min(numbers, default=0)} to {max(numbers, default=0)}",
-    )
+    fix = f"there are {len(numbers)}, numbered {min(numbers, default=0)} to {max(numbers, default=0)}"
+    raise InputError(f"there is no condition {number} with a force", key="condition", fix=fix)
 
 
 def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) -> MeasuredCondition:
@@ -204,11 +198,8 @@ def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) 
     known_N, mass = condition.end.force_N, condition.end.quantities[0]
     std_N = known_N * mass.std / mass.estimate if std_N is None else std_N
     if not std_N > 0.0:
-        raise InputError(
-            "nothing is known of how well the slack side is measured",
-            key="u_end_tension",
-            fix='give it, such as --u-end-tension "0.3 N"',
-        )
+        text = "nothing is known of how well the slack side is measured"
+        raise InputError(text, key="u_end_tension", fix='give it, such as --u-end-tension "0.3 N"')
     reading = Quantity("reading of the slack side", "F̂_B", "N", std_N, estimate=known_N)
     return replace(condition, known=ForceSide(symbol="F_B", quantities=(reading,)))
 
@@ -486,11 +477,8 @@ def state_lift(
 def _rope(fit: FitResult) -> Quantity:
     std, found = new_rope_std(fit), fit.statistics
     if not math.isfinite(std):
-        raise InputError(
-            f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull",
-            key="one_pull",
-            fix="repeat conditions, or ask for the mean law",
-        )
+        text = f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull"
+        raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
     parts = np.nan_to_num([found.scatter_within, found.scatter_between])
     dof = effective_dof(
         parts.tolist(), [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]

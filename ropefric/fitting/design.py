@@ -156,15 +156,17 @@ class LiftBound:
         if probability is None:
             return
         if not 0.5 <= probability < 1.0:
+            text = f"the probability is {probability:g}"
             raise InputError(
-                f"the probability is {probability:g}",
+                text,
                 key="probability",
                 fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
             )
         self.reach, self.scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
         if not (math.isfinite(self.scatter) and np.isfinite(fit.covariance).all()):
+            text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
             raise InputError(
-                f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
+                text,
                 key="probability",
                 fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
             )
@@ -256,8 +258,9 @@ def _checked(
             raise InputError(f"{name} is missing", key=name, fix="give every quantity but the one looked for")
         arrays[name] = as_floats(name, value)
     if solve_for == "radius" and "size" not in fit.friction_law.effects:
+        text = f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found"
         raise InputError(
-            f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found",
+            text,
             key="solve_for",
             fix="solve for the wrap or the end tension, or fit a law with a size effect",
         )

@@ -293,10 +293,8 @@ def bootstrap(
     refits = fits.theta[good]
     failed = n - len(refits)
     if len(refits) < 2:
-        raise FitError(
-            f"{law.name}: only {len(refits)} of {n} resamples could be refitted",
-            fix="take a law with fewer parameters, or measure more conditions",
-        )
+        text = f"{law.name}: only {len(refits)} of {n} resamples could be refitted"
+        raise FitError(text, fix="take a law with fewer parameters, or measure more conditions")
     notes = []
     if failed > _WORTH_A_NOTE * n:
         notes.append(
@@ -321,11 +319,8 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
         return fit
     problem = fit.data
     if fit.provenance.get("settings", {}).get("loss", "linear") != "linear":
-        raise InputError(
-            f"{method} intervals are those of least squares, not of a robust loss",
-            key="intervals",
-            fix="use loss = 'linear', or intervals = 'covariance'",
-        )
+        text = f"{method} intervals are those of least squares, not of a robust loss"
+        raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
     how: dict[str, str | int] = {"method": method}
     if method == "profile":
         found = _profile(fit, problem)

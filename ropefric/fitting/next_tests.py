@@ -71,10 +71,9 @@ class RigLimits:
             object.__setattr__(self, name, tuple(levels))
         if math.prod(self.shape) > _MOST_CONDITIONS:
             sizes = " × ".join(str(size) for size in self.shape)
+            text = f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}"
             raise InputError(
-                f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}",
-                key="limits",
-                fix="give fewer wheels, wraps or end tensions, or fewer levels",
+                text, key="limits", fix="give fewer wheels, wraps or end tensions, or fewer levels"
             )
         for name in ("rope_radius_m", "largest_force_N"):
             if not getattr(self, name) > 0.0:
@@ -130,8 +129,9 @@ class MeanScatter:
     def __post_init__(self) -> None:
         numbers = (self.within, self.between, self.instrument_N)
         if not all(math.isfinite(x) and x >= 0.0 for x in numbers) or not any(numbers):
+            text = f"scatter within {self.within:g}, between {self.between:g}, instrument {self.instrument_N:g} N"
             raise InputError(
-                f"scatter within {self.within:g}, between {self.between:g}, instrument {self.instrument_N:g} N",
+                text,
                 key="scatter",
                 fix="give standard deviations of ln F from 0, one above it: 0.017 is 1.7 % between repeats",
             )
@@ -213,11 +213,8 @@ def planned_fit(
     within = found.scatter_within if within is None else within
     between = found.scatter_between if between is None else between
     if not math.isfinite(within):
-        raise InputError(
-            "the fit has no repeats, so it does not know the scatter of one trial",
-            key="scatter_within",
-            fix='give it, such as --scatter-within "1.7 %"',
-        )
+        text = "the fit has no repeats, so it does not know the scatter of one trial"
+        raise InputError(text, key="scatter_within", fix='give it, such as --scatter-within "1.7 %"')
     if not math.isfinite(between):
         between = 0.0
         notes.append("the fit cannot tell the scatter between conditions: none is assumed")
@@ -613,10 +610,9 @@ def plan_tests(
     made for; it is the best for those given.
     """
     if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0 or criterion not in {"v", "d"}:
+        text = f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}"
         raise InputError(
-            f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}",
-            key="n_conditions",
-            fix="plan one or more of each, by 'v' or 'd', at a level such as 0.95",
+            text, key="n_conditions", fix="plan one or more of each, by 'v' or 'd', at a level such as 0.95"
         )
     for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
         if asked > _MOST:
@@ -626,8 +622,9 @@ def plan_tests(
     free = allowed & ~tested_before(planned, grid)
     places, known = np.flatnonzero(free), planned.known
     if places.size < n_conditions:
+        text = f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned"
         raise InputError(
-            f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned",
+            text,
             key="limits",
             fix="give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions",
         )
@@ -678,8 +675,9 @@ def plan_tests(
 def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int) -> None:
     """Refuse to plan n conditions, of those that can be had, where they cannot tell the parameters."""
     if n < least:
+        text = f"{n} conditions cannot determine the {planned.n_free} parameters of {planned.law.name} with an error"
         raise InputError(
-            f"{n} conditions cannot determine the {planned.n_free} parameters of {planned.law.name} with an error",
+            text,
             code="RF410",
             key="n_conditions",
             fix=f"plan {least} conditions or more, or hold a parameter",

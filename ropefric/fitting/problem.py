@@ -246,22 +246,23 @@ class Reduced:
 
 def reduced(
     problem: FitProblem,
-    log_lift: FloatArray | None = None,
-    std: FloatArray | None = None,
-    multiplicity: FloatArray | None = None,
+    log_lift: npt.ArrayLike | None = None,
+    multiplicity: npt.ArrayLike | None = None,
     *,
     loss: Loss = "linear",
 ) -> Reduced:
-    """Return the data of a problem, or m data sets at its conditions, by distinct condition."""
-    y = _table(problem, "log_lift", problem.log_lift if log_lift is None else log_lift)
-    s = _table(problem, "std", problem.std if std is None else std)
-    count = _table(problem, "multiplicity", np.ones(1) if multiplicity is None else multiplicity)
+    """Return the data of a problem, or m data sets at its conditions, by distinct condition.
+
+    Shapes (n,) or (m, n): measured ln F_A, and how often each point counts in each data set.
+    """
+    y = np.atleast_2d(np.asarray(problem.log_lift if log_lift is None else log_lift, np.float64))
+    count = np.atleast_2d(np.asarray(1.0 if multiplicity is None else multiplicity, np.float64))
     order, starts = _distinct(problem.conditions)
     repeated = starts.size < order.size and loss == "linear"
     if not repeated:
         # Nothing to put together, so the points stay as they are.
         order = starts = np.arange(order.size)
-    w, y = (count / s**2)[:, order], y[:, order]
+    w, y = (count / problem.std**2)[:, order], y[:, order]
     weight = np.add.reduceat(w, starts, axis=1)
     safe = np.where(weight > 0.0, weight, 1.0)
     # Sums about a point near the data keep the digits that sums of the data themselves would cancel.
@@ -305,31 +306,6 @@ def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
     new = np.ones(order.size, dtype=np.bool_)
     new[1:] = np.any([column[order[1:]] != column[order[:-1]] for column in columns], axis=0)
     return order, np.flatnonzero(new)
-
-
-_ALLOWED: dict[str, tuple[str, Callable[[FloatArray], BoolArray]]] = {
-    "log_lift": ("finite", np.isfinite),
-    "std": ("positive", lambda values: values > 0.0),
-    "multiplicity": ("finite and zero or more", lambda values: (values >= 0.0) & np.isfinite(values)),
-}
-
-
-def _table(problem: FitProblem, name: str, values: npt.ArrayLike) -> FloatArray:
-    """Return what is given for each point, shape (m, n) or (1, n), checked."""
-    array = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    if array.ndim != 2 or array.shape[1] not in {1, problem.n_points}:
-        raise InputError(
-            f"{name} has shape {np.shape(values)}; the problem has {problem.n_points} points",
-            code="RF400",
-            key=name,
-            fix=f"give ({problem.n_points},) or (m, {problem.n_points})",
-        )
-    rule, allowed = _ALLOWED[name]
-    good = allowed(array)
-    if not good.all():
-        row, point = (int(i) for i in np.argwhere(~good)[0])
-        raise InputError(f"{name} of point {point} in data set {row} must be {rule}", code="RF400", key=name)
-    return np.broadcast_to(array, (len(array), problem.n_points))
 
 
 def _row(array: FloatArray, rows: Rows) -> FloatArray:

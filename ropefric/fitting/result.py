@@ -296,11 +296,8 @@ class FitResult:
         """
         low, high = self.validity["rope_radius_m"]
         if high - low > 1e-9 * high:
-            raise InputError(
-                f"the fit rests on ropes of {2e3 * low:.4g} to {2e3 * high:.4g} mm, so none is meant by itself",
-                key="rope_radius_m",
-                fix="say which rope is meant",
-            )
+            text = f"the fit rests on ropes of {2e3 * low:.4g} to {2e3 * high:.4g} mm, so none is meant by itself"
+            raise InputError(text, key="rope_radius_m", fix="say which rope is meant")
         return low
 
     def __getitem__(self, name: str) -> FittedParameter:

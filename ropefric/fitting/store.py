@@ -79,8 +79,9 @@ def check_target(path: Path, table: Path | None, *, overwrite: bool = False) -> 
     refuse_special(path)
     refuse_input(path, table)
     if not overwrite and path.is_file() and not _is_fit(path):
+        text = "the file is there already, and it is no stored fit"
         raise DataError(
-            "the file is there already, and it is no stored fit",
+            text,
             code="RF150",
             path=path.as_posix(),
             fix="choose another name, or replace it with --force (in Python, overwrite=True)",
@@ -260,10 +261,9 @@ def verify_fits(folder: str | os.PathLike[str]) -> tuple[Verification, ...]:
         raise DataError("there is no such folder", path=place, fix="give the folder of the stored fits")
     paths = sorted(place.glob("*.json"))
     if not paths:
+        text = "the folder holds no *.json"
         raise DataError(
-            "the folder holds no *.json",
-            path=place,
-            fix="store one there: `ropefric fit … --out FIT.json`, or save_fit in Python",
+            text, path=place, fix="store one there: `ropefric fit … --out FIT.json`, or save_fit in Python"
         )
     return tuple(verify_fit(path) for path in paths)
 
@@ -294,11 +294,8 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
     source: dict[str, Any] = dict(stored.provenance.get("input", {}))
     path, sha256 = source.get("path"), source.get("sha256")
     if "sha256" not in source:
-        raise DataError(
-            "the fit names no data file, so it cannot be made again",
-            code="RF432",
-            fix="fit a CSV trial table and save the result",
-        )
+        text = "the fit names no data file, so it cannot be made again"
+        raise DataError(text, code="RF432", fix="fit a CSV trial table and save the result")
     if not isinstance(path, str) or not isinstance(sha256, str):
         raise _damaged("provenance.input")
     data = folder / path

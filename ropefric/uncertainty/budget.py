@@ -46,10 +46,8 @@ class MeasurementModel:
 
     def __post_init__(self) -> None:
         if self.sensitivities.shape != self.inputs.shape:
-            raise InputError(
-                f"{self.name}: {self.sensitivities.size} sensitivities for {self.inputs.size} inputs",
-                key=self.name,
-            )
+            text = f"{self.name}: {self.sensitivities.size} sensitivities for {self.inputs.size} inputs"
+            raise InputError(text, key=self.name)
         if not (np.isfinite(self.estimate) and np.isfinite(self.sensitivities).all()):
             raise InputError(f"{self.name}: there is no answer at the estimates of the inputs", key=self.name)
 
@@ -243,17 +241,17 @@ def propagate(
 ) -> DrawnAnswer:
     """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
     if not _FEWEST <= draws <= _MOST or seed < 0:
+        text = f"{draws} draws with seed {seed}"
         raise InputError(
-            f"{draws} draws with seed {seed}",
-            key="draws",
-            fix=f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more",
+            text, key="draws", fix=f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more"
         )
     values = model.draw(np.random.default_rng(seed), draws)
     values = np.sort(values[np.isfinite(values)])
     unanswered = draws - values.size
     if 2 * unanswered > draws:
+        text = f"{model.name} has no answer for {unanswered} of {draws} draws of its inputs"
         raise InputError(
-            f"{model.name} has no answer for {unanswered} of {draws} draws of its inputs",
+            text,
             code="RF420",
             key="draws",
             fix="the inputs are too uncertain for any budget; measure them better",

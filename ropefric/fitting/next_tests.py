@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.files.plain_text import csv_text
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import decomposed, plain_covariance
@@ -540,15 +541,18 @@ class LabPlan:
 
     def to_csv(self) -> str:
         r"""Return the plan as CSV for the lab: a row a condition, in millimetres, degrees and newtons."""
-        lines = [
-            "condition,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,repeats,expected_lift_force_N"
-        ]
+        heads = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
+        rows: list[tuple[object, ...]] = [("condition", *heads, "repeats", "expected_lift_force_N")]
         for row in self.rows():
-            wrap_deg = math.degrees(row["wrap_angle_rad"])
-            at = (1e3 * row["wheel_radius_m"], 2e3 * row["rope_radius_m"], wrap_deg, row["end_tension_N"])
-            settings = ",".join(f"{value:.10g}" for value in at)
-            lines.append(f"{row['condition']},{settings},{row['repeats']},{row['expected_lift_force_N']:.4g}")
-        return "\n".join(lines) + "\n"
+            settings = (
+                1e3 * row["wheel_radius_m"],
+                2e3 * row["rope_radius_m"],
+                math.degrees(row["wrap_angle_rad"]),
+                row["end_tension_N"],
+            )
+            force = f"{row['expected_lift_force_N']:.4g}"
+            rows.append((row["condition"], *(f"{x:.10g}" for x in settings), row["repeats"], force))
+        return csv_text(rows)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""

@@ -16,6 +16,7 @@ class Status(StrEnum):
     """What became of a recording."""
 
     OK = "ok"
+    DOUBTFUL = "doubtful"
     NO_BREAKAWAY = "no-breakaway"
     NO_PEAK = "no-peak"
     SATURATED = "saturated"
@@ -25,6 +26,10 @@ class Status(StrEnum):
 
 ADVICE: dict[Status, str] = {
     Status.OK: "The static peak was found.",
+    Status.DOUBTFUL: (
+        "More than one thing in this recording may be the break-away, and what was measured does not decide between "
+        "them. Look at the candidates and give the trial a pick_s or a peak_N, or exclude it."
+    ),
     Status.NO_BREAKAWAY: (
         "The rope never slipped while the recording ran: the force was still rising, or was held. "
         "Raise the motor torque further or record for longer."
@@ -51,6 +56,30 @@ class Phase:
     name: str
     start_s: float
     end_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceEvent:
+    """A fall of the force: a partial slip, snag or impact before the break-away, a stick-slip event, a candidate.
+
+    Attributes
+    ----------
+    kind : str
+        `partial-slip`, `bump`, `slip`, `break-away` or `let-down`.
+    time_s, force_N : float
+        When the force was highest [s], and how high [N].
+    drop_N, fall_s : float
+        How far it fell [N] and how long that took [s].
+    evidence : str
+        What was seen that speaks for or against its being the break-away.
+    """
+
+    kind: str
+    time_s: float
+    force_N: float
+    drop_N: float
+    fall_s: float
+    evidence: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,6 +113,22 @@ class Breakaway:
         Noise of one sample [N].
     loading_rate_N_s : float
         Slope of the loading just before the peak [N/s].
+    kinetic_s : float
+        Length of the stretch of sliding `kinetic_N` is taken over [s].
+    drop_N, trough_N : float
+        Fall from the peak [N], and the lowest force of that slip [N].
+    n_slips : int
+        Stick-slip events from the break-away on, itself included; 0 where none was found.
+    recurrence_s : float
+        Median time between neighbouring stick-slip events [s].
+    dwell_s : float
+        Time of rest before the loading [s].
+    end_tension_N, end_tension_std_N : float
+        Measured slack tension at the peak and its standard uncertainty [N], where a second channel gives it.
+    events : tuple of ForceEvent
+        Partial slips, bumps and impacts before the break-away, and every stick-slip event.
+    candidates : tuple of ForceEvent
+        What may be the break-away, best first, where the status is `doubtful`.
     phases : tuple of Phase
         What happened when.
     notes : tuple of str
@@ -108,6 +153,16 @@ class Breakaway:
     window_s: float = nan
     noise_std_N: float = nan
     loading_rate_N_s: float = nan
+    kinetic_s: float = nan
+    drop_N: float = nan
+    trough_N: float = nan
+    n_slips: int = 0
+    recurrence_s: float = nan
+    dwell_s: float = nan
+    end_tension_N: float = nan
+    end_tension_std_N: float = nan
+    events: tuple[ForceEvent, ...] = field(default=())
+    candidates: tuple[ForceEvent, ...] = field(default=())
     phases: tuple[Phase, ...] = field(default=())
     notes: tuple[str, ...] = field(default=())
 

@@ -7,7 +7,7 @@ and the parameters of a fitted law with their covariance, leave open of the lift
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -146,20 +146,21 @@ def coefficient_model(
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class MeasuredCondition:
     """One condition with both its forces and what is known of them."""
 
     number: int
-    wheel_radius_m: float
-    rope_radius_m: float
-    wrap_angle_rad: float
-    wrap_std_rad: float
     measured: ForceSide
     known: ForceSide
     measures_slack: bool
     n: int
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...]
+    _: KW_ONLY
+    wheel_radius_m: float
+    rope_radius_m: float
+    wrap_angle_rad: float
+    wrap_std_rad: float = 0.0
 
     @property
     def lift(self) -> ForceSide:
@@ -192,9 +193,8 @@ def condition_numbered(conditions: Sequence[MeasuredCondition], number: int) -> 
 def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) -> MeasuredCondition:
     """Return a condition whose F_B is the reading of a second channel and does not hang from weights."""
     if condition.measures_slack:
-        raise InputError(
-            "here F_B was measured against a known F_A: it is a reading already", key="end_tension_measured"
-        )
+        text = "here F_B was measured against a known F_A: it is a reading already"
+        raise InputError(text, key="end_tension_measured")
     known_N, mass = condition.end.force_N, condition.end.quantities[0]
     std_N = known_N * mass.std / mass.estimate if std_N is None else std_N
     if not std_N > 0.0:
@@ -226,23 +226,12 @@ def conditions_of_extraction(
         if len(kept) > 1 and (ratio := 1.0 + trimming_bias(one.n, one.rule).bias) < 1.0:
             notes.insert(0, f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average")
         values_N = np.array([trial.measured_N for trial in kept])
-        found.append(
-            MeasuredCondition(
-                number=number,
-                **{name: getattr(one, name) for name in _PLACE},
-                wrap_std_rad=0.0,
-                measured=_mean_force("F_B" if slack else "F_A", values_N, chain, ratio),
-                known=weights(
-                    "F_A" if slack else "F_B",
-                    one.lift_force_N if slack else one.end_tension_N,
-                    tolerance=weights_tolerance,
-                    gravity_limit=gravity_limit,
-                ),
-                measures_slack=slack,
-                n=len(kept),
-                notes=tuple(notes),
-            )
-        )
+        sides = ("F_B", "F_A", one.lift_force_N) if slack else ("F_A", "F_B", one.end_tension_N)
+        symbol, other, known_N = sides
+        measured = _mean_force(symbol, values_N, chain, ratio)
+        known = weights(other, known_N, tolerance=weights_tolerance, gravity_limit=gravity_limit)
+        place = {name: getattr(one, name) for name in _PLACE}
+        found.append(MeasuredCondition(number, measured, known, slack, len(kept), tuple(notes), **place))
     return _with_scatter_of_others(found)
 
 
@@ -271,19 +260,12 @@ def conditions_of_table(
         if not known_std_N:
             notes.append(f"the table gives no uncertainty of {other}: only gravity is counted")
         chain = Quantity("measuring chain, tare and picking", "δ_chain", "N", u_N)
+        measured = _mean_force(symbol, measured_N[row], [chain])
         tolerance = RECTANGULAR * known_std_N / known_N
-        found.append(
-            MeasuredCondition(
-                number=label + 1,
-                **{name: float(getattr(pulls, name)[row[0]]) for name in _PLACE},
-                wrap_std_rad=float(wrap_std_rad[row].max()),
-                measured=_mean_force(symbol, measured_N[row], [chain]),
-                known=weights(other, known_N, tolerance=tolerance, gravity_limit=gravity_limit),
-                measures_slack=slack,
-                n=row.size,
-                notes=tuple(notes),
-            )
-        )
+        known = weights(other, known_N, tolerance=tolerance, gravity_limit=gravity_limit)
+        place = {name: float(getattr(pulls, name)[row[0]]) for name in _PLACE}
+        place["wrap_std_rad"] = float(wrap_std_rad[row].max())
+        found.append(MeasuredCondition(label + 1, measured, known, slack, row.size, tuple(notes), **place))
     return _with_scatter_of_others(found)
 
 
@@ -406,9 +388,8 @@ def lift_model(
     What `wheel_std` does not name of the wheel's settings is exact.
     """
     if len(wheel) != 1:
-        raise InputError(
-            f"{len(wheel)} wheels; a budget is of one", key="conditions", fix="ask one at a time"
-        )
+        text = f"{len(wheel)} wheels; a budget is of one"
+        raise InputError(text, key="conditions", fix="ask one at a time")
     law, theta, free = fit.friction_law, fit.theta, fit.shown
     F_A = math.exp(float(law.log_lift(theta, wheel)[0]))
     quantities = [

@@ -157,19 +157,15 @@ class LiftBound:
             return
         if not 0.5 <= probability < 1.0:
             text = f"the probability is {probability:g}"
-            raise InputError(
-                text,
-                key="probability",
-                fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
-            )
+            fix = "give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)"
+            raise InputError(text, key="probability", fix=fix)
         self.reach, self.scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
         if not (math.isfinite(self.scatter) and np.isfinite(fit.covariance).all()):
             text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
-            raise InputError(
-                text,
-                key="probability",
-                fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
+            fix = (
+                "repeat some trials and fit again, or design for the mean law (--on-average, None in Python)"
             )
+            raise InputError(text, key="probability", fix=fix)
 
     def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
         """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
@@ -246,9 +242,8 @@ def _checked(
 ) -> tuple[dict[str, FloatArray], FloatArray, tuple[float, float]]:
     """Return what is given of n designs, their loads [N], and where to look; everything that is wrong is said here."""
     if solve_for not in QUANTITIES:
-        raise InputError(
-            f"cannot solve for {solve_for!r}", key="solve_for", fix="use one of wrap, radius, end_tension"
-        )
+        text = f"cannot solve for {solve_for!r}"
+        raise InputError(text, key="solve_for", fix="use one of wrap, radius, end_tension")
     target, unit, usual = QUANTITIES[solve_for]
     if quantities.pop(target) is not None:
         raise InputError(f"{target} is given and looked for", key=target, fix="leave it out")
@@ -259,11 +254,8 @@ def _checked(
         arrays[name] = as_floats(name, value)
     if solve_for == "radius" and "size" not in fit.friction_law.effects:
         text = f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found"
-        raise InputError(
-            text,
-            key="solve_for",
-            fix="solve for the wrap or the end tension, or fit a law with a size effect",
-        )
+        fix = "solve for the wrap or the end tension, or fit a law with a size effect"
+        raise InputError(text, key="solve_for", fix=fix)
     low, high = (float(end) for end in (limits or usual))
     if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):
         text = f"limits {low:g} to {high:g} {unit} are none"

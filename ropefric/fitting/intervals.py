@@ -233,15 +233,10 @@ class _Walk:
     def ends(self) -> list[tuple[float, EndKind]]:
         """Return the end of every side, and what stops the interval there."""
         ends = self.best[self.parameter] + self.sign * self.near
-        kinds: list[EndKind] = [
-            ("bound" if np.isfinite(bound) else "open")
-            if np.isinf(far)
-            else "crossing"
-            if np.isfinite(gap)
-            else "edge"
-            for bound, far, gap in zip(self.bound, self.far, self.far_gap, strict=True)
-        ]
-        return list(zip(np.where(np.isinf(self.far), self.bound, ends).tolist(), kinds, strict=True))
+        endless, limited = np.isinf(self.far), np.isfinite(self.bound)
+        reasons = [endless & limited, endless, np.isfinite(self.far_gap)]
+        kinds: list[EndKind] = np.select(reasons, ["bound", "open", "crossing"], "edge").tolist()
+        return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -312,9 +307,8 @@ def bootstrap(
 def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0) -> FitResult:
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
-        raise UnknownNameError(
-            f"unknown way to intervals {method!r}", key="intervals", fix=did_you_mean(method, INTERVALS)
-        )
+        text = f"unknown way to intervals {method!r}"
+        raise UnknownNameError(text, key="intervals", fix=did_you_mean(method, INTERVALS))
     if method == "covariance":
         return fit
     problem = fit.data

@@ -337,11 +337,8 @@ def drawn_range(
     """
     if not np.isfinite(covariance).all():
         text = "the covariance of the parameters is not finite, so nothing can be drawn from it"
-        raise InputError(
-            text,
-            key="covariance",
-            fix="use method='linear', or a fit whose parameters are all seen by the data",
-        )
+        fix = "use method='linear', or a fit whose parameters are all seen by the data"
+        raise InputError(text, key="covariance", fix=fix)
     draws = joint_draws(theta, symmetric_root(covariance), dof=dof, n=n, rng=rng)
     draws = np.clip(draws, np.minimum(model.law.lower, theta), np.maximum(model.law.upper, theta))
     tail = 50.0 * (1.0 - level)

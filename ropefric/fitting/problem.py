@@ -84,9 +84,8 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
     for name, (low, high) in settings.bounds.items():
         if not low < high:
             text = f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them"
-            raise InputError(
-                text, code="RF402", key="bounds", fix="give (lower, upper), or fix the parameter"
-            )
+            fix = "give (lower, upper), or fix the parameter"
+            raise InputError(text, code="RF402", key="bounds", fix=fix)
     if settings.loss not in tuple(LOSSES):
         fix = did_you_mean(str(settings.loss), LOSSES)
         raise UnknownNameError(f"unknown loss {settings.loss!r}", key="loss", fix=fix)

@@ -353,20 +353,13 @@ class FitResult:
 
 
 def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
-    at_bound = bool(item["at_bound"])
+    at_bound, (low, high) = bool(item["at_bound"]), item["ci95"]
     # On a bound there is no error; elsewhere a number that JSON cannot hold was infinite.
     gone = nan if at_bound else inf
-    low, high = item["ci95"]
-    return FittedParameter(
-        name=name,
-        value=float(item["value"]),
-        std=float(_number(item["std"], gone)),
-        ci95=(float(_number(low, -gone)), float(_number(high, gone))),
-        lower=float(_number(item["lower"], -inf)),
-        upper=float(_number(item["upper"], inf)),
-        at_bound=at_bound,
-        vary=bool(item["vary"]),
-    )
+    absent = {"value": nan, "std": gone, "lower": -inf, "upper": inf}
+    numbers = {key: float(_number(item[key], default)) for key, default in absent.items()}
+    ci95 = (float(_number(low, -gone)), float(_number(high, gone)))
+    return FittedParameter(name=name, ci95=ci95, at_bound=at_bound, vary=bool(item["vary"]), **numbers)
 
 
 def _number(value: Any, gone: float = nan) -> Any:

@@ -80,12 +80,8 @@ def check_target(path: Path, table: Path | None, *, overwrite: bool = False) -> 
     refuse_input(path, table)
     if not overwrite and path.is_file() and not _is_fit(path):
         text = "the file is there already, and it is no stored fit"
-        raise DataError(
-            text,
-            code="RF150",
-            path=path.as_posix(),
-            fix="choose another name, or replace it with --force (in Python, overwrite=True)",
-        )
+        fix = "choose another name, or replace it with --force (in Python, overwrite=True)"
+        raise DataError(text, code="RF150", path=path.as_posix(), fix=fix)
 
 
 def _is_fit(path: Path) -> bool:
@@ -262,9 +258,8 @@ def verify_fits(folder: str | os.PathLike[str]) -> tuple[Verification, ...]:
     paths = sorted(place.glob("*.json"))
     if not paths:
         text = "the folder holds no *.json"
-        raise DataError(
-            text, path=place, fix="store one there: `ropefric fit … --out FIT.json`, or save_fit in Python"
-        )
+        fix = "store one there: `ropefric fit … --out FIT.json`, or save_fit in Python"
+        raise DataError(text, path=place, fix=fix)
     return tuple(verify_fit(path) for path in paths)
 
 

@@ -120,9 +120,8 @@ class Block:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.estimates).all() and np.isfinite(self.covariance).all()):
             text = f"{self.name}: the covariance is not finite, so the data do not show all of {self.symbols}"
-            raise InputError(
-                text, key=self.name, fix="measure the conditions that would show it, or fit a simpler law"
-            )
+            fix = "measure the conditions that would show it, or fit a simpler law"
+            raise InputError(text, key=self.name, fix=fix)
 
     def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
         """Return n draws, shape (n, q); see `joint_draws`."""

@@ -96,14 +96,7 @@ def weights(
 
 def force_model(side: ForceSide) -> MeasurementModel:
     """Return the measurement equation of a force."""
-    return MeasurementModel(
-        name="force",
-        symbol=side.symbol,
-        unit="N",
-        quantities=side.quantities,
-        evaluate=side.of,
-        sensitivities=side.slopes(),
-    )
+    return MeasurementModel("force", side.symbol, "N", side.quantities, side.of, side.slopes())
 
 
 def coefficient_model(
@@ -134,16 +127,9 @@ def coefficient_model(
 
     by_gain = [(end.is_product - lift.is_product) / phi] * len(gain)
     by_wrap = -math.log(F_A / F_B) / phi**2
-    return MeasurementModel(
-        name="average coefficient of friction",
-        symbol="μ̄",
-        unit="-",
-        quantities=(*lift.quantities, *end.quantities, wrap, *gain),
-        evaluate=evaluate,
-        sensitivities=np.array(
-            [*lift.slopes() / (phi * F_A), *-end.slopes() / (phi * F_B), by_wrap, *by_gain]
-        ),
-    )
+    slopes = np.array([*lift.slopes() / (phi * F_A), *-end.slopes() / (phi * F_B), by_wrap, *by_gain])
+    quantities = (*lift.quantities, *end.quantities, wrap, *gain)
+    return MeasurementModel("average coefficient of friction", "μ̄", "-", quantities, evaluate, slopes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -423,15 +409,9 @@ def lift_model(
     by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
     slopes = [by_radius, _by_rope(law, theta, wheel), by_wrap, by_log_tension / wheel.end_tension_N[0]]
     slopes += [1.0] * (k - 4)
-    return MeasurementModel(
-        name="lift force of one pull" if one_pull else "lift force",
-        symbol="F_A",
-        unit="N",
-        quantities=tuple(quantities),
-        block=block if free.any() else None,
-        evaluate=evaluate,
-        sensitivities=F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]]),
-    )
+    by_all = F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]])
+    name, known = "lift force of one pull" if one_pull else "lift force", block if free.any() else None
+    return MeasurementModel(name, "F_A", "N", tuple(quantities), evaluate, by_all, known)
 
 
 def state_lift(

@@ -152,7 +152,7 @@ class Comparison:
         return dict(rounded_tree(tree, _DIGITS))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Standing:
     """A law fitted to condition means, in the lift force or in the end tension."""
 
@@ -397,15 +397,9 @@ def standing(
         if not means.repeated or float(np.ptp(means.std)) <= 1e-9 * float(means.std[0]):
             break
     k = problem.n_varying + 1
-    return Standing(
-        problem=on_means,
-        theta=at,
-        scatter=scatter,
-        chi2=float((residual**2 / scatter.variance).sum()),
-        k=k,
-        aicc=aicc(scatter.deviance, K, k),
-        bic=bic(scatter.deviance, K, k),
-    )
+    chi2 = float((residual**2 / scatter.variance).sum())
+    criteria = (aicc(scatter.deviance, K, k), bic(scatter.deviance, K, k))
+    return Standing(on_means, at, scatter, chi2, k, *criteria)
 
 
 def refit(problem: FitProblem, starts: FloatArray) -> tuple[FloatArray, bool]:
@@ -492,16 +486,12 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         chosen = (good or fitted)[0]
     fit = fits[chosen.law]
     # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
-    rivals = [
-        fits[entry.law]
-        for entry in fitted
-        if entry is not chosen
-        and (
-            entry.counted and entry.delta_aicc <= RIVAL and fits[entry.law].status in _ANSWERING
-            if comparison.conclusive
-            else fits[entry.law].status is FitStatus.OK
-        )
-    ]
+    others = [(entry, fits[entry.law]) for entry in fitted if entry is not chosen]
+    if comparison.conclusive:
+        near = [(entry, other) for entry, other in others if entry.counted and entry.delta_aicc <= RIVAL]
+        rivals = tuple(other for _, other in near if other.status in _ANSWERING)
+    else:
+        rivals = tuple(other for _, other in others if other.status is FitStatus.OK)
     doubts = [*_of_place(comparison, chosen, fitted[0], forced=bool(law)), *fit.doubts]
     other = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
     if other:
@@ -519,7 +509,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         forced=bool(law),
         verdict=verdict_of(doubts, text),
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
-        rivals=tuple(rivals),
+        rivals=rivals,
     )
 
 

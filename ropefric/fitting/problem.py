@@ -148,7 +148,7 @@ class FitProblem:
         return (log_lift - self.log_lift) / self.std, slopes / self.std[:, None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Reduced:
     """Data sets of one plan of conditions, seen through a law."""
 
@@ -268,14 +268,9 @@ def reduced(
     reference = y[:, starts]
     sizes = np.diff(np.append(starts, order.size))
     mean = reference + np.add.reduceat(w * (y - np.repeat(reference, sizes, axis=1)), starts, axis=1) / safe
-    return Reduced(
-        law=problem.law,
-        conditions=problem.conditions.select(order[starts]) if repeated else problem.conditions,
-        weight=weight,
-        mean=mean,
-        rest=(w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1),
-        loss=loss,
-    )
+    conditions = problem.conditions.select(order[starts]) if repeated else problem.conditions
+    rest = (w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1)
+    return Reduced(problem.law, conditions, weight, mean, rest, loss)
 
 
 def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:

@@ -209,11 +209,10 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     order = sorted(names, key=lambda name: -round(abs(weakest[name]), _RATIO_DECIMALS))
     weak = tuple(name for name in order if abs(weakest[name]) > _TAKES_PART)
     pair, correlation = _worst_pair(values, rows, lost, names)
+    digits = [significant(value, _RATIO_DECIMALS, smallest=_RESIDUE) for value in values.tolist()]
     return Identifiability(
         ratio=significant(ratio, _RATIO_DECIMALS) if q else 1.0,
-        singular_values=tuple(
-            significant(value, _RATIO_DECIMALS, smallest=_RESIDUE) for value in values.tolist()
-        ),
+        singular_values=tuple(digits),
         worst_pair=pair,
         correlation=correlation,
         weak=weak,
@@ -379,7 +378,7 @@ def f_test(
     return F, (extra, left), float(fdtrc(extra, left, F))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class ConditionMeans:
     """One mean ln F_A for each condition: the independent evidence about a law.
 
@@ -424,17 +423,12 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
         within = sqrt(float(about2.sum()) / spare)
         # Repeats that agree exactly would make a mean infinitely well known.
         std = np.maximum(std * sqrt(float((weight * about2).sum()) / spare), _RESOLVED)
-    settings = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
-    return ConditionMeans(
-        conditions=Conditions(
-            **{name: mean(getattr(at, name)) for name in settings},
-            end_tension_N=np.exp(mean(at.log_end_tension)),
-        ),
-        log_lift=mean(problem.log_lift),
-        std=std,
-        size=np.bincount(group, minlength=K).astype(np.int64),
-        scatter_within=within,
-    )
+    settings = {
+        name: mean(getattr(at, name)) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
+    }
+    conditions = Conditions(**settings, end_tension_N=np.exp(mean(at.log_end_tension)))
+    size = np.bincount(group, minlength=K).astype(np.int64)
+    return ConditionMeans(conditions, mean(problem.log_lift), std, size, within)
 
 
 class ScatterFit(NamedTuple):

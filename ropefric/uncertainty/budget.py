@@ -32,7 +32,7 @@ _UNANSWERED = 0.01
 _ONE_SIGMA = 0.8413447460685429
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class MeasurementModel:
     """A measurement equation y = f(x), x the k single quantities and then the q of a block."""
 
@@ -67,7 +67,7 @@ class MeasurementModel:
         return self.evaluate(np.hstack(columns))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class BudgetLine:
     """One source of uncertainty."""
 
@@ -167,13 +167,7 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
         text = f"nothing that goes into {model.name} is uncertain"
         raise InputError(text, key=model.name, fix="give an uncertainty")
     lines = [
-        BudgetLine(
-            source=source,
-            sensitivity=slope,
-            contribution=size,
-            share=(size / combined) ** 2,
-            correlated=tuple(parts) if source is block else (),
-        )
+        BudgetLine(source, slope, size, (size / combined) ** 2, tuple(parts) if source is block else ())
         for source, slope, size in zip(sources, slopes, sizes, strict=True)
     ]
     dof = effective_dof([line.contribution for line in lines], [line.dof for line in lines])

@@ -243,12 +243,8 @@ def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
 def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     """Return where the result comes from; nothing in it changes from run to run."""
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    versions = {
-        "ropefric": ropefric.__version__,
-        "python": python,
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-    }
+    versions = {"ropefric": ropefric.__version__, "python": python}
+    versions |= {"numpy": np.__version__, "scipy": scipy.__version__}
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
     if table.source and kind_of_file(table.source) == "file":
         source["sha256"] = hash_file(table.source)

@@ -271,11 +271,7 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
     several = [mean for mean in means if mean.repeats > 1]
     dof = math.fsum(mean.dof for mean in several)
     square = math.fsum(mean.dof * (mean.stated / mean.estimate) ** 2 for mean in several)
-    note, scatter, dof = (
-        "one trial, and no condition is repeated: the repeatability is unknown",
-        0.0,
-        dof or math.inf,
-    )
+    note, scatter = "one trial, and no condition is repeated: the repeatability is unknown", 0.0
     if square:
         scatter = math.sqrt(square / dof)
         note = f"one trial: its scatter is that of the other conditions, {100 * scatter:.2g} % of the force"

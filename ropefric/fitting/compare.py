@@ -371,12 +371,8 @@ def standing(
     problem: FitProblem, means: ConditionMeans, theta: npt.ArrayLike, *, slack: bool = False
 ) -> Standing:
     """Return how the law of a problem stands on condition means, in the force that was measured."""
-    starts, K, law, conditions = (
-        np.atleast_2d(np.asarray(theta, dtype=np.float64)),
-        len(means),
-        problem.law,
-        means.conditions,
-    )
+    starts, K = np.atleast_2d(np.asarray(theta, dtype=np.float64)), len(means)
+    law, conditions = problem.law, means.conditions
     if slack and "end-tension" in law.effects:
         seen: Any = _EndTension(law.physics)
         law = replace(law, physics=seen)

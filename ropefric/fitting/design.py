@@ -352,12 +352,9 @@ def design_chart(
     radii = np.atleast_1d(np.asarray(wheel_radius_m, dtype=np.float64))
     wraps = np.atleast_1d(np.asarray(wrap_angle_rad, dtype=np.float64))
     grid = np.meshgrid(radii, wraps, indexing="ij")
-    conditions = Conditions(
-        wheel_radius_m=grid[0].ravel(),
-        rope_radius_m=np.array(rope_radius_m),
-        wrap_angle_rad=grid[1].ravel(),
-        end_tension_N=np.array(end_tension_N),
-    )
+    given = {"rope_radius_m": np.array(rope_radius_m), "end_tension_N": np.array(end_tension_N)}
+    conditions = Conditions(wheel_radius_m=grid[0].ravel(), wrap_angle_rad=grid[1].ravel(), **given)
+    shape = grid[0].shape
     outside = outside_range(fit.validity, conditions).any(axis=1)
     with np.errstate(over="ignore"):
         lift_N, bound_N = np.exp(LiftBound(fit, probability).evaluate(conditions))
@@ -366,10 +363,10 @@ def design_chart(
         wrap_angle_rad=wraps,
         rope_radius_m=float(rope_radius_m),
         end_tension_N=float(end_tension_N),
-        lift_force_N=lift_N.reshape(grid[0].shape),
-        lower_bound_N=bound_N.reshape(grid[0].shape),
+        lift_force_N=lift_N.reshape(shape),
+        lower_bound_N=bound_N.reshape(shape),
         probability=probability,
-        extrapolated=outside.reshape(grid[0].shape),
+        extrapolated=outside.reshape(shape),
     )
 
 

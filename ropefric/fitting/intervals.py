@@ -100,12 +100,11 @@ def profile_intervals(
             "estimate the scatter from",
             fix="measure more, or fix a parameter; in Python, standard deviations may count as known (absolute_std)",
         )
-    allowed = (
-        chi2_distribution.ppf(level, 1)
-        if absolute_std
-        else f_distribution.ppf(level, 1, dof) * chi2_min / dof
+    known, estimated = (
+        chi2_distribution.ppf(level, 1),
+        f_distribution.ppf(level, 1, dof) * chi2_min / max(dof, 1),
     )
-    threshold = np.broadcast_to(np.asarray(scale) * allowed, best.shape)
+    threshold = np.broadcast_to(np.asarray(scale) * (known if absolute_std else estimated), best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.
     threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
     walk = _Walk(problem, best, chi2_min, threshold)

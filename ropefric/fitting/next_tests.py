@@ -420,16 +420,11 @@ class Outlook:
         half = self.half_width_log
         ends_N = lift_N * np.exp(np.minimum([-half, half], 700.0))
         ends_N[:, np.isinf(half)] = np.inf
-        rows = zip(self.std_log.tolist(), lift_N.tolist(), *ends_N.tolist(), strict=True)
-        return [
-            {
-                "std_log": _number(std),
-                "std_N": _number(std * lift),
-                "interval_N": [*map(_number, ends)],
-                "dof": self.dof,
-            }
-            for std, lift, *ends in rows
-        ]
+        found = []
+        for std, lift, *ends in zip(self.std_log.tolist(), lift_N.tolist(), *ends_N.tolist(), strict=True):
+            row = {"std_log": _number(std), "std_N": _number(std * lift), "interval_N": [*map(_number, ends)]}
+            found.append(row | {"dof": self.dof})
+        return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -532,10 +527,11 @@ class LabPlan:
         heads = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
         rows: list[tuple[object, ...]] = [("condition", *heads, "repeats", "expected_lift_force_N")]
         for row in self.rows():
+            wrap_deg = math.degrees(row["wrap_angle_rad"])
             settings = (
                 1e3 * row["wheel_radius_m"],
                 2e3 * row["rope_radius_m"],
-                math.degrees(row["wrap_angle_rad"]),
+                wrap_deg,
                 row["end_tension_N"],
             )
             force = f"{row['expected_lift_force_N']:.4g}"

@@ -167,14 +167,13 @@ class Reduced:
     def chi2(self, theta: FloatArray, rows: Rows | None = None) -> FloatArray:
         """Return the weighted sums of squares, infinite where the law has no answer."""
         chosen = np.zeros(len(theta), dtype=np.intp) if rows is None else rows
-        chi2 = np.empty(len(theta))
+        chi2, shape = np.empty(len(theta)), self.weight.shape[1:]
+
+        def lift(asked: FloatArray, conditions: Conditions) -> list[FloatArray]:
+            return [self.law.log_lift(asked, conditions)]
+
         for part in self._blocks(len(theta)):
-            (values,), has_answer = _each(
-                lambda *asked: [self.law.log_lift(*asked)],
-                theta[part],
-                self.conditions,
-                self.weight.shape[1:],
-            )
+            (values,), has_answer = _each(lift, theta[part], self.conditions, shape)
             chi2[part] = self._misfit(values, has_answer, chosen[part])[0]
         return chi2
 

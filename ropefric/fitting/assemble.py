@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import inf, isfinite, nan, sqrt
 from typing import Any
 
@@ -248,7 +248,7 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
     if table.source and kind_of_file(table.source) == "file":
         source["sha256"] = hash_file(table.source)
-    return {"input": source, "settings": settings.to_dict(), "versions": versions}
+    return {"input": source, "settings": asdict(settings), "versions": versions}
 
 
 # ---- what keeps a fit from being trusted, and the experiment that would help ----

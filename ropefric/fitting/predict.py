@@ -13,7 +13,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.result import Doubt, FitResult, Verdict, doubts_of_interval, verdict_of
+from ropefric.fitting.result import Doubt, FitResult, Verdict, far_apart, verdict_of
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
@@ -165,9 +165,9 @@ class Prediction:
     def verdict(self, index: int = 0) -> Verdict:
         """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
         doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
-        for text in self._disagreement(index) if self.method == "linear" else ():
-            drawn = None if self.drawn_interval_N is None else self.drawn_interval_N[index]
-            doubts += doubts_of_interval(self.interval_N[index], drawn, text)
+        drawn_N = self.drawn_interval_N
+        if self.method == "linear" and (drawn_N is None or far_apart(self.interval_N[index], drawn_N[index])):
+            doubts += [("undecided", text) for text in self._disagreement(index)]
         return verdict_of(doubts, self.judged.reason.removesuffix("."))
 
     def notes(self, index: int = 0) -> tuple[str, ...]:

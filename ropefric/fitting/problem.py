@@ -6,9 +6,9 @@ weighs each trial by its own residual, so there the trials stay as they are.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from numbers import Integral
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -66,12 +66,6 @@ class FitSettings:
     clustered: bool = True
     n_starts: int = 4
     seed: int = 0
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the settings as plain data, which `fit_law` takes as keyword arguments again."""
-        tree = {item.name: getattr(self, item.name) for item in fields(self)}
-        bounds = {name: list(span) for name, span in self.bounds.items()}
-        return tree | {"fixed": dict(self.fixed), "bounds": bounds, "start": dict(self.start)}
 
 
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:

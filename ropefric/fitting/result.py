@@ -158,13 +158,10 @@ def doubts_of_fit(
     return tuple(doubts)
 
 
-def doubts_of_interval(linear: FloatArray, drawn: FloatArray | None, words: str) -> tuple[Doubt, ...]:
-    """Return the doubt that a linear and a drawn interval disagree grossly, or that nothing could be drawn."""
-    if drawn is None:
-        return (("undecided", words),)
-    half = 0.5 * float(linear[1] - linear[0])
-    apart = float(np.abs(drawn - linear).max())
-    return (("undecided", words),) if apart > half + _SAME * float(np.abs(linear).max()) else ()
+def far_apart(linear: FloatArray, drawn: FloatArray) -> bool:
+    """Return whether a linear and a drawn interval disagree grossly: by more than half the width of the first."""
+    apart, half = float(np.abs(drawn - linear).max()), 0.5 * float(linear[1] - linear[0])
+    return apart > half + _SAME * float(np.abs(linear).max())
 
 
 def same_lift(

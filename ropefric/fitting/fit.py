@@ -8,6 +8,7 @@ from math import sqrt
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
@@ -298,33 +299,33 @@ _STEPS = 40
 _NEAR = 1e-4
 
 
-def guess(law: FrictionLaw, conditions: Conditions, log_lift: FloatArray) -> FloatArray:
+def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> FloatArray:
     """Return parameters to start a fit of any law from, shape (p,), inside its bounds.
 
     The best of a few candidates, brought near measured ln(F_A / 1 N) of shape (n,) by the engine of every fit; typical
     values where no number of the data leads to better ones.
     """
     found = typical = np.array([parameter.start for parameter in law.parameters])
-    if log_lift.size > _MAX_CONDITIONS:
-        rows = np.linspace(0, log_lift.size - 1, _MAX_CONDITIONS).round().astype(np.int64)
-        conditions, log_lift = conditions.select(rows), log_lift[rows]
+    data = np.asarray(log_lift, dtype=np.float64)
+    if data.size > _MAX_CONDITIONS:
+        rows = np.linspace(0, data.size - 1, _MAX_CONDITIONS).round().astype(np.int64)
+        conditions, data = conditions.select(rows), data[rows]
     problem = FitProblem(
-        law=law, conditions=conditions, log_lift=log_lift, std=np.ones_like(log_lift), group=np.arange(log_lift.size),
+        law=law, conditions=conditions, log_lift=data, std=np.ones_like(data), group=np.arange(data.size),
         start=typical, lower=law.lower, upper=law.upper, vary=np.array([not item.fixed for item in law.parameters]),
     )  # fmt: skip
-    wrapped, mu = conditions.wrap_angle_rad > 0.0, 0.2
-    if wrapped.any():
-        # The median of the average coefficients, which one bad trial cannot move far.
-        rise = (log_lift - conditions.log_end_tension)[wrapped]
-        mu = max(float(np.median(rise / conditions.wrap_angle_rad[wrapped])), 1e-3)
+    wrapped = conditions.wrap_angle_rad > 0.0
 
     def misfit(theta: FloatArray) -> FloatArray:
-        return np.asarray(np.abs(law.log_lift(theta, conditions) - log_lift).sum(axis=-1))
+        return np.asarray(np.abs(law.log_lift(theta, conditions) - data).sum(axis=-1))
 
     try:
         # Data at the ends of what a float holds overflow on the way.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            candidates = np.asarray(law.candidates(mu, conditions, log_lift), dtype=np.float64)
+            # The median of the average coefficients, which one bad trial cannot move far.
+            average = (data - conditions.log_end_tension)[wrapped] / conditions.wrap_angle_rad[wrapped]
+            mu = max(float(np.median(average)), 1e-3) if wrapped.any() else 0.2
+            candidates = np.asarray(law.candidates(mu, conditions, data), dtype=np.float64)
             theta = np.clip(candidates, law.lower, law.upper)
             theta = theta[law.admissible(theta, conditions)]
             if len(theta):

@@ -11,8 +11,7 @@ import numpy as np
 from ropefric.errors import DataError, RopefricError
 from ropefric.files.folder import Folder, OutputFolder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text, json_document
-from ropefric.fitting.choice import Choice, choose_law
-from ropefric.fitting.compare import Comparison, compare_laws
+from ropefric.fitting.compare import Choice, Comparison, choose_law, compare_laws
 from ropefric.fitting.diagnose import Diagnosis, diagnose
 from ropefric.fitting.predict import Prediction, predict
 from ropefric.fitting.result import FitResult

@@ -14,9 +14,8 @@ from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import counted
 from ropefric.report.section import Section, interval, percent, plain, shorthand
-from ropefric.uncertainty.budget import BudgetLine
+from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement, numerical_tolerance
 from ropefric.uncertainty.quantity import Quantity
-from ropefric.uncertainty.statement import DISAGREEMENT, Statement, numerical_tolerance
 
 _VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}

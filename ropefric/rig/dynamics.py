@@ -245,7 +245,7 @@ class _RateState:
         strength, bristle, _, free, give = given
         a, phi, slack = p["a"], p["wrap_rad"], p["slack_N"]
         creep = 2.0 * p["speed_m_s"] * np.exp(-np.minimum(strength / a, 650.0))
-        step = np.zeros_like(mu)
+        arrived = np.zeros(mu.shape, dtype=bool)
         for _ in range(40):
             grown = np.exp(mu / a)
             v, dv = 0.5 * creep * (grown - 1.0 / grown), 0.5 * creep * (grown + 1.0 / grown) / a
@@ -256,10 +256,12 @@ class _RateState:
             if far.any():
                 jump = a * np.arcsinh((v + dv * step) / creep) - mu
                 step = np.where(far & (jump * step > 0.0) & (np.abs(jump) < np.abs(step)), jump, step)
-            mu = np.clip(mu + step, -690.0 * a, 690.0 * a)
-            if (np.abs(step) < 1e-9 * (a + np.abs(mu))).all():
+            # Who has arrived stays, so that nobody's result depends on the company.
+            mu = np.where(arrived, mu, np.clip(mu + step, -690.0 * a, 690.0 * a))
+            arrived |= np.abs(step) < 1e-9 * (a + np.abs(mu))
+            if arrived.all():
                 break
-        return mu, creep * np.sinh(mu / a), bristle, np.abs(step) < 1e-6 * (a + np.abs(mu))
+        return mu, creep * np.sinh(mu / a), bristle, arrived
 
     def _advance(self) -> None:
         """Try a step of every slider, take those that are good enough, and choose the next."""
@@ -349,7 +351,7 @@ class _Lugre(_RateState):
         strength, bristle, hh, free, give = given
         s0, s1, s2 = p["bristle_1_m"], p["bristle_damping_s_m"], p["viscous_s_m"]
         phi, slack, vs = p["wrap_rad"], p["slack_N"], p["stribeck_m_s"]
-        mu, bend, step = guess[0], bristle, np.zeros_like(v)
+        mu, bend, arrived = guess[0], bristle, np.zeros(v.shape, dtype=bool)
         for _ in range(25):
             fading = p["excess"] * np.exp(-((v / vs) ** 2))
             g, dg = strength + fading, -2.0 * v / vs**2 * fading
@@ -361,10 +363,11 @@ class _Lugre(_RateState):
             pull = np.exp(np.clip(mu * phi, -50.0, 50.0))
             slope = 1.0 + give * slack * phi * pull * slope
             step = -(v + give * slack * (pull - 1.0) - free) / np.maximum(slope, 0.1)
-            v = v + step
-            if (np.abs(step) < 1e-9 * p["speed_m_s"] + 1e-8 * np.abs(v)).all():
+            arrived |= np.abs(step) < 1e-8 * (p["speed_m_s"] + np.abs(v))
+            v = np.where(arrived, v, v + step)
+            if arrived.all():
                 break
-        return mu, v, bend, np.abs(step) < 1e-5 * (p["speed_m_s"] + np.abs(v))
+        return mu, v, bend, arrived
 
 
 def _sorted_out(sliders: Sequence[Slider], kept: list[tuple[Any, ...]]) -> Iterator[Motion]:

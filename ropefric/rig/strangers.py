@@ -19,7 +19,7 @@ from ropefric.rig.pulls import NO_PEAK, SLOW, Truth, draw_numbers, draw_slider, 
 from ropefric.traces.breakaway import Status
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.clock import mend_clock
-from ropefric.traces.trace import ForceTrace, recalibrate
+from ropefric.traces.trace import ForceTrace
 
 TIERS = ("clean", "lab", "nasty")
 _BATCH, _ATTEMPTS = 240, 15
@@ -45,7 +45,10 @@ class Recording:
         if self.counts is None or self.calibration is None:
             return trace
         counts = self.counts.astype(np.int64)
-        return recalibrate(replace(trace, counts=counts), self.calibration)
+        force_N, saturation = self.calibration.apply(counts)
+        return replace(
+            trace, force_N=force_N, counts=counts, calibration=self.calibration, saturation=saturation
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

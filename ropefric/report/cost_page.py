@@ -13,7 +13,7 @@ from ropefric.plotting.figure import save_figure
 from ropefric.plotting.svg import svg_text
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import Chapter, Picture, Report, as_html
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, Table, plain
 
 TITLE = "What accuracy costs in time"
 
@@ -65,9 +65,24 @@ def _study_section(result: StudyResult) -> Section:
     return Section(
         title=f"{study.name}: {study.title}",
         lines=(*lines, *cases),
-        table=_cheapest_table(result),
+        table=_shares_table(result) if result.points and result.points[0].shares else _cheapest_table(result),
         notes=tuple(notes),
     )
+
+
+def _shares_table(result: StudyResult) -> Table:
+    """Return every setting of a study that counts outcomes: shares in percent, errors, and time."""
+    names = [name for name in result.points[0].shares if name != "recordings"]
+    rows = []
+    for point in result.points:
+        shares = (plain(100.0 * point.shares[name], ".0f") for name in names)
+        errors = (
+            plain(100.0 * one, "+.2g" if one is point.bias else ".2g")
+            for one in (point.bias, point.noise, point.error)
+        )
+        rows.append((point.case, point.name, *shares, *errors, time_text(point.seconds)))
+    percent = (f"{name.replace('_', ' ')} [%]" for name in (*names, "bias", "scatter", "95 %"))
+    return Table(headings=("case", "picker", *percent, "time"), rows=tuple(rows), left=2)
 
 
 def _cheapest_table(result: StudyResult) -> Table:

@@ -1,6 +1,6 @@
 """How a rope of the second rig is pulled: machines and contacts drawn from wide ranges, and what is true."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf, nan
 from typing import Any
@@ -116,6 +116,11 @@ def draw_slider(rng: Rng, drawn: dict[str, Any]) -> Slider:
         }
     knots, end_s = _profile(rng, drawn)
     way = speed_m_s * climb_s
+
+    def reached_mu(part: float) -> float:
+        """Return the coefficient at a part of the force of static friction, or nearly so."""
+        return float(np.log(part * (np.exp((mu + 0.8 * spread) * wrap) - tared) + tared)) / wrap
+
     return Slider(
         law=law, stiffness_N_m=stiffness, mass_kg=mass,
         damping_N_s_m=2.0 * drawn["damping"] * np.sqrt(stiffness * mass),
@@ -124,7 +129,7 @@ def draw_slider(rng: Rng, drawn: dict[str, Any]) -> Slider:
         slack_N=slack_N, wrap_rad=wrap, tared=bool(tared), mu=mu, slip_m=slip_m, speed_m_s=speed_m_s,
         hold_s=slip_m / speed_m_s * np.exp(decades), wear=drawn["wear"], wear_m=way * rng.uniform(0.3, 1.0),
         start_mu=0.0 if tared else mu * rng.uniform(-0.6, 0.2), profile=knots,
-        partial=_partial_slips(rng, drawn, mu + 0.85 * spread, way, gain), bumps=_bumps(rng, drawn, way),
+        partial=_partial_slips(rng, drawn, way, reached_mu), bumps=_bumps(rng, drawn, way),
         rough=tuple((drawn["rough"] / 3.0, way * rng.uniform(0.02, 0.5), rng.uniform(0, 6.3)) for _ in range(4)),
         end_s=end_s, longest_step_s=min(0.02, 0.02 * climb_s), **contact,
     )  # fmt: skip
@@ -177,21 +182,15 @@ def _profile(rng: Rng, drawn: dict[str, Any]) -> tuple[tuple[tuple[float, float]
 
 
 def _partial_slips(
-    rng: Rng, drawn: dict[str, Any], start_mu: float, way: float, gain: float
+    rng: Rng, drawn: dict[str, Any], way: float, reached_mu: Callable[[float], float]
 ) -> tuple[tuple[float, float, float], ...]:
     if not drawn.get("partials"):
         return ()
     n = 1 if drawn["partials"] == "one" else int(rng.integers(3, 12))
     low, high, size = (0.78, 0.96, (0.02, 0.12)) if n == 1 else (0.3, 0.96, (0.003, 0.03))
-    parts = np.sort(rng.uniform(low, high, n))
-    return tuple(
-        (
-            start_mu + np.log(part) / gain,
-            way * rng.uniform(*size),
-            drawn["climb_s"] * rng.uniform(0.003, 0.02),
-        )
-        for part in parts.tolist()
-    )
+    parts = np.sort(rng.uniform(low, high, n)).tolist()
+    lasting_s = drawn["climb_s"] * rng.uniform(0.003, 0.02)
+    return tuple((reached_mu(part), way * rng.uniform(*size), lasting_s) for part in parts)
 
 
 def _bumps(rng: Rng, drawn: dict[str, Any], way: float) -> tuple[tuple[float, float, float], ...]:
@@ -232,7 +231,7 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
         ),
         None,
     )
-    partial_s = [_begun(motion, mu) for mu, _, _ in slider.partial]
+    partial_s = [_begun(motion, mu, slider.profile[1][0]) for mu, _, _ in slider.partial]
     if onset is None:
         return Truth(status=Status.NO_BREAKAWAY, partial_s=tuple(at_s for at_s in partial_s if at_s < inf))
     stop = int(np.searchsorted(motion.time_s, stops(slider, float(motion.time_s[onset]))))
@@ -252,11 +251,14 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
     peak = int(np.argmax(force_N[: fallen[0] + 1]))
     peak_N, time_s = float(force_N[peak]), float(motion.time_s[onset + peak])
     # A lesser fall while it slips already, or a partial slip that begins this one: two answers would be right.
-    slipping_s = float(motion.time_s[onset]), float(motion.time_s[onset + fallen[0]])
+    begins_s, ends_s = float(motion.time_s[onset]), float(motion.time_s[onset + fallen[0]])
+    partial_N = np.interp(partial_s, motion.time_s, motion.force_N)
     if fall_N[:peak].max(initial=0.0) > 0.3 * needed_N or any(
-        slipping_s[0] - lasting_s <= at_s <= slipping_s[1]
-        for at_s, (_, _, lasting_s) in zip(partial_s, slider.partial, strict=True)
+        begins_s - lasting_s <= at_s <= ends_s or (at_s < time_s and at_N > 0.97 * peak_N)
+        for at_s, at_N, (_, _, lasting_s) in zip(partial_s, partial_N, slider.partial, strict=True)
     ):
+        return None
+    if slider.partial and min(partial_s) > time_s:
         return None
     higher = np.flatnonzero(force_N[peak:] > peak_N)
     until = peak + int(higher[0]) if higher.size else force_N.size
@@ -266,9 +268,10 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
     )  # fmt: skip
 
 
-def _begun(motion: Motion, mu: float) -> float:
+def _begun(motion: Motion, mu: float, start_s: float) -> float:
+    """Return when a coefficient was first reached; never, where it was before the motor started."""
     at = int(np.argmax(motion.mu >= mu))
-    return float(motion.time_s[at]) if motion.mu[at] >= mu else inf
+    return float(motion.time_s[at]) if motion.mu[at] >= mu and motion.time_s[at] > start_s else inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

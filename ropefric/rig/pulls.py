@@ -70,15 +70,14 @@ def draw_numbers(rng: Rng, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return one number (or word) for every range, the given ones in place of the ordinary."""
     drawn: dict[str, Any] = {}
     for key, span in (RANGES | dict(given)).items():
-        if isinstance(span, tuple) and span and isinstance(span[0], str):
-            drawn[key] = str(rng.choice(span))
-        elif isinstance(span, tuple):
-            low, high = span
-            drawn[key] = float(
-                np.exp(rng.uniform(np.log(low), np.log(high))) if key in _LOG else rng.uniform(low, high)
-            )
-        else:
+        if not isinstance(span, tuple):
             drawn[key] = span
+        elif isinstance(span[0], str):
+            drawn[key] = str(rng.choice(span))
+        elif key in _LOG:
+            drawn[key] = float(np.exp(rng.uniform(*np.log(span))))
+        else:
+            drawn[key] = float(rng.uniform(*span))
     return drawn
 
 
@@ -292,9 +291,10 @@ class SliderPull:
 
     @property
     def breakaway_s(self) -> float:
-        """Return when the rope breaks away, or would have [s]."""
-        ended_s = self.ramp_s + self.lift_force_N / self.scale / self.slider.scale_N
-        return self.known.time_s if self.known.status == Status.OK else min(ended_s, self.end_s)
+        """Return when the rope breaks away, or, where nothing shows it, when the climb is as good as over [s]."""
+        force_N = self.motion.force_N
+        over = int(np.argmax(force_N >= 0.97 * force_N.max()))
+        return self.known.time_s if self.known.status == Status.OK else float(self.motion.time_s[over])
 
     @property
     def end_s(self) -> float:

@@ -68,18 +68,10 @@ _TEETH = {"direct": (0.3, 0.7), "laws": ("ageing", "slip"), "slide_s": (1.5, 4.0
 _OK, _NONE, _PEAKLESS, _CUT = Status.OK, Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED
 
 
-def _family(
-    name: str,
-    tier: str,
-    *faults: str,
-    expects: Status = Status.OK,
-    like: Mapping[str, Any] | None = None,
-    **own: Any,
-) -> Family:
+def _family(name: str, tier: str, *faults: str, expects: Status = Status.OK, **ranges: Any) -> Family:
+    like = ranges.pop("like", {})
     basis = {"clean": {}, "lab": _LAB, "nasty": _NASTY}[tier]
-    return Family(
-        name=name, tier=tier, ranges={**basis, **(like or {}), **own}, faults=faults, expects=expects
-    )
+    return Family(name=name, tier=tier, ranges=basis | like | ranges, faults=faults, expects=expects)
 
 
 FAMILIES: Registry[Family] = Registry("family of recordings", [

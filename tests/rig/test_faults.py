@@ -23,7 +23,7 @@ def record(seed, *faults, lift=320.7, end=80.0, **kw):
 @pytest.mark.parametrize("name", FAULTS)
 def test_the_truth_names_the_fault_and_its_status(name):
     fault = FAULTS[name]
-    for physics in ("coulomb", "rate-state", "lugre"):
+    for physics in ("coulomb", "rate-state", "lugre") if fault.ranges else ("coulomb",):
         truth = record(1, name, physics=physics).truth
         assert truth.faults == (name,)
         assert truth.status is (fault.expected_status or Status.OK)
@@ -186,7 +186,7 @@ def test_a_fault_of_the_mechanics_is_refused_where_there_is_no_breakaway():
 @pytest.mark.parametrize("physics", ["coulomb", "rate-state"])
 @pytest.mark.parametrize(("name", "shortest_s", "longest_s"), [("snag", 0.03, 0.8), ("impact", 0.004, 0.03)])
 def test_pushes_return_to_what_was_there_before_the_pull(name, shortest_s, longest_s, physics):
-    for seed in range(4):
+    for seed in range(4 if physics == "coulomb" else 2):
         clean, spoilt = record(seed, physics=physics), record(seed, name, physics=physics)
         added = spoilt.true_force_N - clean.true_force_N
         pushed = np.flatnonzero(added)
@@ -199,7 +199,7 @@ def test_pushes_return_to_what_was_there_before_the_pull(name, shortest_s, longe
 
 @pytest.mark.parametrize("physics", ["coulomb", "lugre"])
 def test_a_precursor_falls_and_the_climb_still_ends_at_the_static_friction(physics):
-    for seed in range(4):
+    for seed in range(4 if physics == "coulomb" else 2):
         clean, spoilt = record(seed, physics=physics), record(seed, "precursor", physics=physics)
         before = clean.true_time_s < clean.truth.breakaway_time_s
         lost = (clean.true_force_N - spoilt.true_force_N)[before] / clean.truth.lift_force_N
@@ -213,7 +213,7 @@ def test_a_precursor_falls_and_the_climb_still_ends_at_the_static_friction(physi
     ("name", "shortest_s", "longest_s"), [("rounded", 0.01, 0.25), ("slow-fall", 0.04, 0.7)]
 )
 def test_slow_peaks_fall_slowly(name, shortest_s, longest_s, physics):
-    for seed in range(4):
+    for seed in range(4 if physics == "coulomb" else 2):
         one = record(seed, name, physics=physics)
         after = one.true_time_s >= one.truth.breakaway_time_s
         force_N = one.true_force_N[after]

@@ -48,7 +48,7 @@ def test_the_truth_is_the_highest_force_before_the_first_fall(drawn):
 
 
 def test_precursors_come_before_the_peak_and_below_it():
-    for one in recordings(5, per_family=4, families=("one-precursor", "many-precursors")):
+    for one in recordings(5, per_family=2, families=("one-precursor", "many-precursors")):
         assert one.truth.partial_s
         noise_N = 0.02 * one.truth.peak_N
         for at_s in one.truth.partial_s:

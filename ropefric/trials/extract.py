@@ -3,15 +3,17 @@
 from collections.abc import Callable, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.files.read import InputFile, hash_file, use_file
-from ropefric.traces.readers import TEXT_FORMATS, find_reader
+from ropefric.glossary import counted
+from ropefric.traces.readers import TEXT_FORMATS, find_reader, read_recordings
 from ropefric.trials.cache import ResultCache, Results
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.conditions import summarised
-from ropefric.trials.recording import extract_recording, unreadable
+from ropefric.trials.recording import blocks_of, extract_recording, tared_trace, unreadable
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.workers import Lost, guarded
 
@@ -128,6 +130,55 @@ class _Work:
         except DataError:
             sha256 = ""
         return unreadable(self.campaign, rows, error, sha256=sha256), False
+
+
+def check_recordings(campaign: Campaign) -> tuple[tuple[str, ...], tuple[Problem, ...]]:
+    """Return what was recognised in one recording of every kind, and why such a one cannot be read.
+
+    Recordings are of one kind if their names end alike. Where one cannot be read, another is tried before the kind is
+    given up: a single bad recording ends no campaign.
+    """
+    kinds: dict[str, list[TrialSpec]] = {}
+    for spec in campaign.trials:
+        if not spec.exclude:
+            kinds.setdefault("".join(spec.path.suffixes[-2:]).lower(), []).append(spec)
+    tried = [(ending, specs, spec) for ending, specs in kinds.items() for spec in (specs[0], specs[-1])]
+    found: list[_Looked] = [((), ())] * len(tried)
+    with closing(guarded(partial(_look, campaign, tried), len(tried), limits=campaign.limits)) as running:
+        for place, looked in running:
+            if isinstance(looked, Lost):
+                path = tried[place][2].file
+                problem = Problem(code="RF101", message=looked.reason, path=path, fix=looked.fix)
+                looked = (), (problem,)  # noqa: PLW2901
+            found[place] = looked
+    said: list[str] = []
+    problems: list[Problem] = []
+    for (ending, specs, _), first, last in zip(tried[::2], found[::2], found[1::2], strict=True):
+        errors = [[one for one in looked[1] if one.severity == "error"] for looked in (first, last)]
+        said += (last if errors[0] else first)[0]
+        if all(errors) and len(specs) > 1:
+            what = f"{errors[0][0].message}; so it is with others of the {len(specs)} that end in {ending!r}"
+            problems.append(replace(errors[0][0], message=what))
+        else:
+            told = dict.fromkeys((*first[1], *last[1]))
+            problems += told if len(specs) == 1 else (replace(one, severity="warning") for one in told)
+    return tuple(said), tuple(problems)
+
+
+_Looked = tuple[tuple[str, ...], tuple[Problem, ...]]
+
+
+def _look(
+    campaign: Campaign, tried: Sequence[tuple[str, Sequence[TrialSpec], TrialSpec]], place: int
+) -> _Looked:
+    spec = tried[place][2]
+    try:
+        raws = blocks_of(spec, read_recordings(spec.path, campaign.profile, shown_as=spec.file))
+        trace, _, problems = tared_trace(campaign, spec, raws[0])
+    except RopefricError as error:
+        return (), error.problems
+    facts = f"{spec.file}: {counted(trace.force_N.size, 'sample')}, {trace.sampling_rate_Hz:.5g} Hz"
+    return ("; ".join([facts, *trace.notes]),), problems
 
 
 def _preload(work: _Work) -> None:

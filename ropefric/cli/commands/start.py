@@ -143,6 +143,8 @@ def _show(found: "Inspection", console: "Console") -> None:
     console.print(make_table(shown[0], shown[1:], left=0))
     if found.first_rows:
         _show_first_rows(found, console)
+    for note in found.notes:
+        console.print(f"recognised: {note}", markup=False, soft_wrap=True)
     if found.doubts:
         console.print("\nplease check:\n", style="bold yellow")
         for doubt in found.doubts:
@@ -198,15 +200,21 @@ def check(
 ) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
-    A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
-    leave it at 0.
+    One recording of every kind is opened and read. A scene is checked too. Nothing is extracted, solved or written.
+    Exit code 3 if there are errors; warnings alone leave it at 0.
     """
     from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415
+    from ropefric.trials.extract import check_recordings  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
     scene = _is_scene(campaign)
     problems = check_scene(campaign) if scene else check_campaign(campaign)
+    content: dict[str, Any] = {}
+    if not scene and all(problem.severity == "warning" for problem in problems):
+        loaded = load_campaign(campaign)
+        looked, unread = check_recordings(loaded)
+        content, problems = _content(loaded) | {"recordings": list(looked)}, (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -219,7 +227,6 @@ def check(
         return Answer(data | failure.to_dict(), summary, DataError.exit_code)
     if scene:
         return Answer(data, summary)
-    content = _content(load_campaign(campaign))
 
     def show(console: "Console") -> None:
         console.print(summary, markup=False, soft_wrap=True)
@@ -277,6 +284,8 @@ def _show_content(content: dict[str, Any], console: "Console") -> None:
     table = make_table(("", " "), [row for row in rows if row[1]])
     table.show_header = False
     console.print(table)
+    for line in content["recordings"]:
+        console.print(f"read {line}", markup=False, soft_wrap=True)
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:

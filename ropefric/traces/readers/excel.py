@@ -1,5 +1,6 @@
 """Excel and OpenDocument sheets; needs the extra `lab`."""
 
+import csv
 import io
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -85,6 +86,33 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             notes=notes,
         ),
     )
+
+
+def sheet_as_csv(source: Source) -> tuple[str, str]:
+    """Return the first sheet with content as lines with ";" between the cells, and what to tell of the others."""
+    raw = io.BytesIO(source.raw_bytes())
+    with foreign(source, "this is not a readable sheet", "save it again as .xlsx or .csv"):
+        sheets, rows_of = _open(raw, source)
+        found = next(((name, grid) for name in sheets if (grid := [*map(list, rows_of(name))])), ("", []))
+    # One mark for all numbers: a German sheet may hold a text "1,5" among numbers that are shown alike.
+    commas = (
+        is_number(cell.strip(), ",") and "," in cell
+        for row in found[1]
+        for cell in row
+        if isinstance(cell, str)
+    )
+    mark = "," if any(commas) else "."
+
+    def text(cell: Any) -> str:
+        if isinstance(cell, float):
+            return str(int(cell)) if cell.is_integer() else repr(cell).replace(".", mark)
+        return " ".join(_text(cell).split())
+
+    stream = io.StringIO()
+    csv.writer(stream, delimiter=";", lineterminator="\n").writerows([map(text, row) for row in found[1]])
+    return stream.getvalue(), f"read from the sheet {found[0]!r}, one of {len(sheets)}" if len(
+        sheets
+    ) > 1 else ""
 
 
 def _text(cell: Any) -> str:

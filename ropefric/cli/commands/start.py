@@ -38,9 +38,23 @@ def init(
         metavar="NAME",
         help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
     ),
+    recordings: str = Option(
+        "",
+        "--from",
+        metavar="GLOB",
+        help="List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).",
+    ),
+    pattern: str = Option(
+        "",
+        metavar="PATTERN",
+        help="What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+    ),
     force: bool = Option(False, "--force", help="Write over files that are already there."),
 ) -> Answer:
-    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
+    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, ….
+
+    With --from the list of trials is made from the names of recordings.
+    """
     if scenes or scene:
         from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
 
@@ -50,7 +64,17 @@ def init(
     else:
         from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
 
-        written = write_templates(folder, overwrite=force)
+        trials = None
+        if recordings:
+            from ropefric.trials.names import list_from_names  # noqa: PLC0415
+
+            trials, told = list_from_names(recordings, pattern, folder)
+            if told:
+                out.note(told)
+        elif pattern:
+            fix = "add --from 'daq/*.csv'"
+            raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
+        written = write_templates(folder, trials=trials, overwrite=force)
         out.note(f"next: fill them in, then  ropefric check {written[0]}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 

@@ -123,7 +123,9 @@ def _block(
         decimal=decimal,
         rows=HeadRows(row, 0, below[0][0]),
         header=tuple(names),
-        units=tuple("s" if i not in units else _UNITS.get(units[i], units[i]) for i in range(n)),
+        units=tuple(
+            _UNITS.get(units.get(i, ""), units.get(i, "")) if i in channels else "s" for i in range(n)
+        ),
         n_cells=len(split_line(below[0][1], separator)),
         stamps=frozenset(),
         no_value=profile.no_value,

@@ -148,6 +148,16 @@ def test_blocks_with_a_pause_between_them_are_recordings_of_their_own(write):
     assert inspect_file(path).samples == ("1", "2")
 
 
+def test_units_that_are_not_told_are_not_made_up(write):
+    text = general(columns="One") + block(["X_Value", "Force", "Comment"], [["0", "1"], ["0.01", "2"]])
+    path = write(text.replace("Y_Unit_Label\tNewtons\t\r\n", ""), "run.lvm")
+    assert [(c.name, c.unit) for c in inspect_file(path).columns] == [
+        ("X_Value", "s"),
+        ("Force", ""),
+        ("Comment", ""),
+    ]
+
+
 def test_special_blocks_are_passed_over(write):
     special = "***Start_Special***\r\n1\t2\r\n***End_Special***\r\n"
     text = general() + special + block(["X_Value", "Force", "Comment"], [["", "1"], ["", "2"]])

@@ -271,24 +271,17 @@ def _comma_cells(head: bytes, data_row: int, separator: str) -> Iterator[tuple[i
 
 
 def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source: Source) -> HeadRows:
-    """Return where header, units and data of a text file start, see `find_head_rows`."""
+    """Return where header, units and data start in a text.
+
+    What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
+    row of words above it, with a row of units allowed between. Rows further up are a preamble.
+    """
     last = [split_line(line, separator) for line in lines[-_N_SAMPLE:] if line.strip()]
     few = max(layout.last_head_row, layout.data_row) + _N_SAMPLE  # a clean file has its data in line 2
     for n_lines in (few, len(lines)):
         rows = [split_line(line, separator) for line in lines[:n_lines]]
         if found := _search(rows, last, layout):
             return found
-    raise _no_data(rows, layout, source)
-
-
-def find_head_rows(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source) -> HeadRows:
-    """Return where header, units and data start in a table of cell texts.
-
-    What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
-    row of words above it, with a row of units allowed between. Rows further up are a preamble.
-    """
-    if found := _search(rows, rows[-_N_SAMPLE:], layout):
-        return found
     raise _no_data(rows, layout, source)
 
 

@@ -27,9 +27,11 @@ _MOST_FOOTER = 20
 _BLANKS = (9, 32)
 
 
-def open_text(source: Source, profile: ImportProfile) -> tuple[Text, Dialect, list[str]]:
+def open_text(
+    source: Source, profile: ImportProfile, text: Text | None = None
+) -> tuple[Text, Dialect, list[str]]:
     """Return a text file, its layout, and what is said of it when it is read."""
-    text = load_text(source, profile.encoding)
+    text = text or load_text(source, profile.encoding)
     numbers = [channel.column for channel in profile.channels.values() if isinstance(channel.column, int)]
     dialect = find_dialect(text, profile, last_column=max(numbers, default=0))
     notes: list[str] = []
@@ -68,9 +70,13 @@ def _delimited_tables(source: Source, profile: ImportProfile) -> tuple[Table, ..
     return (text_table(*open_text(source, profile), profile),)
 
 
-def text_table(text: Text, dialect: Dialect, notes: list[str], profile: ImportProfile) -> Table:
-    """Return the one table of a text."""
-    names, expected, n_optional = _column_names(text, dialect)
+def text_table(
+    text: Text, dialect: Dialect, notes: list[str], profile: ImportProfile, *, names: tuple[str, ...] = ()
+) -> Table:
+    """Return the one table of a text; its columns are called as its header says, where no names are given."""
+    expected, n_optional = "", 0
+    if not names:
+        names, expected, n_optional = _column_names(text, dialect)
     n_cells = max(dialect.n_cells, len(names))
     n_rows, is_gapless = _check_rows(text, dialect, n_cells, expected=expected, n_optional=n_optional)
     units = (*dialect.units, *[""] * len(names))[: len(names)]

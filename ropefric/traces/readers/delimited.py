@@ -8,8 +8,10 @@ finds a number after all or says which cell is none. A large file is read block 
 import io
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache, partial
-from itertools import pairwise
+from itertools import chain, pairwise
+from typing import Any
 
 import numpy as np
 
@@ -71,14 +73,22 @@ def _delimited_tables(source: Source, profile: ImportProfile) -> tuple[Table, ..
 
 
 def text_table(
-    text: Text, dialect: Dialect, notes: list[str], profile: ImportProfile, *, names: tuple[str, ...] = ()
+    text: Text,
+    dialect: Dialect,
+    notes: list[str],
+    profile: ImportProfile,
+    *,
+    names: tuple[str, ...] = (),
+    **rows: Any,
 ) -> Table:
-    """Return the one table of a text; its columns are called as its header says, where no names are given."""
-    expected, n_optional = "", 0
+    """Return the one table of a text; its columns are called as its header says, where no names are given.
+
+    Names that are given are so many as the rows have cells, or as `rows`, the arguments of `_check_rows`, let them have.
+    """
     if not names:
         names, expected, n_optional = _column_names(text, dialect)
-    n_cells = max(dialect.n_cells, len(names))
-    n_rows, is_gapless = _check_rows(text, dialect, n_cells, expected=expected, n_optional=n_optional)
+        rows = {"expected": expected, "n_optional": n_optional}
+    n_rows, is_gapless = _check_rows(text, dialect, max(dialect.n_cells, len(names)), **rows)
     units = (*dialect.units, *[""] * len(names))[: len(names)]
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
@@ -92,7 +102,8 @@ def text_table(
             for number, line in text.lines_from(dialect.rows.data_row)
             if not is_blank_line(line, dialect.separator)
         )
-        cells = ((number, split_line(line, dialect.separator)[index]) for number, line in lines)
+        rows = ((number, split_line(line, dialect.separator)) for number, line in lines)
+        cells = ((number, row[index] if index < len(row) else "") for number, row in rows)
         return stamp_column(cells, names[index] or f"column {index + 1}", profile, text.source, notes)
 
     return Table(
@@ -151,15 +162,15 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         fix = "correct [import] block_columns or data_row"
         raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
     expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
-    n_rows, is_gapless = _check_rows(text, dialect, n_cells, expected=expected, block_columns=width)
     names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
-    all_names = [name for block in names for name in block]
+    dialect = replace(dialect, units=tuple(chain(*units)))
+    all_names = tuple(chain(*names))
+    whole = text_table(text, dialect, notes, profile, names=all_names, expected=expected, block_columns=width)
 
     @lru_cache(maxsize=1)  # the file is parsed once for all blocks, which ask for the same columns
     def load(offsets: tuple[int, ...]) -> dict[int, FloatArray]:
         indices = [block * width + offset for block in range(n_blocks) for offset in offsets]
-        columns = _parse_columns(text, dialect, all_names, indices, n_rows)
-        return dict(zip(indices, columns, strict=True))
+        return dict(zip(indices, whole.values(indices), strict=True))
 
     def values(block: int, offsets: Sequence[int]) -> list[FloatArray]:
         loaded = load(tuple(sorted(set(offsets))))
@@ -168,14 +179,14 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         return [column[: int(filled[-1]) + 1 if filled.size else 0] for column in columns]
 
     return tuple(
-        Table(
+        replace(
+            whole,
             names=names[block],
-            units=units[block],
+            units=whole.units[block * width : (block + 1) * width],
             values=partial(values, block),
             has_header=any(names[block]),
             sample=sample,
-            first_line=data_row if is_gapless else 0,
-            notes=notes,
+            stamps=frozenset(index - block * width for index in whole.stamps),
         )
         for block, sample in enumerate(_block_names(text, dialect, profile, n_blocks))
     )
@@ -204,7 +215,13 @@ def _block_names(text: Text, dialect: Dialect, profile: ImportProfile, n_blocks:
 
 
 def _check_rows(
-    text: Text, dialect: Dialect, n_cells: int, *, expected: str, block_columns: int = 0, n_optional: int = 0
+    text: Text,
+    dialect: Dialect,
+    n_cells: int,
+    *,
+    expected: str = "",
+    block_columns: int = 0,
+    n_optional: int = 0,
 ) -> tuple[int, bool]:
     """Return the number of data rows, all of them as wide as they must be, and whether no blank line is among them."""
     n_rows, is_gapless, ends_blank = 0, True, False

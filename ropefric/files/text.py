@@ -183,6 +183,11 @@ class Text:
         for block in self.blocks(number):
             yield from block.lines()
 
+    def rows_from(self, number: int, separator: str) -> Iterator[tuple[int, list[str]]]:
+        """Return an iterator over the cells of the lines that are not blank, with their numbers."""
+        lines = self.lines_from(number)
+        return ((n, split_line(line, separator)) for n, line in lines if not is_blank_line(line, separator))
+
 
 class Block(NamedTuple):
     """Whole lines of a text from a byte on, and the number of the first of them; what stands before is not meant."""

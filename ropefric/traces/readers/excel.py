@@ -22,11 +22,11 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     layout = replace(profile, separator=";", decimal=profile.decimal or ".")
     content, said = sheet_as_csv(source, profile.table, layout.decimal)
     text = Text(source=source, data=content.encode(), encoding="utf-8")
-    _, dialect, notes = opened = open_text(source, layout, text)
-    notes += [said] if said else []
+    text, dialect = open_text(source, layout, text)
+    dialect.notes.extend([said] if said else [])
     # Every row of a sheet is as wide as the sheet, and a column needs no header.
     names = (*dialect.header, *[""] * dialect.n_cells)[: dialect.n_cells]
-    return (text_table(*opened, layout, names=names),)
+    return (text_table(text, dialect, names),)
 
 
 def sheet_as_csv(source: Source, table: str = "", mark: str = "") -> tuple[str, str]:

@@ -170,14 +170,14 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
     doubts = []
     decimal_is_open = False
     try:
-        text, dialect, _ = open_text(source, profile)
+        text, dialect = open_text(source, profile)
     except DataError as error:
         if error.code != "RF104" or profile.decimal:
             raise
         doubts.append(str(error))
         decimal_is_open = True  # in the profile too, so that reading still refuses until somebody decides
         profile = replace(profile, decimal=",")
-        text, dialect, _ = open_text(source, profile)
+        text, dialect = open_text(source, profile)
     profile = _find_blocks(text, dialect, profile) or replace(profile, **dialect.rows._asdict())
     reader = find_reader(source.path, replace(profile, format="delimited"))
     try:
@@ -187,7 +187,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
             raise
         doubts.append(str(error))
         profile = replace(profile, header_row=0, units_row=0)
-        text, dialect, _ = open_text(source, profile)
+        text, dialect = open_text(source, profile)
         tables = reader.tables(source, profile)
     lines = islice(text.lines_from(dialect.rows.data_row), N_FIRST_ROWS)
     found = Inspection(

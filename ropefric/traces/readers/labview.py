@@ -126,12 +126,11 @@ def _block(
         units=tuple(
             _UNITS.get(units.get(i, ""), units.get(i, "")) if i in channels else "s" for i in range(n)
         ),
-        n_cells=len(split_line(below[0][1], separator)),
-        stamps=frozenset(),
-        no_value=profile.no_value,
-        no_value_numbers=profile.no_value_numbers(decimal),
+        first_row=split_line(below[0][1], separator),
+        layout=profile,
+        notes=notes,
     )
-    table = text_table(text, dialect, notes, profile)
+    table = text_table(text, dialect)
 
     def clock(index: int) -> FloatArray | None:
         if columns != "no":

@@ -154,7 +154,8 @@ class Text:
 
     def part(self, start: int, stop: int) -> "Text":
         """Return some bytes of a text that is held whole, as a text of their own."""
-        return replace(self, data=self.data[start:stop], first_line=1 + self.data.count(b"\n", 0, start))
+        first_line, is_ended = 1 + self.data.count(b"\n", 0, start), self.is_ended or stop < len(self.data)
+        return replace(self, data=self.data[start:stop], first_line=first_line, is_ended=is_ended)
 
     def without_end(self, data_row: int, cut: Callable[[bytes, bool], bytes]) -> "Text":
         """Return the text whose rows from a line on end as `cut` says of them and of whether their last line ends."""

@@ -33,7 +33,12 @@ def open_text(source: Source, profile: ImportProfile, text: Text | None = None) 
     text = text or load_text(source, profile.encoding)
     numbers = [channel.column for channel in profile.channels.values() if isinstance(channel.column, int)]
     dialect = find_dialect(text, profile, last_column=max(numbers, default=0))
-    return text.without_end(dialect.rows.data_row, partial(_cut_end, dialect)), dialect
+    return without_footer(text, dialect), dialect
+
+
+def without_footer(text: Text, dialect: Dialect) -> Text:
+    """Return a text without what `_cut_end` takes from its end."""
+    return text.without_end(dialect.rows.data_row, partial(_cut_end, dialect))
 
 
 def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: FBT001

@@ -192,3 +192,13 @@ def test_any_cut_of_the_file_is_read_or_refused(write):
             read(write(GOOD[:size], "run.lvm"))
         except DataError as error:
             assert error.code.startswith(("RF1", "RF2"))  # noqa: PT017
+
+
+def test_a_last_number_that_is_cut_is_left_out_and_a_footer_told(write):
+    rows = [["", "10.5"], ["", "11.5"], ["", "12.5"]]
+    text = general() + block(["X_Value", "Force", "Comment"], rows)
+    cut = text[: text.rindex(".5")]
+    assert read(write(cut, "run.lvm"))[0].force_N.tolist() == [10.5, 11.5]
+    (trace,) = read(write(text.rstrip() + "\r\nEnd of test\r\n", "run.lvm"))
+    assert trace.force_N.tolist() == [10.5, 11.5, 12.5]
+    assert any("End of test" in note for note in trace.notes)

@@ -235,9 +235,12 @@ def start_of_line(block: bytes, line: int) -> int:
 
 def first_lines(source: Source, most: int = 40) -> list[str]:
     """Return the first lines of a text, as far as they can be read without knowing its encoding."""
-    block = next(iter(source.unpacked() if source.is_packed else (source.file.part(0, HEAD_BYTES),)), b"")
-    encoding = next((name for mark, name in _MARKS if block.startswith(mark)), "utf-8")
-    return block[:HEAD_BYTES].decode(encoding, errors="replace").splitlines()[:most]
+    head = next(source.file.blocks(HEAD_BYTES), b"")[:HEAD_BYTES]
+    if head.startswith(GZIP_MAGIC):
+        with suppress(zlib.error):  # which is told when the file is read
+            head = zlib.decompressobj(_GZIP).decompress(head, HEAD_BYTES // 8)
+    encoding = next((name for mark, name in _MARKS if head.startswith(mark)), "utf-8")
+    return head[: HEAD_BYTES // 8].decode(encoding, errors="replace").split("\n", most)[:most]
 
 
 def load_text(source: Source, encoding: str = "") -> Text:

@@ -54,17 +54,15 @@ def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: F
     rows = [split_line(line, dialect.separator) for line in lines]
     footer: list[int] = []
     for place, cells in enumerate(rows[:-1]):
-        is_word = any(c.isalpha() for c in cells[0]) and len(cells) != dialect.n_cells
+        is_word = any(c.isalpha() for c in "".join(cells[:1])) and len(cells) != dialect.n_cells
         if lines[place] and (len(footer) == n_footer if n_footer else not is_word):
             break
         footer += [place] if lines[place] else []
     if 0 < len(footer) <= max(n_footer, _MOST_FOOTER):
         said = "; ".join(lines[place] for place in reversed(footer))
-        dialect.notes.append(
-            f"the last {counted(len(footer), 'line')} hold no data and were left out: {said[:100]}"
-        )
+        dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {said[:100]}")
         return data[: ends[footer[-1] + 1]]
-    if is_ended or len(rows) < 2 or len(rows[0]) != len(rows[1]):
+    if is_ended or len(rows) < 2 or not rows[0] or len(rows[0]) != len(rows[1]):
         return data
     # 13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
     # one before, which costs nothing. A row cut to fewer cells is refused later.

@@ -122,9 +122,10 @@ def _block(text: Text, tags: _Tags, columns: str, layout: ImportProfile, notes: 
 
 def _float(cell: str) -> float:
     try:
-        return float(cell.replace(",", "."))
+        value = float(cell.replace(",", "."))
     except ValueError:
         return np.nan
+    return value if np.isfinite(value) else np.nan
 
 
 def _recordings(blocks: Sequence[tuple[Table, _Tags]], notes: list[str]) -> tuple[Table, ...]:

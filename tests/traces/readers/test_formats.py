@@ -222,6 +222,11 @@ STARTS = [
     (".tdms", b"TDSm"),
     (".xlsx", b"PK\x03\x04"),
     (".xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"),
+    (".h5", b"\x89HDF\r\n\x1a\n"),
+    (".cmbl", b"<Document><DataSet><DataColumn><ColumnCells>"),
+    (".lvm", b"LabVIEW Measurement\t\n***End_of_Header***\n***End_of_Header***\nX_Value\tForce\n"),
+    (".csv", b"Interval,1,Interval,1\nChannel name,a,Channel name,b\nUnit,s,Unit,N\n"),
+    (".csv", b"Axis1\nNumber of sampling data,1\nSampling time interval(ms),1\n"),
 ]
 
 

@@ -75,7 +75,7 @@ def init(
             fix = "add --from 'daq/*.csv'"
             raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
         written = write_templates(folder, trials=trials, overwrite=force)
-        out.note(f"next: fill them in, then  ropefric check {written[0]}")
+        out.note(f"next: fill them in, then  ropefric check {folder / 'campaign.toml'}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
 

@@ -103,7 +103,6 @@ def text_table(
         names=names,
         units=tuple("s" if index in stamps else unit for index, unit in enumerate(units)),
         values=values,
-        has_header=any(names),
         first_line=dialect.rows.data_row if is_gapless else 0,
         stamps=stamps,
         notes=dialect.notes,
@@ -173,7 +172,6 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             names=names[block],
             units=whole.units[block * width : (block + 1) * width],
             values=partial(values, block),
-            has_header=any(names[block]),
             sample=sample,
             stamps=frozenset(index - block * width for index in whole.stamps),
         )

@@ -44,12 +44,16 @@ class Table:
     names: tuple[str, ...]
     units: tuple[str, ...]
     values: Callable[[Sequence[int]], list[FloatArray]]
-    has_header: bool = True
     sample: str = ""
     first_line: int = 0
     stamps: frozenset[int] = frozenset()
     clock: Callable[[int], FloatArray | None] | None = None
     notes: list[str] = field(default_factory=list)
+
+    @property
+    def has_header(self) -> bool:
+        """Return whether any column has a name."""
+        return any(self.names)
 
     def unit(self, index: int) -> str:
         """Return the unit of a column: the file's own, else the suffix of its header."""
@@ -283,7 +287,6 @@ def array_table(
         names=names,
         units=tuple((units or {}).get(key, "") for key in columns),
         values=values,
-        has_header=any(names),
         sample=sample,
         clock=clock,
         notes=[*notes],

@@ -1,9 +1,10 @@
 """A campaign's recordings -> trial table: in parallel, interruptible, without doing the same work twice."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 
 from ropefric.errors import DataError, InputError, Problem, RopefricError
@@ -135,50 +136,42 @@ class _Work:
 def check_recordings(campaign: Campaign) -> tuple[tuple[str, ...], tuple[Problem, ...]]:
     """Return what was recognised in one recording of every kind, and why such a one cannot be read.
 
-    Recordings are of one kind if their names end alike. Where one cannot be read, another is tried before the kind is
-    given up: a single bad recording ends no campaign.
+    Recordings are of one kind if their names end alike. Where the first cannot be read, the last is tried before the
+    kind is given up: a single bad recording ends no campaign.
     """
     kinds: dict[str, list[TrialSpec]] = {}
     for spec in campaign.trials:
         if not spec.exclude:
             kinds.setdefault("".join(spec.path.suffixes[-2:]).lower(), []).append(spec)
-    tried = [(ending, specs, spec) for ending, specs in kinds.items() for spec in (specs[0], specs[-1])]
-    found: list[_Looked] = [((), ())] * len(tried)
-    with closing(guarded(partial(_look, campaign, tried), len(tried), limits=campaign.limits)) as running:
+    found: list[_Looked] = [((), ())] * len(kinds)
+    with closing(guarded(partial(_look, campaign, kinds), len(kinds), limits=campaign.limits)) as running:
         for place, looked in running:
             if isinstance(looked, Lost):
-                path = tried[place][2].file
+                path = [*kinds.values()][place][0].file
                 problem = Problem(code="RF101", message=looked.reason, path=path, fix=looked.fix)
                 looked = (), (problem,)  # noqa: PLW2901
             found[place] = looked
-    said: list[str] = []
-    problems: list[Problem] = []
-    for (ending, specs, _), first, last in zip(tried[::2], found[::2], found[1::2], strict=True):
-        errors = [[one for one in looked[1] if one.severity == "error"] for looked in (first, last)]
-        said += (last if errors[0] else first)[0]
-        if all(errors) and len(specs) > 1:
-            what = f"{errors[0][0].message}; so it is with others of the {len(specs)} that end in {ending!r}"
-            problems.append(replace(errors[0][0], message=what))
-        else:
-            told = dict.fromkeys((*first[1], *last[1]))
-            problems += told if len(specs) == 1 else (replace(one, severity="warning") for one in told)
-    return tuple(said), tuple(problems)
+    return tuple(chain(*(said for said, _ in found))), tuple(chain(*(problems for _, problems in found)))
 
 
 _Looked = tuple[tuple[str, ...], tuple[Problem, ...]]
 
 
-def _look(
-    campaign: Campaign, tried: Sequence[tuple[str, Sequence[TrialSpec], TrialSpec]], place: int
-) -> _Looked:
-    spec = tried[place][2]
-    try:
-        raws = blocks_of(spec, read_recordings(spec.path, campaign.profile, shown_as=spec.file))
-        trace, _, problems = tared_trace(campaign, spec, raws[0])
-    except RopefricError as error:
-        return (), error.problems
-    facts = f"{spec.file}: {counted(trace.force_N.size, 'sample')}, {trace.sampling_rate_Hz:.5g} Hz"
-    return ("; ".join([facts, *trace.notes]),), problems
+def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: int) -> _Looked:
+    ending, specs = [*kinds.items()][place]
+    failed: list[Problem] = []
+    for spec in (specs[0], specs[-1])[: len(specs)]:
+        try:
+            raws = blocks_of(spec, read_recordings(spec.path, campaign.profile, shown_as=spec.file))
+            trace, _, problems = tared_trace(campaign, spec, raws[0])
+        except RopefricError as error:
+            failed += error.problems
+            continue
+        facts = f"{spec.file}: {counted(trace.force_N.size, 'sample')}, {trace.sampling_rate_Hz:.5g} Hz"
+        told = (replace(problem, severity="warning") for problem in failed)
+        return ("; ".join([facts, *trace.notes]),), (*told, *problems)
+    more = f"; so it is with others of the {len(specs)} that end in {ending!r}" if len(specs) > 1 else ""
+    return (), (replace(failed[0], message=f"{failed[0].message}{more}"),)
 
 
 def _preload(work: _Work) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.read import FileChangedError
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
-from ropefric.files.text_table import Dialect, find_dialect, is_number
+from ropefric.files.text_table import Dialect, find_dialect, is_number, is_value
 from ropefric.glossary import counted
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
@@ -46,16 +46,23 @@ def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: F
 
     Where no number of lines is told, a footer is lines of words, in another number of cells than the data have.
     """
-    n_footer = dialect.layout.skip_footer
+    layout, n_footer = dialect.layout, dialect.layout.skip_footer
     ends = [len(data)]  # of the last lines, backwards
     while ends[-1] and len(ends) <= max(n_footer, _MOST_FOOTER) + 2:
         ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
     lines = [data[start:stop].decode(errors="replace").strip() for stop, start in pairwise(ends)]
     rows = [split_line(line, dialect.separator) for line in lines]
+    first = "".join(dialect.first_row[:1])
+    may_be = not first or is_value(first)  # where rows begin with words, one that is cut looks like a footer
+
+    def is_footer(cells: Sequence[str]) -> bool:
+        word = "".join(cells[:1])
+        is_word = any(c.isalpha() for c in word) and not word[0].isdigit() and word not in layout.no_value
+        return may_be and is_word and len(cells) != dialect.n_cells
+
     footer: list[int] = []
     for place, cells in enumerate(rows[:-1]):
-        is_word = any(c.isalpha() for c in "".join(cells[:1])) and len(cells) != dialect.n_cells
-        if lines[place] and (len(footer) == n_footer if n_footer else not is_word):
+        if lines[place] and (len(footer) == n_footer if n_footer else not is_footer(cells)):
             break
         footer += [place] if lines[place] else []
     if 0 < len(footer) <= max(n_footer, _MOST_FOOTER):

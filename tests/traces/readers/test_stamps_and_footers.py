@@ -113,6 +113,20 @@ def test_rows_that_are_damaged_are_no_footer(write, end):
     assert refused(write(HEAD + ROWS + end)).code in {"RF102", "RF103"}
 
 
+@pytest.mark.parametrize(
+    ("head", "row", "last"),
+    [
+        ("point,force_N,way_mm", "P{i},{i},{i}", "P30,3"),  # rows that begin with words
+        ("time,force_N", "2024-03-05T10:00:{i:02d}Z,{i}", "2024-03-05T10:0"),
+        ("time_s,force_N", "{i},{i}", "nan"),
+    ],
+)
+def test_a_last_row_that_is_cut_is_no_footer(write, head, row, last):
+    rows = "".join(row.format(i=i) + "\n" for i in range(30))
+    rate = {"sampling_rate_Hz": 10.0, "channels": {"force": Channel(column=2, unit="N")}}
+    assert refused(write(f"{head}\n{rows}{last}\n"), **rate).code == "RF103"
+
+
 def test_the_footer_of_a_long_text_that_is_read_in_blocks(write, monkeypatch):
     monkeypatch.setattr(text, "WHOLE_BYTES", 2**17)
     rows = "".join(f"{i / 1000:.3f},{i % 977}\n" for i in range(60_000))

@@ -10,7 +10,7 @@ from pathlib import Path
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.files.read import InputFile, hash_file, use_file
 from ropefric.glossary import counted
-from ropefric.traces.readers import TEXT_FORMATS, find_reader, read_recordings
+from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
 from ropefric.trials.cache import ResultCache, Results
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.conditions import summarised
@@ -136,13 +136,15 @@ class _Work:
 def check_recordings(campaign: Campaign) -> tuple[tuple[str, ...], tuple[Problem, ...]]:
     """Return what was recognised in one recording of every kind, and why such a one cannot be read.
 
-    Recordings are of one kind if their names end alike. Where the first cannot be read, the last is tried before the
+    Recordings are of one kind if their names end alike, in one of the endings that readers know. Where the first cannot be read, the last is tried before the
     kind is given up: a single bad recording ends no campaign.
     """
     kinds: dict[str, list[TrialSpec]] = {}
+    endings = [ending for reader in READERS.values() for ending in reader.suffixes]
     for spec in campaign.trials:
         if not spec.exclude:
-            kinds.setdefault("".join(spec.path.suffixes[-2:]).lower(), []).append(spec)
+            name = spec.path.name.lower()
+            kinds.setdefault(next(filter(name.endswith, endings), ""), []).append(spec)
     found: list[_Looked] = [((), ())] * len(kinds)
     with closing(guarded(partial(_look, campaign, kinds), len(kinds), limits=campaign.limits)) as running:
         for place, looked in running:

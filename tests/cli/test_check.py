@@ -122,3 +122,15 @@ def test_a_single_bad_recording_is_a_warning(call, bench, tmp_path):
     done = call("check", folder)
     assert done.code == 0
     assert "the file is empty" in done.err
+
+
+def test_dots_in_names_make_no_kinds(call, bench, tmp_path):
+    folder = tmp_path / "dots"
+    shutil.copytree(bench, folder)
+    text = (folder / "trials.csv").read_text(encoding="utf-8")
+    for number, path in enumerate(sorted((folder / "traces").iterdir())):
+        name = f"pull_{number}.5N.csv.gz"
+        text = text.replace(path.name, name)
+        path.rename(path.with_name(name))
+    (folder / "trials.csv").write_text(text, encoding="utf-8")
+    assert len(call("check", folder, "--json").json()["campaign"]["recordings"]) == 1

@@ -327,6 +327,12 @@ def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Can
             if i + 1 < len(falls) and _is_partial(pull, fall, falls[i + 1], rate):
                 continue
             return [this]
+        # A snag or an impact rises faster than the motor loads later on, and comes back.
+        low = fall.top + int(np.argmin(force_N[fall.top : top + 1]))
+        comes_back = float(force_N[low]) - pull.base_N < 0.5 * (fall.top_N - pull.base_N)
+        faster = loading_rate(force_N, fall.start, fall.top) > FAST * loading_rate(force_N, low, top)
+        if comes_back and faster:
+            continue
         growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N)
         if _goes_on(force_N[fall.top : end + 1], fall, pull.base_N, rate):
             continue
@@ -398,7 +404,7 @@ def _assessed(
     from_N, at_s = fall.top_N, float(blocks.time_s[fall.top])
     sudden = is_sudden(force_N, fall, blocks.noise_N)
     if not fall.reloads and (not fall.has_settled or share < UNLOADED):
-        held = flat_top(force_N, pull.start, fall, blocks.noise_N) == "held"
+        held = flat_top(force_N, fall, blocks.noise_N) == "held"
         if (
             not held
             and share >= LEAST_SHARE
@@ -452,7 +458,7 @@ def _assessed(
     climb = fall.top - _half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and fall_blocks <= BRIEF * climb
     said = f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, and stays at {share:.0%} of the peak"
-    flat = flat_top(force_N, pull.start, fall, blocks.noise_N)
+    flat = flat_top(force_N, fall, blocks.noise_N)
     rough = fall.reloads or not _is_quiet(prepared, candidate, sliding)
     if rough and share >= UNLOADED:
         return measured(prepared, settings, candidate, sliding)
@@ -467,9 +473,8 @@ def _assessed(
             f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
         )
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    if (
-        brief or flat == "rounded" or bends_to_its_level(force_N, fall, blocks.noise_N)
-    ) and share >= LEAST_SHARE:
+    sharp = flat != "held" and (brief or bends_to_its_level(force_N, fall, blocks.noise_N))
+    if share >= LEAST_SHARE and (sharp or flat == "rounded"):
         said += ": a break-away, unless the motor was let back at that moment"
         return measured(replace(prepared, notes=(*prepared.notes, said)), settings, candidate, sliding)
     return _doubtful(

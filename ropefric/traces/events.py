@@ -27,6 +27,8 @@ FAST = 3.0
 """A force that rises or falls so many times faster than the machine loads it: no motor does that."""
 SUDDEN = 0.65
 """Part of a slip that happens within two blocks; a release with a time constant of 20 ms does half of it."""
+REST, SHORTEST_REST = 0.15, 8
+"""A rest stays within this part of the rise that follows, for so many blocks at least."""
 SLIP_SIGMAS = 8.0
 """A fall of fewer noise standard deviations cannot be timed."""
 _SLOPES = 24  # pieces of a climb on which its rate is read
@@ -196,15 +198,16 @@ def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
     back_N = float(force_N[fall.settled]) - (float(force_N[k]) + rate * (fall.settled - k))
     if rise_N >= 0.5 * fall.drop_N and abs(back_N) < 0.3 * fall.drop_N:
         return True
-    # Or it was loaded from a rest, by a jog of the motor, and let down to that rest again.
-    from_N, while_blocks = float(force_N[fall.start]), max(8, 3 * (fall.top - fall.start) // 10)
-    rests = (
-        force_N[max(0, fall.start - while_blocks) : fall.start],
-        force_N[fall.settled : fall.settled + while_blocks],
-    )
+    # Or it was loaded from a rest, by a jog of the motor or a snag, and let down to that rest again.
+    from_N = float(force_N[fall.start])
+    rise_N = fall.top_N - from_N
+    low = np.flatnonzero(force_N[fall.start : fall.top] <= from_N + REST * rise_N)
+    begins = fall.start + int(low[-1]) if low.size else fall.start
+    climb = max(SHORTEST_REST, fall.top - begins)
+    before, after = force_N[max(0, begins - climb) : begins], force_N[fall.settled : fall.settled + climb]
     return all(
-        rest.size >= while_blocks and float(np.abs(rest - from_N).max()) < 0.1 * (fall.top_N - from_N)
-        for rest in rests
+        rest.size >= min(climb, SHORTEST_REST) and float(np.abs(rest - from_N).max()) < REST * rise_N
+        for rest in (before[-SHORTEST_REST:], after)
     )
 
 
@@ -237,25 +240,39 @@ def bends_to_its_level(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
     around = max(1, (most - quarter) // 10)
     left = tail[max(0, int(arrives) - around) : int(arrives) + around + 1]
     left_N = float(left.mean()) - fall.level_N if left.size else 0.0
-    return left_N > BENDS * fall.drop_N + 3.0 * noise_N / np.sqrt(max(1, left.size))
+    return bool(left_N > BENDS * fall.drop_N + 3.0 * noise_N / np.sqrt(max(1, left.size)))
 
 
+FLAT = 0.75
+"""Of the time near the top, the part that is spent at it: a half for a round one, a quarter for a corner."""
+SHORTEST_HOLD = 8
 _KNOTS = 20
 _POINTS = 96
 
 
-def flat_top(force_N: FloatArray, start: int, fall: Fall, noise_N: float) -> str:
+def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
     """Return whether the force was "held" before it fell, is "rounded" as by a slip that begins, or "sharp".
 
     A motor that stops leaves a climb, a level and a fall, each with a corner; a slip that begins takes over the
     loading little by little, so that the slope goes evenly from that of the climb to that of the fall. Both are
-    fitted from two thirds of the climb to the middle of the fall, and the one that leaves less is taken.
+    fitted around the top, and the one that leaves clearly less is taken.
     """
     height_N = fall.top_N - float(force_N[fall.start])
-    climb = force_N[fall.start : fall.top + 1]
-    first = fall.start + int(np.flatnonzero(climb <= fall.top_N - 0.35 * height_N)[-1])
     tail = force_N[fall.top : fall.settled + 1]
     last = fall.top + int(np.argmax(tail <= fall.top_N - 0.5 * fall.drop_N))
+    band_N = max(0.1 * fall.drop_N, 4.0 * noise_N)
+    near = force_N[fall.start : last + 1] > fall.top_N - band_N
+    begins, ends = (fall.start + int(k) for k in np.flatnonzero(near)[[0, -1]])
+    wide = force_N[fall.start : last + 1] > fall.top_N - 4.0 * band_N
+    if (
+        4.0 * band_N < 0.8 * height_N
+        and ends - begins >= FLAT * int(wide.sum())
+        and ends - begins >= SHORTEST_HOLD
+    ):
+        return "held"
+    climb = force_N[fall.start : begins + 1]
+    first = fall.start + int(np.flatnonzero(climb <= fall.top_N - min(0.35 * height_N, height_N))[-1])
+    first = max(first, begins - 2 * (last - begins), fall.start)
     part = force_N[first : last + 1]
     if part.size < 8:
         return "sharp"
@@ -268,25 +285,18 @@ def flat_top(force_N: FloatArray, start: int, fall: Fall, noise_N: float) -> str
     t1, t2 = one[:, None], two[:, None]
     inside, beyond, before = np.clip(t - t1, 0, t2 - t1), np.maximum(t - t2, 0), np.minimum(t - t1, 0)
     ones, half = np.ones_like(inside), inside**2 / (2 * (t2 - t1))
-    held, one = _least_squares(np.stack([ones, before, beyond], axis=2), values)
-    lasts = float((t2 - t1)[one, 0]) * (n - 1) * size
+    held, at = _least_squares(np.stack([ones, before, beyond], axis=2), values)
+    lasts = float((t2 - t1)[at, 0]) * (n - 1) * size
     even, _ = _least_squares(np.stack([ones, before + inside - half, half + beyond], axis=2), values)
+    since = t - grid[:, None]
+    corners = np.stack([np.ones_like(since), np.minimum(since, 0), np.maximum(since, 0)], axis=2)
+    corner, _ = _least_squares(corners, values)
     floor = n * (noise_N**2 / size) + 1e-12 * height_N**2
-    corner, _ = _least_squares(
-        np.stack(
-            [np.ones((_KNOTS, n)), np.minimum(t - grid[:, None], 0), np.maximum(t - grid[:, None], 0)], axis=2
-        ),
-        values,
-    )
     if corner < 1.5 * min(held, even) + 10.0 * floor / n:
         return "sharp"
-    return (
-        "held"
-        if held + floor < 0.5 * (even + floor) and lasts >= 8
-        else "rounded"
-        if even + floor < 0.7 * (held + floor)
-        else "unclear"
-    )
+    if held + floor < 0.7 * (even + floor) and lasts >= SHORTEST_HOLD:
+        return "held"
+    return "rounded" if even + floor < 0.7 * (held + floor) else "unclear"
 
 
 def _least_squares(columns: FloatArray, values: FloatArray) -> tuple[float, int]:

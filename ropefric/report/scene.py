@@ -10,9 +10,8 @@ from ropefric.report.section import Section, plain
 
 if TYPE_CHECKING:
     from ropefric.scenes.plan import Decision, Explanation, Plan
-    from ropefric.scenes.solve import Solution
+    from ropefric.scenes.solve import Solution, Uncertain
     from ropefric.scenes.sweep import Sweep
-    from ropefric.scenes.uncertainty import Uncertain
 
 
 _NAMED = 4
@@ -74,21 +73,21 @@ def _method(plan: "Plan") -> str:
 
 def explanation_sections(told: "Explanation") -> list[Section]:
     """Return the table of effects and the method, with what was measured if anything was."""
-    plan, worth = told.plan, told.worth
+    plan = told.plan
     rows = [[one.name, one.fate, _bound(one)] for one in plan.decisions]
     bound = "not known" if math.isinf(plan.error_bound) else f"{plan.error_bound:.2g}"
     lines = [
         f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
         f"method: {_method(plan)}: {plan.method.why}",
     ]
-    if worth is not None:
-        for row, found in zip(rows, worth, strict=True):
-            share = "–" if math.isnan(found.time_share) else f"{100 * found.time_share:.0f} %"
-            row += [plain(found.worth, ".2g"), share]
+    if told.is_measured:
+        for row, one in zip(rows, plan.decisions, strict=True):
+            share = "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"
+            row += [plain(one.worth, ".2g"), share]
         times = f"{_time(told.planned_s)} as planned, {_time(told.all_s)} with everything"
         lines.append(f"measured: difference {told.difference:.2g}; {times}")
     headings = ("effect", "fate ", "worth at most", "measured worth", "share of time")
-    shown = headings[: 3 if worth is None else 5]
+    shown = headings[: 5 if told.is_measured else 3]
     notes = [f"{one.name}: {_why(one)}" for one in plan.decisions]
     return [Section(f"Effects of this {told.system} scene", lines, shown, rows, 2, notes)]
 

@@ -12,7 +12,7 @@ from ropefric.plotting.figure import save_figure
 from ropefric.plotting.svg import svg_text
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import Chapter, Picture, Report, as_html
-from ropefric.report.section import Section
+from ropefric.report.section import Section, plain
 
 TITLE = "What accuracy costs in time"
 
@@ -61,9 +61,27 @@ def _study_section(result: StudyResult) -> Section:
             f"{100 * result.unsteady:.0f} % of the times spread by more than half: the machine was busy with other "
             "work, and close ranks may be chance. Measure again when it is idle."
         )
+    title = f"{study.name}: {study.title}"
+    if result.points and result.points[0].shares:
+        return Section(title, (*lines, *cases), *_shares_table(result), 2, notes=notes)
     headings = ("accuracy", *(f"{case.name} " for case in study.cases))
     rows = [(_span(accuracies), *cells) for cells, accuracies in groups.items()]
-    return Section(f"{study.name}: {study.title}", (*lines, *cases), headings, rows, notes=notes)
+    return Section(title, (*lines, *cases), headings, rows, notes=notes)
+
+
+def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
+    names = [name for name in result.points[0].shares if name != "recordings"]
+    rows = []
+    for point in result.points:
+        shares = (plain(100.0 * point.shares[name], ".0f") for name in names)
+        errors = (
+            plain(100.0 * one, "+.2g" if one is point.bias else ".2g")
+            for one in (point.bias, point.noise, point.error)
+        )
+        rows.append((point.case, point.name, *shares, *errors, time_text(point.seconds)))
+    percent = (f"{name.replace('_', ' ')} [%]" for name in (*names, "bias", "scatter", "95 %"))
+    return ("case", "picker", *percent, "time"), rows
 
 
 def _span(accuracies: list[float]) -> str:

@@ -339,13 +339,22 @@ def simulate(
         None, metavar="NAME=RATE", help="Only this fault, at this rate (0 to 1); repeatable."
     ),
     no_faults: bool = Option(False, "--no-faults", help="Nothing goes wrong."),
+    physics: str = Option(
+        "coulomb", help="Friction of each recording: coulomb, or integrated: rate-state or lugre."
+    ),
+    protocol: str = Option("breakaway", help="Way of measuring: breakaway, stick-slip or held."),
 ) -> Answer:
     """Simulate a campaign with known truth: campaign.toml, trials.csv, recordings and truth.toml.
 
     Rope and cell stiffness, motor ramp, scatter, stick-slip, noise, converter and the usual faults are simulated.
-    Without options it writes data/prth-bench again, byte for byte.
+    Without options it writes data/prth-bench again, byte for byte. With --physics rate-state (rate-and-state friction)
+    or lugre (bristles) rope, wheel and motor are integrated in place of drawn: peaks, falls and teeth follow from
+    stiffness, mass and contact.
     """
-    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415  (quick start-up)
+    from ropefric.rig.bench import HELD_BENCH  # noqa: PLC0415  (quick start-up)
+    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415
+    from ropefric.rig.mechanics import RIG_PROTOCOLS  # noqa: PLC0415
+    from ropefric.rig.recording import FAULTS  # noqa: PLC0415
 
     benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
     if bench not in benches:
@@ -364,7 +373,13 @@ def simulate(
         changes["conditions"] = plan.conditions[:conditions]
     if fault is not None or no_faults:
         changes["faults"] = parse_assignments(fault or (), option="--fault")
-    plan = replace(plan, **changes)
+    if protocol != plan.protocol:
+        # Of faults only those that befall this way of measuring; a hand-held scale is another bench.
+        changes["bench"] = HELD_BENCH if protocol == "held" else plan.bench
+        changes.setdefault(
+            "faults", {name: rate for name, rate in plan.faults.items() if not FAULTS[name].protocols}
+        )
+    plan = replace(plan, physics=physics, protocol=RIG_PROTOCOLS[protocol].name, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
         written = simulate_campaign(folder, plan, seed=seed, progress=progress.update)
@@ -374,6 +389,8 @@ def simulate(
         "campaign": campaign,
         "bench": bench,
         "seed": seed,
+        "physics": plan.physics,
+        "protocol": plan.protocol,
         "law": plan.law,
         "parameters": dict(plan.parameters),
         "faults": dict(plan.faults),

@@ -13,7 +13,7 @@ from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.span import CLAMPED, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import SYSTEM as HOIST
-from ropefric.systems.press.answer import PressProblem, StartUpTask
+from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 
@@ -102,10 +102,8 @@ def test_a_press_without_start_up_has_one_linear_solution():
 @pytest.fixture(scope="module", params=list(press_transient.BELTS))
 def started(request):
     """The study's press as a scene with a start-up: its model with all effects, and the study's case."""
-    speed = DRIVE_LAWS["s-curve"].speed(
-        speed_m_s=press_transient.SPEED_M_S, duration_s=press_transient.RUN_UP_S
-    )
-    task = StartUpTask(speed=speed, time_s=np.array(press_transient.TIMES_S), slip=False, loads="with-speed")
+    speed = DRIVE_LAWS["s-curve"](speed_m_s=press_transient.SPEED_M_S, duration_s=press_transient.RUN_UP_S)
+    task = {"speed": speed, "time_s": np.array(press_transient.TIMES_S), "slip": False, "loads": "with-speed"}
     problem = PressProblem(
         press=press_transient.machine(*press_transient.BELTS[request.param]),
         closure="share",

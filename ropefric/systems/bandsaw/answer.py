@@ -88,7 +88,7 @@ class SawModel(Model[SawProblem]):
             "preload_N": problem.preload_N,
             "pull_N": side.sign * self.part("tension-difference", problem.pull_N),
         }
-        if side is Side.SLACK:
+        if side is Side.SLACK and "tension-difference" in self.effects:
             Span(**static)  # refuses a side that is slack before the wheels' inertia helps it
         return Span(
             **static,
@@ -226,14 +226,17 @@ def _string_changes(problem: SawProblem) -> dict[str, float]:
     A stiff blade is less sensitive to tension and speed, as part of its restoring force depends on neither; in the
     wheel's grip the stiffness has no part.
     """
+    pulls_N, presses_N, inertia_N = problem.pull_N, problem.wheels_N, problem.inertia_N
 
     def logs(effects: frozenset[str]) -> FloatArray:
         model = SawModel(problem=problem, effects=effects)
-        pull_N = model.part("tension-difference", problem.pull_N)
-        wheels_N = model.part("wheel-inertia-tension", problem.wheels_N)
+        pull_N, wheels_N = (
+            model.part("tension-difference", pulls_N),
+            model.part("wheel-inertia-tension", presses_N),
+        )
         static_N = problem.preload_N + np.stack([pull_N, -pull_N])
         tension_N = static_N + wheels_N
-        net_N = tension_N - model.part("travel", problem.inertia_N)
+        net_N = tension_N - model.part("travel", inertia_N)
         if not ((static_N > 0.0) & (net_N > 0.0)).all():
             raise InputError("a blade that is slack or too fast has no frequency", key="preload_N")
         found, use = (
@@ -257,11 +260,12 @@ def bending_bound(problem: SawProblem) -> FloatArray:
     the least of Rayleigh's quotients, for the others by trial. Both terms are exact as e → 0.
     """
     stiffness, worst = problem.product("bending_stiffness_N_m2"), np.zeros(problem.n)
+    pull_N, wheels_N, inertia_N = problem.pull_N, problem.wheels_N, problem.inertia_N
     for pull, wheels, travels in product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)):
-        tension_N = problem.preload_N + pull * problem.pull_N + wheels * problem.wheels_N
+        tension_N = problem.preload_N + pull * pull_N + wheels * wheels_N
         e, V2 = (
             np.sqrt(stiffness / (tension_N * problem.free_span_m**2)),
-            travels * problem.inertia_N / tension_N,
+            travels * inertia_N / tension_N,
         )
         layers = 0.0 * e if problem.ends.turns else 2.0 * e / np.sqrt(1.0 - V2)
         kappa = problem.n_modes * math.pi / (1.0 - layers)

@@ -164,7 +164,7 @@ def _lift_N(fit: FitResult, at: Conditions, name: str, factor: float) -> float:
         return math.nan
 
 
-def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
+def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95) -> DesignChart:
     """Return the lift force of the tested wheels, and of the one asked for, over wraps up to and beyond the tested."""
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
@@ -175,6 +175,7 @@ def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
         np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS),
         float(wheel.end_tension_N[0]),
         rope_radius_m=float(wheel.rope_radius_m[0]),
+        probability=probability,
     )
 
 

@@ -186,7 +186,9 @@ def run_campaign(
     target.publish("tables")
     if on_extracted is not None:
         on_extracted(extraction)
-    _require_a_force(extraction, campaign)
+    error = no_force(extraction, campaign)
+    if error is not None:
+        raise error
     # From the file, so that every fit names its data, with its hash, and can be made again.
     answer = answer_trials(
         read_trial_table(tables[0]),
@@ -213,10 +215,11 @@ def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]
     return target.write(texts)
 
 
-def _require_a_force(extraction: Extraction, campaign: Campaign) -> None:
+def no_force(extraction: Extraction, campaign: Campaign) -> DataError | None:
+    """Return what is wrong with a campaign of which no recording gave a usable force; None where one did."""
     if any(trial.breakaway.status == Status.OK for trial in extraction.trials):
-        return
-    raise DataError(
+        return None
+    return DataError(
         f"none of the {len(extraction.trials)} recordings gave a usable force",
         code="RF301",
         path=campaign.path,

@@ -3,12 +3,14 @@
 import logging
 import math
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from typer import Argument, BadParameter, Option
 
+from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import (
     Answer,
     Cache,
@@ -24,15 +26,22 @@ from ropefric.cli.options import (
     written_to,
 )
 from ropefric.cli.output import Output, Progress, make_table, number
-from ropefric.errors import DataError, Problem, RopefricError
+from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
+
+with on_first_use():
+    from ropefric.files import folder as folders
+    from ropefric.friction import laws
+    from ropefric.pipeline import provenance
+    from ropefric.pipeline import run as pipeline
+    from ropefric.report import campaign as pages
+    from ropefric.traces import breakaway
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import campaign_model, result, workers
+    from ropefric.trials import extract as extracting
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-    from ropefric.files.folder import Folder
-    from ropefric.trials.campaign_model import Campaign
-    from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
 
 
 SERIAL_FIGURES = 8
@@ -59,37 +68,27 @@ def extract(
     Writes trials.csv (a row a recording), conditions.csv (a row a condition), problems.csv and, in figures/,
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
-    from ropefric.pipeline.run import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
-    from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
-    from ropefric.trials.result import write_tables  # noqa: PLC0415
-
     campaign = campaign_file(campaign)
-    loaded = load_campaign(campaign, missing_recordings="flag")
+    loaded = campaigns.load_campaign(campaign, missing_recordings="flag")
     n_jobs = parse_jobs(jobs, len(loaded.trials))
     cache_folder = folder / ".cache" if cache else None
     # Before the work, so that a folder that cannot be used costs nothing.
     lend_fonts_a_place(folder)
-    target = campaign_folder(loaded, folder, answers=False, force=force)
+    target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
         with Progress(out, "extract") as progress:
-            extraction = extract_campaign(
+            extraction = extracting.extract_campaign(
                 loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
             )
-        write_tables(extraction, target)
+        result.write_tables(extraction, target)
         target.publish("tables")
         if figures:
             start_figures(extraction, target, n_jobs, out, stack)()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
-    if not any(trial.breakaway.status == "ok" for trial in extraction.trials):
-        error = DataError(
-            f"none of the {len(extraction.trials)} recordings gave a usable force",
-            code="RF301",
-            path=campaign,
-            fix="problems.csv says why for each; `ropefric inspect FILE` shows what a file holds",
-        )
+    error = pipeline.no_force(extraction, loaded)
+    if error is not None:
         if not out.json:
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
@@ -108,15 +107,13 @@ def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[Non
 
 
 def start_figures(
-    extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output, stack: ExitStack
+    extraction: "result.Extraction", folder: "folders.Folder", n_jobs: int, out: Output, stack: ExitStack
 ) -> "Callable[[], None]":
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them.
 
     Where it pays they are drawn in processes that live as long as `stack`; else by what is returned.
     """
-    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
-
-    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415
+    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
     executor = None
     if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
@@ -134,20 +131,16 @@ def start_figures(
 
 
 def _work_quietly() -> None:
-    from ropefric.trials.workers import become_expendable  # noqa: PLC0415  (quick start-up)
-
-    become_expendable()
+    workers.become_expendable()
     # What matplotlib tells of its fonts and folders is for no reader of ours.
     logging.getLogger().addHandler(logging.NullHandler())
 
 
-def say_problems(extraction: "Extraction", folder: Path, out: Output) -> None:
+def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> None:
     """Say what was wrong or doubtful beside the recordings that the summary lists, and what became of the trials.
 
     Many problems of one kind are said a few times and then counted.
     """
-    from ropefric.trials.result import count_trials, outcome_words  # noqa: PLC0415  (quick start-up)
-
     listed = {problem for trial in _without_force(extraction) for problem in trial.problems}
     by_code: dict[str, list[Problem]] = {}
     for problem in extraction.problems:
@@ -165,15 +158,13 @@ def say_problems(extraction: "Extraction", folder: Path, out: Output) -> None:
     what = counted(len(trials), "trial")
     if n_recordings != len(trials):
         what += f" in {counted(n_recordings, 'recording')}"
-    counts = outcome_words(count_trials(extraction))
+    counts = result.outcome_words(result.count_trials(extraction))
     reused = f" ({extraction.n_reused} unchanged, not extracted again)" if extraction.n_reused else ""
     out.note(f"{what}: {counts}{reused} → {folder / 'problems.csv'}")
 
 
-def _show(extraction: "Extraction", console: "Console") -> None:
+def _show(extraction: "result.Extraction", console: "Console") -> None:
     """Print a row a condition, then the recordings without a usable force and what to do about them."""
-    from ropefric.traces.breakaway import ADVICE  # noqa: PLC0415  (quick start-up)
-
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
     names = (
@@ -196,14 +187,14 @@ def _show(extraction: "Extraction", console: "Console") -> None:
     console.print()
     for status in dict.fromkeys(trial.breakaway.status for trial in flagged):
         if status in _ADVISED:
-            console.print(f"{status}: {ADVICE[status]}", markup=False)
+            console.print(f"{status}: {breakaway.ADVICE[status]}", markup=False)
 
 
-def _without_force(extraction: "Extraction") -> "list[TrialResult]":
+def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]":
     return [trial for trial in extraction.trials if trial.outcome == "without a force"]
 
 
-def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, ...]:
+def _condition_row(condition: "result.ConditionSummary", *, slack: bool) -> tuple[str, ...]:
     return (
         number(1e3 * condition.wheel_radius_m),
         number(math.degrees(condition.wrap_angle_rad)),
@@ -216,7 +207,7 @@ def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, 
     )
 
 
-def _flagged_row(trial: "TrialResult") -> tuple[str, str, str]:
+def _flagged_row(trial: "result.TrialResult") -> tuple[str, str, str]:
     why = trial.breakaway.detail
     if trial.breakaway.status not in _ADVISED:
         why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
@@ -244,9 +235,7 @@ def run(
     there and no longer fits is removed. Exits with 4 unless the law and its lift force are supported: when the data
     leave two of them undecided, or judge none.
     """
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (quick start-up)
-
-    loaded = load_campaign(campaign_file(campaign))
+    loaded = campaigns.load_campaign(campaign_file(campaign))
     n_jobs = parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"conditions", "report"}) if figures else frozenset()
     return work_through(
@@ -256,7 +245,7 @@ def run(
 
 def work_through(
     out: Output,
-    campaign: "Campaign",
+    campaign: "campaign_model.Campaign",
     folder: Path,
     *,
     law: str = "",
@@ -269,20 +258,16 @@ def work_through(
 
     `law` is the one to use, "" for the best; `drawing` names the figures: those of the "report", those of "conditions".
     """
-    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.pipeline.run import campaign_folder, run_campaign  # noqa: PLC0415
-    from ropefric.report.campaign import summary_sections, write_report  # noqa: PLC0415
-
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
-        ALL_LAWS[law]
+        laws.ALL_LAWS[law]
     cache_dir = folder / ".cache" if cache else None
     lend_fonts_a_place(folder)
-    target = campaign_folder(campaign, folder, force=force)
+    target = pipeline.campaign_folder(campaign, folder, force=force)
 
     to_finish: list[Callable[[], None]] = []
 
-    def draw(extraction: "Extraction") -> None:
+    def draw(extraction: "result.Extraction") -> None:
         say_problems(extraction, folder, out)
         if "conditions" in drawing:
             # Other processes draw while this one fits; what is published is one part at a time.
@@ -291,7 +276,7 @@ def work_through(
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:
             with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
-                result = run_campaign(
+                done = pipeline.run_campaign(
                     campaign,
                     target,
                     law=law,
@@ -306,15 +291,15 @@ def work_through(
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            pages = write_report(result, target, figures="report" in drawing, progress=reporting.update)
+            written = pages.write_report(done, target, figures="report" in drawing, progress=reporting.update)
         target.publish("answer")
         for finish in to_finish:
             finish()
     said = written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
     return Answer(
-        result.to_dict() | {"written": [*result.written, *pages]},
-        [*summary_sections(result), said],
-        exit_code_of(result.answer.verdict),
+        done.to_dict() | {"written": [*done.written, *written]},
+        [*pages.summary_sections(done), said],
+        exit_code_of(done.answer.verdict),
     )
 
 
@@ -340,21 +325,18 @@ def report(
     The tables, fits and numbers beside it are brought up to date with it; pictures of single conditions are left as
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
-    from ropefric.pipeline.provenance import MANIFEST, recorded_run  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
-
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
             raise BadParameter("a folder of results is written to itself", param_hint="--out")
-        folder, (campaign, law_before) = source, recorded_run(source)
+        folder, (campaign, law_before) = source, provenance.recorded_run(source)
         law = law or law_before
     else:
         campaign = campaign_file(source)
         folder = folder or Path("out")
-        if not law and (folder / MANIFEST).is_file():
-            before, law_before = recorded_run(folder)
+        if not law and (folder / provenance.MANIFEST).is_file():
+            before, law_before = provenance.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
-    loaded = load_campaign(campaign)
+    loaded = campaigns.load_campaign(campaign)
     n_jobs = parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
     return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, force=force)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from typer import Argument, Option
 
+from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import Answer, campaign_file, command, parse_assignments, quantity
 from ropefric.cli.output import Output, Progress, make_table, number
 from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
@@ -18,12 +19,20 @@ from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
+with on_first_use():
+    from ropefric.files import toml
+    from ropefric.friction import condition as conditions
+    from ropefric.rig import campaign as rigs
+    from ropefric.scenes import scene as scenes
+    from ropefric.scenes import scene_templates
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import campaign_model, workers
+
 if TYPE_CHECKING:
     from rich.console import Console
 
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
     from ropefric.traces.readers.profile import ImportProfile
-    from ropefric.trials.campaign_model import Campaign
 
 
 @command("ropefric init my-scenes --scene hoist", order=10)
@@ -42,15 +51,11 @@ def init(
 ) -> Answer:
     """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
     if scenes or scene:
-        from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
-
-        written = write_scenes(folder, () if scenes else scene or (), overwrite=force)
+        written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {first if first in written else written[0]}")
     else:
-        from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
-
-        written = write_templates(folder, overwrite=force)
+        written = campaigns.write_templates(folder, overwrite=force)
         out.note(f"next: fill them in, then  ropefric check {written[0]}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
@@ -76,19 +81,14 @@ def inspect(
     everything: bool = Option(
         False, "--all", help="Read a large text whole, not only its first and last megabyte."
     ),
-    memory: float | None = quantity(
-        None, "--memory", "byte", "QUANTITY", "Most memory that reading it may take [2 GB]."
-    ),
-    time: float | None = quantity(
-        None, "--time", "s", "QUANTITY", "Most time that reading it may take [120 s]."
-    ),
+    memory: float | None = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
+    time: float | None = quantity("--time", "s", "Most time that reading it may take [120 s]."),
 ) -> Answer:
     """Look at a recording: columns, units, ranges, first rows, doubts, and the profile to read it with.
 
     Paste the section into campaign.toml, after checking the doubts.
     """
     from ropefric.traces.readers.profile import ImportProfile, profile_to_toml  # noqa: PLC0415  (quick start-up)
-    from ropefric.trials.workers import Limits, Lost, guarded  # noqa: PLC0415
 
     if file.is_dir():
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
@@ -99,11 +99,11 @@ def inspect(
             fix = "choose another name, or add --force"
             raise InputError("the file is there already", code="RF150", path=write_profile, fix=fix)
     given = {"memory_bytes": memory, "time_s": time}
-    limits = Limits(**{name: value for name, value in given.items() if value is not None})
+    limits = workers.Limits(**{name: value for name, value in given.items() if value is not None})
     # By a process that may die of it.
     look = partial(_inspect, file, ImportProfile(format=file_format), everything)
-    ((_, found),) = guarded(look, 1, limits=limits)
-    if isinstance(found, Lost):
+    ((_, found),) = workers.guarded(look, 1, limits=limits)
+    if isinstance(found, workers.Lost):
         raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
     profile = profile_to_toml(found.profile)
     if write_profile is not None:
@@ -201,12 +201,9 @@ def check(
     A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
     leave it at 0.
     """
-    from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415
-
     campaign = campaign_file(campaign)
     scene = _is_scene(campaign)
-    problems = check_scene(campaign) if scene else check_campaign(campaign)
+    problems = scenes.check_scene(campaign) if scene else campaigns.check_campaign(campaign)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -219,7 +216,7 @@ def check(
         return Answer(data | failure.to_dict(), summary, DataError.exit_code)
     if scene:
         return Answer(data, summary)
-    content = _content(load_campaign(campaign))
+    content = _content(campaigns.load_campaign(campaign))
 
     def show(console: "Console") -> None:
         console.print(summary, markup=False, soft_wrap=True)
@@ -230,22 +227,18 @@ def check(
 
 def _is_scene(path: Path) -> bool:
     """Return whether a file is a scene; one that cannot be read is for the check of campaigns to tell of."""
-    from ropefric.files.toml import is_scene, read_toml  # noqa: PLC0415  (quick start-up)
-
     try:
-        return is_scene(read_toml(path).data)
+        return toml.is_scene(toml.read_toml(path).data)
     except DataError:
         return False
 
 
-def _content(campaign: "Campaign") -> dict[str, Any]:
+def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
     """Return what a campaign holds, in SI: trials, conditions, radii, wraps, end tensions, repeats."""
-    from ropefric.friction.condition import condition_groups  # noqa: PLC0415  (quick start-up)
-
     trials = campaign.trials
     keys = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "lift_force_N")
     settings = [[getattr(trial, key) or 0.0 for trial in trials] for key in keys]
-    repeats = Counter(condition_groups(*settings).tolist() if trials else ())
+    repeats = Counter(conditions.condition_groups(*settings).tolist() if trials else ())
     return {
         "name": campaign.name,
         "n_trials": len(trials),
@@ -312,9 +305,7 @@ def simulate(
     Rope and cell stiffness, motor ramp, scatter, stick-slip, noise, converter and the usual faults are simulated.
     Without options it writes data/prth-bench again, byte for byte.
     """
-    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415  (quick start-up)
-
-    benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
+    benches = {"prth-bench": (rigs.prth_bench_plan, rigs.PRTH_SEED)}
     if bench not in benches:
         raise UnknownNameError(f"unknown bench {bench!r}", fix=did_you_mean(bench, benches))
     make, own_seed = benches[bench]
@@ -334,7 +325,7 @@ def simulate(
     plan = replace(plan, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
-        written = simulate_campaign(folder, plan, seed=seed, progress=progress.update)
+        written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
     out.note(f"next: ropefric extract {campaign} --out out")
     data = {

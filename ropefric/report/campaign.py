@@ -10,7 +10,7 @@ from ropefric.errors import Problem
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence
-from ropefric.pipeline.provenance import MANIFEST, InputFile, Provenance, manifest_text, trace_provenance
+from ropefric.pipeline.provenance import MANIFEST, manifest_text, trace_provenance
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
 from ropefric.report.parts import (
@@ -121,7 +121,7 @@ def _law_section(run: CampaignRun) -> Section:
 
 
 def campaign_report(
-    run: CampaignRun, evidence: Evidence, provenance: Provenance, pictures: Pictures
+    run: CampaignRun, evidence: Evidence, provenance: Mapping[str, Any], pictures: Pictures
 ) -> Report:
     """Return a campaign's report: what to know first, the result, the evidence, settings and provenance."""
     answer = run.answer
@@ -429,25 +429,26 @@ def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
     return f"{rule}; mean of all {plain(summary.mean_all_N)} N, s = {plain(summary.std_all_N, '.2g')} N"
 
 
-def _provenance(provenance: Provenance) -> tuple[Block, ...]:
+def _provenance(provenance: Mapping[str, Any]) -> tuple[Block, ...]:
     """Return command, versions, seeds and inputs with their hashes; settings and recordings folded away."""
-    seeds = ", ".join(f"{name} {seed}" for name, seed in provenance.seeds.items())
-    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance.versions.items()))
-    notes = (provenance.command, f"versions: {made}", f"seeds: {seeds}")
-    settings = Table(headings=("setting", "value "), rows=tuple(_flat(provenance.settings)))
+    seeds = ", ".join(f"{name} {seed}" for name, seed in provenance["seeds"].items())
+    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance["versions"].items()))
+    notes = (provenance["command"], f"versions: {made}", f"seeds: {seeds}")
+    settings = Table(headings=("setting", "value "), rows=tuple(_flat(provenance["settings"])))
+    lists, recordings = provenance["inputs"][:2], provenance["inputs"][2:]
     return (
         Section(title="How to make it again", lines=("in the campaign's folder:",), notes=notes),
-        Section(title="Inputs", table=_hashes((provenance.campaign, provenance.trial_list))),
+        Section(title="Inputs", table=_hashes(lists)),
         Fold(
-            f"SHA-256 of the {len(provenance.recordings)} recordings",
-            Section(table=_hashes(provenance.recordings)),
+            f"SHA-256 of the {len(recordings)} recordings",
+            Section(table=_hashes(recordings)),
         ),
         Fold("All settings, defaults filled in, in SI", Section(table=settings)),
     )
 
 
-def _hashes(files: Iterable[InputFile]) -> Table:
-    rows = tuple((item.path, item.sha256 or "could not be read") for item in files)
+def _hashes(files: Iterable[Mapping[str, str]]) -> Table:
+    rows = tuple((item["path"], item["sha256"] or "could not be read") for item in files)
     return Table(headings=("file", "SHA-256 "), rows=rows)
 
 

@@ -1,7 +1,7 @@
 """Scenes: what leaving effects out saves and costs, against simulating all of them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
@@ -25,82 +25,56 @@ from ropefric.systems.press.effects import SYSTEM as PRESS
 N_SWEEP = 8
 """Preloads of the sweep."""
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Planned:
-    """A machine to be planned and solved."""
-
-    system: System[Any, Any, Any]
-    problem: Callable[[], Any]
-    title: str
-
-
-def _hoist() -> HoistProblem:
-    """Return a rope that climbs, runs, hangs and is a little stiff: all six effects have something to say."""
-    law = ALL_LAWS["coupled"]
-    rope = WrapFriction(
-        law=law,
-        theta=law.theta_from({"mu_inf": 0.46, "a": -0.22, "b": -0.3, "c": -0.48, "d": 0.055}),
+# A rope that climbs, runs, hangs and is a little stiff: all six effects have something to say.
+_HOIST = HoistProblem(
+    friction=WrapFriction(
+        law=ALL_LAWS["coupled"],
+        theta=np.array([0.46, -0.22, -0.3, -0.48, 0.055]),
         reference=one_condition(0.035, 0.0049, 5.4, 32.0),
-    )
-    return HoistProblem(
-        friction=rope,
-        wheel_radius_m=np.array([0.04]),
-        rope_radius_m=np.array([0.0049]),
-        wrap_angle_rad=np.array([5.0 * np.pi]),
-        end_tension_N=np.array([80.0]),
-        speed_m_s=np.array([0.3]),
-        linear_density_kg_m=np.array([0.062]),
-        hanging_length_m=np.array([25.0]),
-        bending_stiffness_N_m2=np.array([1e-4]),
-    )
-
-
-def _saw(preload_N: np.ndarray) -> SawProblem:
-    return SawProblem(
-        free_span_m=np.array([1.6]),
-        linear_density_kg_m=np.array([STEEL_85_09.linear_density_kg_m]),
-        preload_N=preload_N,
-        n_modes=3,
-        wheel_radius_m=np.array([0.35]),
-        wheel_speed_rad_s=np.array([100.0]),
-        tension_difference_N=np.array([211.0]),
-        mounting_factor=np.array([0.1]),
-        bending_stiffness_N_m2=np.array([STEEL_85_09.bending_stiffness_N_m2]),
-        section=STEEL_85_09,
-    )
-
-
-def _press() -> PressProblem:
-    return PressProblem(
-        press=machine(2e6, 1e-3),
-        closure="share",
-        friction=WrapFriction.constant(0.9),
-        speed_m_s=np.array([SPEED_M_S]),
-        load_factor=np.array([1.0]),
-    )
-
-
-PROBLEMS = {
-    "hoist": Planned(
+    ),
+    wheel_radius_m=np.array([0.04]),
+    rope_radius_m=np.array([0.0049]),
+    wrap_angle_rad=np.array([5.0 * np.pi]),
+    end_tension_N=np.array([80.0]),
+    speed_m_s=np.array([0.3]),
+    linear_density_kg_m=np.array([0.062]),
+    hanging_length_m=np.array([25.0]),
+    bending_stiffness_N_m2=np.array([1e-4]),
+)
+_SAW = SawProblem(
+    free_span_m=np.array([1.6]),
+    linear_density_kg_m=np.array([STEEL_85_09.linear_density_kg_m]),
+    preload_N=np.array([12_000.0]),
+    n_modes=3,
+    wheel_radius_m=np.array([0.35]),
+    wheel_speed_rad_s=np.array([100.0]),
+    tension_difference_N=np.array([211.0]),
+    mounting_factor=np.array([0.1]),
+    bending_stiffness_N_m2=np.array([STEEL_85_09.bending_stiffness_N_m2]),
+    section=STEEL_85_09,
+)
+_PRESS = PressProblem(
+    press=machine(2e6, 1e-3),
+    closure="share",
+    friction=WrapFriction.constant(0.9),
+    speed_m_s=np.array([SPEED_M_S]),
+    load_factor=np.array([1.0]),
+)
+PROBLEMS: dict[str, tuple[System[Any, Any, Any], Any, str]] = {
+    "hoist": (
         HOIST,
-        _hoist,
+        _HOIST,
         "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
     ),
-    "saw": Planned(
+    "saw": (SAW, _SAW, "a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side"),
+    "saw-sweep": (
         SAW,
-        lambda: _saw(np.array([12_000.0])),
-        "a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side",
-    ),
-    "saw-sweep": Planned(
-        SAW,
-        lambda: _saw(np.linspace(8_000.0, 16_000.0, N_SWEEP)),
+        replace(_SAW, preload_N=np.linspace(8_000.0, 16_000.0, N_SWEEP)),
         f"the same blade at {N_SWEEP} preloads from 8 to 16 kN, planned once and solved in one call",
     ),
-    "press": Planned(PRESS, _press, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
+    "press": (PRESS, _PRESS, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
 }
-"""By the name of their case."""
-
+"""By the name of their case: the system, a machine to be planned and solved, and what it is."""
 
 ACCURACIES_WANTED = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 
@@ -116,24 +90,19 @@ _PLAN, _KEPT, _ALL, _NONE = "plan and solve", "plan at hand", "all effects", "no
 @cache
 def planned(case: str, accuracy: float, effects: str = "auto") -> tuple[Plan, Any]:
     """Return the plan of a case and the model assembled to it."""
-    return make_plan(PROBLEMS[case].system, _problem(case), accuracy=accuracy, effects=effects)
-
-
-@cache
-def _problem(case: str) -> Any:
-    return PROBLEMS[case].problem()
+    system, problem, _ = PROBLEMS[case]
+    return make_plan(system, problem, accuracy=accuracy, effects=effects)
 
 
 @cache
 def _reference(case: str) -> Any:
     """Return the answer with all effects by the finest method of the system."""
-    system = PROBLEMS[case].system
-    _, model = planned(case, 1.0, "all")
+    system, model = PROBLEMS[case][0], planned(case, 1.0, "all")[1]
     return system.solve(model, system.method(model, _REFERENCE_BUDGET))
 
 
 def _settings(case: str) -> tuple[Setting, ...]:
-    system, problem = PROBLEMS[case].system, _problem(case)
+    system, problem, _ = PROBLEMS[case]
 
     def setting(
         method: str, wanted: float, call: Callable[[], object], effects: str, *, quick: bool
@@ -238,6 +207,6 @@ STUDY = Study(
     reference="all effects, by the system's finest method; the tests hold it against other solutions",
     counted="effects in the model",
     used="plan and solve",
-    cases=tuple(Case(name, one.title, partial(_settings, name)) for name, one in PROBLEMS.items()),
+    cases=tuple(Case(name, title, partial(_settings, name)) for name, (_, _, title) in PROBLEMS.items()),
     findings=_findings,
 )

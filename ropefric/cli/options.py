@@ -57,10 +57,24 @@ def command(example: str, *, order: int) -> Callable[[Callable[..., Answer]], Co
     return lambda run: Command(run.__name__.replace("_", "-"), run, example, order)
 
 
+Words = list[str] | None
+Number = float | None
+
+
+def listed(metavar: str, help: str, *names: str) -> Any:  # noqa: A002  (as typer calls it)
+    """Return an option that may be given several times."""
+    return typer.Option(None, *names, metavar=metavar, help=f"{help}; repeatable.")
+
+
+def flag(name: str, help: str) -> Any:  # noqa: A002
+    """Return an option that is given or not."""
+    return typer.Option(False, name, help=help)
+
+
 # Files and folders.
 
 
-def folder_option(default: Any, *names: str, help: str) -> Any:  # noqa: A002  (as typer calls it)
+def out_folder(help: str, default: Path | None = None, names: tuple[str, ...] = ("--out", "-o")) -> Any:  # noqa: A002
     """Return an option that names a folder; an empty name, such as an unset variable gives, is none."""
 
     def named(text: str) -> Path:

@@ -7,7 +7,7 @@ from typer import Argument, BadParameter, Option
 
 from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
-from ropefric.cli.options import Answer, command, diameter, quantity
+from ropefric.cli.options import Answer, Number, command, flag, quantity
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 
@@ -33,24 +33,24 @@ def budget(
     fit: Path | None = Option(None, metavar="FIT.json", help="Of a lift force by this fit."),
     of: str = Option("force", "--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ."),
     condition: int | None = Option(None, min=1, help="Only this condition, in full."),
-    wheel_radius: float | None = quantity("--wheel-radius", "m", "R_w, with --fit."),
-    wrap: float | None = quantity("--wrap", "rad", "φ, with --fit."),
-    end_tension: float | None = quantity("--end-tension", "N", "F_B, with --fit."),
-    rope_diameter: float | None = diameter("--rope-diameter", "Of another rope."),
-    u_wheel_radius: float | None = quantity("--u-wheel-radius", "m", "Standard uncertainty of R_w."),
-    u_rope_diameter: float | None = diameter("--u-rope-diameter", "Of the rope's diameter."),
-    u_wrap: float | None = quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
-    u_end_tension: float | None = quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
-    end_tension_measured: bool = Option(
-        False, "--end-tension-measured", help="F_B is read by a second channel, no weights hang there."
+    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, with --fit."),
+    wrap: Number = quantity("--wrap", "rad", "φ, with --fit."),
+    end_tension: Number = quantity("--end-tension", "N", "F_B, with --fit."),
+    rope_diameter: Number = options.diameter("--rope-diameter", "Of another rope."),
+    u_wheel_radius: Number = quantity("--u-wheel-radius", "m", "Standard uncertainty of R_w."),
+    u_rope_diameter: Number = options.diameter("--u-rope-diameter", "Of the rope's options.diameter."),
+    u_wrap: Number = quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
+    u_end_tension: Number = quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
+    end_tension_measured: bool = flag(
+        "--end-tension-measured", "F_B is read by a second channel, no weights hang there."
     ),
-    gain: float | None = quantity(
+    gain: Number = quantity(
         "--gain", "", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
     ),
-    gravity: float | None = quantity(
+    gravity: Number = quantity(
         "--gravity", "", 'Limit of error of g of the weights, such as "0 %" where it is known.'
     ),
-    one_pull: bool = Option(False, "--one-pull", help="Of one pull with a new rope, not of the mean law."),
+    one_pull: bool = flag("--one-pull", "Of one pull with a new rope, not of the mean law."),
     level: float = Option(0.95, help="Coverage probability, between 0 and 1."),
     draws: int = Option(200_000, help="Draws that check the budget."),
     seed: int = Option(0, min=0, help="Of the draws."),

@@ -10,21 +10,9 @@ from typing import TYPE_CHECKING
 
 from typer import Argument, BadParameter, Option
 
+from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
-from ropefric.cli.options import (
-    Answer,
-    Cache,
-    CampaignArgument,
-    Force,
-    Jobs,
-    campaign_file,
-    command,
-    exit_code_of,
-    folder_option,
-    lend_fonts_a_place,
-    parse_jobs,
-    written_to,
-)
+from ropefric.cli.options import Answer, Force, command, exit_code_of, out_folder
 from ropefric.cli.output import Output, Progress, make_table, number
 from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
@@ -55,12 +43,12 @@ _ADVISED = ("no-breakaway", "no-peak", "saturated", "too-short")
 @command("ropefric extract data/prth-bench/campaign.toml --out out", order=50)
 def extract(
     out: Output,
-    campaign: CampaignArgument,
+    campaign: options.CampaignArgument,
     *,
-    folder: Path = folder_option(Path("out"), "--out", "-o", help="Where tables and figures go."),
-    jobs: Jobs = "auto",
+    folder: Path = out_folder("Where tables and figures go.", Path("out")),
+    jobs: options.Jobs = "auto",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
-    cache: Cache = True,
+    cache: options.Cache = True,
     force: Force = False,
 ) -> Answer:
     """Find the break-away force of every recording, reject outliers, and write tables and figures.
@@ -68,12 +56,12 @@ def extract(
     Writes trials.csv (a row a recording), conditions.csv (a row a condition), problems.csv and, in figures/,
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
-    campaign = campaign_file(campaign)
+    campaign = options.campaign_file(campaign)
     loaded = campaigns.load_campaign(campaign, missing_recordings="flag")
-    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     cache_folder = folder / ".cache" if cache else None
     # Before the work, so that a folder that cannot be used costs nothing.
-    lend_fonts_a_place(folder)
+    options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
         with Progress(out, "extract") as progress:
@@ -217,15 +205,15 @@ def _flagged_row(trial: "result.TrialResult") -> tuple[str, str, str]:
 @command("ropefric run data/prth-bench/campaign.toml --out out", order=60)
 def run(
     out: Output,
-    campaign: CampaignArgument,
+    campaign: options.CampaignArgument,
     *,
-    folder: Path = folder_option(Path("out"), "--out", "-o", help="Where everything is written."),
+    folder: Path = out_folder("Where everything is written.", Path("out")),
     law: str = Option("", help="Use this law, whichever wins."),
-    jobs: Jobs = "auto",
+    jobs: options.Jobs = "auto",
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
-    cache: Cache = True,
+    cache: options.Cache = True,
     force: Force = False,
 ) -> Answer:
     """Do everything: extract the forces, reject outliers, fit and compare all laws, predict the campaign's wheel.
@@ -235,8 +223,8 @@ def run(
     there and no longer fits is removed. Exits with 4 unless the law and its lift force are supported: when the data
     leave two of them undecided, or judge none.
     """
-    loaded = campaigns.load_campaign(campaign_file(campaign))
-    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    loaded = campaigns.load_campaign(options.campaign_file(campaign))
+    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"conditions", "report"}) if figures else frozenset()
     return work_through(
         out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing, force=force
@@ -262,7 +250,7 @@ def work_through(
     if law:
         laws.ALL_LAWS[law]
     cache_dir = folder / ".cache" if cache else None
-    lend_fonts_a_place(folder)
+    options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(campaign, folder, force=force)
 
     to_finish: list[Callable[[], None]] = []
@@ -295,7 +283,7 @@ def work_through(
         target.publish("answer")
         for finish in to_finish:
             finish()
-    said = written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
+    said = options.written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
     return Answer(
         done.to_dict() | {"written": [*done.written, *written]},
         [*pages.summary_sections(done), said],
@@ -312,11 +300,9 @@ def report(
         help="A folder that `run` wrote, or a campaign: its file or its folder.",
     ),
     *,
-    folder: Path | None = folder_option(
-        None, "--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."
-    ),
+    folder: Path | None = out_folder("Of a campaign: where its results are, or are to be written [out]."),
     law: str = Option("", help="Use this law, whichever wins; by default as in the run before."),
-    jobs: Jobs = "auto",
+    jobs: options.Jobs = "auto",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw the figures of the report."),
     force: Force = False,
 ) -> Answer:
@@ -331,12 +317,12 @@ def report(
         folder, (campaign, law_before) = source, provenance.recorded_run(source)
         law = law or law_before
     else:
-        campaign = campaign_file(source)
+        campaign = options.campaign_file(source)
         folder = folder or Path("out")
         if not law and (folder / provenance.MANIFEST).is_file():
             before, law_before = provenance.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = campaigns.load_campaign(campaign)
-    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
     return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, force=force)

@@ -8,17 +8,9 @@ from typing import TYPE_CHECKING
 
 from typer import Argument, Option
 
+from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
-from ropefric.cli.options import (
-    Answer,
-    TableArgument,
-    command,
-    exit_code_of,
-    parse_assignments,
-    parse_spans,
-    read_fit,
-    read_table,
-)
+from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed
 from ropefric.cli.output import Output, Progress, make_table, number
 
 with on_first_use():
@@ -40,38 +32,36 @@ _LARGE = 5_000_000
 @command("ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)
 def fit(
     out: Output,
-    trials: TableArgument,
+    trials: options.TableArgument,
     *,
     law: str = Option(..., help="The friction law: constant, wrap-power, coupled, …"),
-    fix: list[str] | None = Option(None, metavar="NAME=VALUE", help="Hold a parameter; repeatable."),
-    bound: list[str] | None = Option(
-        None, metavar="NAME=LOW:HIGH", help="Bounds of a parameter; repeatable."
-    ),
-    start: list[str] | None = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
+    fix: Words = listed("NAME=VALUE", "Hold a parameter"),
+    bound: Words = listed("NAME=LOW:HIGH", "Bounds of a parameter"),
+    start: Words = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
     intervals: str = Option(
         "covariance", metavar="covariance|profile|bootstrap", help="Where the 95 % intervals come from."
     ),
     loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
     seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
     file: Path | None = Option(None, "--out", "-o", metavar="FIT.json", help="Store the fit there."),
-    force: bool = Option(False, "--force", help="Write over a file that is there and is no fit."),
+    force: bool = flag("--force", "Write over a file that is there and is no fit."),
 ) -> Answer:
     """Fit a friction law to a trial table: parameters with 95 % intervals, and whether to trust them.
 
     Exits with 4 when the law is not supported by its fit: undecided, or not judged; the status says more.
     """
-    options = {
-        "fixed": parse_assignments(fix or (), option="--fix"),
-        "bounds": parse_spans(bound or (), option="--bound"),
-        "start": parse_assignments(start or (), option="--start"),
+    given = {
+        "fixed": options.parse_assignments(fix or (), option="--fix"),
+        "bounds": options.parse_spans(bound or (), option="--bound"),
+        "start": options.parse_assignments(start or (), option="--start"),
     }
     if file is not None:  # before the work
         store.check_target(file, trials, overwrite=force)
     with _steps(trials, out) as step:
         step(0, "reading")
-        table = read_table(trials, out)
+        table = options.read_table(trials, out)
         step(1, "fitting")
-        fitted = fitting.fit_law(table, law, loss=loss, seed=seed, **options)
+        fitted = fitting.fit_law(table, law, loss=loss, seed=seed, **given)
         step(2, "intervals")
         result = confidence.with_intervals(fitted, intervals, seed=seed)
         step(3, "done")
@@ -99,11 +89,9 @@ def _steps(trials: Path, out: Output) -> Iterator[Callable[[int, str], None]]:
 @command("ropefric compare fits/prth-trials.csv", order=100)
 def compare(
     out: Output,
-    trials: TableArgument,
+    trials: options.TableArgument,
     *,
-    laws: list[str] | None = Option(
-        None, metavar="NAME[,NAME…]", help="Laws to compare, all by default; repeatable."
-    ),
+    laws: Words = listed("NAME[,NAME…]", "Laws to compare, all by default"),
 ) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
 
@@ -111,7 +99,7 @@ def compare(
     data leave two laws undecided, or no choice at all.
     """
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
-    table = read_table(trials, out)
+    table = options.read_table(trials, out)
     with Progress(out, "fit") as progress:
         found = comparing.compare_laws(
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
@@ -126,12 +114,12 @@ def compare(
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)
-def diagnose(out: Output, trials: TableArgument) -> Answer:
+def diagnose(out: Output, trials: options.TableArgument) -> Answer:
     """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, no gross slip.
 
     Exits with 4 unless the best law is supported: when the data leave two laws undecided, or no choice at all.
     """
-    found = diagnosing.diagnose(read_table(trials, out))
+    found = diagnosing.diagnose(options.read_table(trials, out))
     return Answer(found.to_dict(), [parts.diagnosis_section(found, full=True)], exit_code_of(found.verdict))
 
 
@@ -141,7 +129,7 @@ def show(out: Output, file: Path = Argument(..., metavar="FIT.json", help="A sto
 
     Exits with 4 when its law is not supported: undecided, or not judged.
     """
-    fit = read_fit(file, out)
+    fit = options.read_fit(file, out)
     sections = [parts.fit_section(fit, short=True), *parts.notes_sections(fit), parts.origin_section(fit)]
     return Answer(fit.to_dict() | {"verdict": fit.verdict.to_dict()}, sections, exit_code_of(fit.verdict))
 

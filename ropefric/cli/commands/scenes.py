@@ -7,19 +7,9 @@ from typing import Any
 
 from typer import Argument, Option
 
+from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
-from ropefric.cli.options import (
-    Answer,
-    Force,
-    SceneArgument,
-    command,
-    exit_code_of,
-    figure_names,
-    folder_option,
-    open_folder,
-    publish,
-    written_to,
-)
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
 from ropefric.cli.output import Output, Progress, json_text
 
 with on_first_use():
@@ -40,18 +30,16 @@ _TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warn
 @command("ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/", order=160)
 def solve(
     out: Output,
-    scene: SceneArgument,
+    scene: options.SceneArgument,
     *,
-    sweep: list[str] | None = Option(
+    sweep: Words = Option(
         None,
         "--sweep",
         metavar="KEY=START:STOP:COUNT",
         help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
     ),
     level: float = Option(0.95, help="Coverage of the intervals, between 0 and 1; a sweep has none."),
-    folder: Path | None = folder_option(
-        None, "--out", "-o", help="Write the answer (and a sweep's CSV and figure) there."
-    ),
+    folder: Path | None = out_folder("Write the answer (and a sweep's CSV and figure) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
     force: Force = False,
 ) -> Answer:
@@ -63,12 +51,14 @@ def solve(
     points that is so, and exits with 4 for the error alone.
     """
     loaded = scenes.load_scene(scene)
-    names = ("sweep.csv", *figure_names("sweep_figure")) if sweep else _solved_names()
+    names = ("sweep.csv", *options.figure_names("sweep_figure")) if sweep else _solved_names()
     fit = loaded.document.table("friction").get("fit")
     fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
     family = "sweep" if sweep else "scene"
     # Before the work, so that a folder that cannot be used costs nothing.
-    with open_folder(folder, family=family, names=names, inputs=(scene, *fits), force=force) as target:
+    with options.open_folder(
+        folder, family=family, names=names, inputs=(scene, *fits), force=force
+    ) as target:
         if not sweep:
             solution = solving.solve_scene(loaded, level=level)
             tree = solution.to_dict()
@@ -87,7 +77,7 @@ def _solved_names() -> tuple[str, ...]:
     """Return what a solved scene of any kind may write: a folder may hold the answer to another one."""
     histories = [name for kind in kinds.KINDS.values() for name in kind.histories]
     stems = [stem for kind in kinds.KINDS.values() for stem in kind.figures]
-    return ("answer.json", *histories, *figure_names(*stems))
+    return ("answer.json", *histories, *options.figure_names(*stems))
 
 
 def _write(
@@ -102,7 +92,7 @@ def _write(
         columns = history(solution.answer)
         if columns is not None:
             files += folder.write({name: sweeping.columns_text(columns)})
-    return publish(out, folder, "answer", files)
+    return options.publish(out, folder, "answer", files)
 
 
 def _write_sweep(out: Output, found: "sweeping.Sweep", folder: "folders.Folder", plot: str) -> Sequence[Path]:
@@ -112,7 +102,7 @@ def _write_sweep(out: Output, found: "sweeping.Sweep", folder: "folders.Folder",
     files = [sweeping.write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
         files += figure.save_figure(sweep_plot.draw_sweep(found, quantity=plot), folder, "sweep_figure")
-    return publish(out, folder, "answer", files)
+    return options.publish(out, folder, "answer", files)
 
 
 def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
@@ -134,11 +124,9 @@ def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
 @command("ropefric explain data/scenes/hoist.toml --measure", order=170)
 def explain(
     _out: Output,
-    scene: SceneArgument,
+    scene: options.SceneArgument,
     *,
-    measure_: bool = Option(
-        False, "--measure", help="Solve with and without each effect, for its worth and its time."
-    ),
+    measure_: bool = flag("--measure", "Solve with and without each effect, for its worth and its time."),
 ) -> Answer:
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
     found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
@@ -148,14 +136,10 @@ def explain(
 @command("ropefric cost integral --out cost --quick", order=180)
 def cost(
     out: Output,
-    studies: list[str] | None = Argument(
-        None, metavar="[STUDY …]", help="Studies to measure, all by default."
-    ),
+    studies: Words = Argument(None, metavar="[STUDY …]", help="Studies to measure, all by default."),
     *,
-    folder: Path = folder_option(
-        Path("cost"), "--out", "-o", help="Where figures, tables and page are written."
-    ),
-    quick: bool = Option(False, "--quick", help="Some settings only, and little time for each."),
+    folder: Path = out_folder("Where figures, tables and page are written.", Path("cost")),
+    quick: bool = flag("--quick", "Some settings only, and little time for each."),
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
@@ -168,7 +152,9 @@ def cost(
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
-    with open_folder(folder, family="cost", names=["cost.md", "cost.html", *pairs], force=force) as target:
+    with options.open_folder(
+        folder, family="cost", names=["cost.md", "cost.html", *pairs], force=force
+    ) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
         with Progress(out, "cost") as progress:
@@ -180,5 +166,5 @@ def cost(
         "studies": [result.to_dict() for result in results],
         "written": list(written),
     }
-    said = written_to(folder, "cost.html, cost.md, …")
+    said = options.written_to(folder, "cost.html, cost.md, …")
     return Answer(data, [*cost_page.cost_sections(results, machine), said])

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from typer import Argument, Option
 
+from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
-from ropefric.cli.options import Answer, campaign_file, command, parse_assignments, quantity
+from ropefric.cli.options import Answer, Number, Words, command, flag, listed, quantity
 from ropefric.cli.output import Output, Progress, make_table, number
 from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
 from ropefric.files.write import refuse_input, refuse_special, write_file
@@ -40,14 +41,13 @@ def init(
     out: Output,
     *,
     folder: Path = Argument(Path(), help="Where to write them; made where it is missing."),
-    scenes: bool = Option(False, "--scenes", help="Write all scenes instead of a campaign."),
-    scene: list[str] | None = Option(
-        None,
+    scenes: bool = flag("--scenes", "Write all scenes instead of a campaign."),
+    scene: Words = listed(
+        "NAME",
+        "Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …",
         "--scene",
-        metavar="NAME",
-        help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
     ),
-    force: bool = Option(False, "--force", help="Write over files that are already there."),
+    force: bool = flag("--force", "Write over files that are already there."),
 ) -> Answer:
     """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
     if scenes or scene:
@@ -77,12 +77,10 @@ def inspect(
     write_profile: Path | None = Option(
         None, metavar="PATH", help="Write the suggested [import] section there."
     ),
-    force: bool = Option(False, "--force", help="Write over a file that is already there."),
-    everything: bool = Option(
-        False, "--all", help="Read a large text whole, not only its first and last megabyte."
-    ),
-    memory: float | None = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
-    time: float | None = quantity("--time", "s", "Most time that reading it may take [120 s]."),
+    force: bool = flag("--force", "Write over a file that is already there."),
+    everything: bool = flag("--all", "Read a large text whole, not only its first and last megabyte."),
+    memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
+    time: Number = quantity("--time", "s", "Most time that reading it may take [120 s]."),
 ) -> Answer:
     """Look at a recording: columns, units, ranges, first rows, doubts, and the profile to read it with.
 
@@ -201,7 +199,7 @@ def check(
     A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
     leave it at 0.
     """
-    campaign = campaign_file(campaign)
+    campaign = options.campaign_file(campaign)
     scene = _is_scene(campaign)
     problems = scenes.check_scene(campaign) if scene else campaigns.check_campaign(campaign)
     n_errors = sum(problem.severity == "error" for problem in problems)
@@ -290,15 +288,11 @@ def simulate(
     ),
     bench: str = Option("prth-bench", help="Which campaign to simulate: prth-bench."),
     law: str = Option("", help="The friction law that is true, instead of the bench's own."),
-    parameter: list[str] | None = Option(
-        None, "--parameter", "-p", metavar="NAME=VALUE", help="A true parameter of the law; repeatable."
-    ),
+    parameter: Words = listed("NAME=VALUE", "A true parameter of the law", "--parameter", "-p"),
     repeats: int | None = Option(None, min=1, help="Recordings per condition."),
     conditions: int | None = Option(None, min=1, help="Only the first so many conditions."),
-    fault: list[str] | None = Option(
-        None, metavar="NAME=RATE", help="Only this fault, at this rate (0 to 1); repeatable."
-    ),
-    no_faults: bool = Option(False, "--no-faults", help="Nothing goes wrong."),
+    fault: Words = listed("NAME=RATE", "Only this fault, at this rate (0 to 1)"),
+    no_faults: bool = flag("--no-faults", "Nothing goes wrong."),
 ) -> Answer:
     """Simulate a campaign with known truth: campaign.toml, trials.csv, recordings and truth.toml.
 
@@ -310,7 +304,7 @@ def simulate(
         raise UnknownNameError(f"unknown bench {bench!r}", fix=did_you_mean(bench, benches))
     make, own_seed = benches[bench]
     plan = make()
-    given = parse_assignments(parameter or (), option="--parameter")
+    given = options.parse_assignments(parameter or (), option="--parameter")
     changes: dict[str, Any] = {}
     if law and law != plan.law:
         changes |= {"law": law, "parameters": given}
@@ -321,7 +315,7 @@ def simulate(
     if conditions is not None:
         changes["conditions"] = plan.conditions[:conditions]
     if fault is not None or no_faults:
-        changes["faults"] = parse_assignments(fault or (), option="--fault")
+        changes["faults"] = options.parse_assignments(fault or (), option="--fault")
     plan = replace(plan, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:

@@ -5,25 +5,19 @@ from pathlib import Path
 
 from typer import BadParameter, Option
 
+from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import (
-    ROPE_DIAMETER,
     Answer,
-    FitOption,
     Force,
-    Level,
+    Number,
+    Words,
     command,
-    diameter,
     exit_code_of,
-    figure_names,
-    folder_option,
-    open_folder,
-    parse_assignments,
-    publish,
+    flag,
+    listed,
+    out_folder,
     quantity,
-    read_fit,
-    read_quantity,
-    rope_radius,
 )
 from ropefric.cli.output import Output
 from ropefric.errors import InputError
@@ -47,25 +41,25 @@ with on_first_use():
 def predict(
     out: Output,
     *,
-    fit: FitOption,
+    fit: options.FitOption,
     wheel_radius: float = quantity("--wheel-radius", "m", 'R_w, such as "35 mm".', needed=True),
     wrap: float = quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
     end_tension: float = quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
-    rope_diameter: float | None = ROPE_DIAMETER,
-    speed: float | None = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
-    linear_density: float | None = quantity(
-        "--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'
-    ),
-    level: Level = 0.95,
+    rope_diameter: float | None = options.ROPE_DIAMETER,
+    speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
+    level: options.Level = 0.95,
     method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
-    hand: bool = Option(False, "--hand", help="Print the calculation, to be checked by hand."),
+    hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
 ) -> Answer:
     """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
 
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
-    stored = read_fit(fit, out)
-    wheel = conditions.one_condition(wheel_radius, rope_radius(stored, rope_diameter), wrap, end_tension)
+    stored = options.read_fit(fit, out)
+    wheel = conditions.one_condition(
+        wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension
+    )
     running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
     found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
@@ -91,19 +85,19 @@ _SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius",
 def design(
     out: Output,
     *,
-    fit: FitOption,
+    fit: options.FitOption,
     lift: float = quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
     solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
-    wheel_radius: float | None = quantity("--wheel-radius", "m", "R_w, unless looked for."),
-    wrap: float | None = quantity("--wrap", "rad", "φ, unless looked for."),
-    end_tension: float | None = quantity("--end-tension", "N", "F_B, unless looked for."),
-    rope_diameter: float | None = ROPE_DIAMETER,
+    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, unless looked for."),
+    wrap: Number = quantity("--wrap", "rad", "φ, unless looked for."),
+    end_tension: Number = quantity("--end-tension", "N", "F_B, unless looked for."),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
     probability: float = Option(
         0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
     ),
-    on_average: bool = Option(False, "--on-average", help="Ask only that the mean law lifts the load."),
-    chart: Path | None = folder_option(
-        None, "--chart", help="Draw the lift force over wheel radius and wrap at this end tension there."
+    on_average: bool = flag("--on-average", "Ask only that the mean law lifts the load."),
+    chart: Path | None = out_folder(
+        "Draw the lift force over wheel radius and wrap at this end tension there.", names=("--chart",)
     ),
     force: Force = False,
 ) -> Answer:
@@ -111,14 +105,14 @@ def design(
 
     Exits with 4 when there is none, or the law is not supported by its fit.
     """
-    stored = read_fit(fit, out)
-    names = figure_names("design_chart")
+    stored = options.read_fit(fit, out)
+    names = options.figure_names("design_chart")
     # Before the work, so that a folder that cannot be used costs nothing.
-    with open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
+    with options.open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
         found = designs.design(
             stored,
             lift_N=lift,
-            rope_radius_m=rope_radius(stored, rope_diameter),
+            rope_radius_m=options.rope_radius(stored, rope_diameter),
             solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
             probability=None if on_average else probability,
             wheel_radius_m=wheel_radius,
@@ -137,7 +131,7 @@ def design(
             chart_of_it = evidence.chart_of_design(stored, wheel, probability)
             drawn = design_chart.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
             files = figure.save_figure(drawn, target, "design_chart")
-            publish(out, target, "chart", files)
+            options.publish(out, target, "chart", files)
     return Answer(
         found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
@@ -184,25 +178,23 @@ def plan_tests(
     end_tension: float = quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
     fit: Path | None = Option(None, metavar="FIT.json", help="What is known already."),
     law: str = Option("", help="Without a fit: the law."),
-    guess: list[str] | None = Option(None, metavar="NAME=VALUE", help="Its parameters, guessed; repeatable."),
-    hold: list[str] | None = Option(
-        None, metavar="NAME", help="A guessed parameter taken as known; repeatable."
-    ),
-    rope_diameter: float | None = diameter("--rope-diameter", "Needed with --law."),
+    guess: Words = listed("NAME=VALUE", "Its parameters, guessed"),
+    hold: Words = listed("NAME", "A guessed parameter taken as known"),
+    rope_diameter: Number = options.diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
     criterion: str = Option(
         "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
     ),
-    scatter_within: float | None = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
-    scatter_between: float | None = quantity("--scatter-between", "", "Between conditions."),
-    u_force: float | None = quantity("--u-force", "N", "Of a force, by the measuring chain."),
+    scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
+    scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
+    u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
     levels: int = Option(12, min=2, help="Settings a range is divided into."),
-    level: Level = 0.95,
+    level: options.Level = 0.95,
     starts: int = Option(10, min=1, help="Starts of the search."),
     seed: int = Option(0, min=0, help="Of those drawn at random."),
     file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
-    force: bool = Option(False, "--force", help="Write over a file that holds anything else than this plan."),
+    force: bool = flag("--force", "Write over a file that holds anything else than this plan."),
 ) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
@@ -225,8 +217,8 @@ def plan_tests(
     known: dict[str, object] = {}
     scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
     if fit is not None:
-        stored = read_fit(fit, out)
-        rope_m, exit_code = rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
+        stored = options.read_fit(fit, out)
+        rope_m, exit_code = options.rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
         planned = next_tests.planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
@@ -234,7 +226,7 @@ def plan_tests(
             text = 'how far do repeats scatter? Write it like "1.7 %"'
             raise BadParameter(text, param_hint="--scatter-within")
         repeats_scatter = next_tests.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
-        at = parse_assignments(guess or [], option="--guess")
+        at = options.parse_assignments(guess or [], option="--guess")
         planned = next_tests.planned_guess(laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
@@ -285,9 +277,9 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     """
     if ".." not in text:
         parts = [part.strip() for part in text.replace(";", ",").split(",")]
-        return tuple(read_quantity(part, unit, option) for part in parts if part)
+        return tuple(options.read_quantity(part, unit, option) for part in parts if part)
     low, _, high = text.partition("..")
-    ends = [read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
+    ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
         return plan_search.geometric_levels(ends[0], ends[1], n)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)

@@ -8,11 +8,13 @@ from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
+from zoneinfo import available_timezones
 
 from pydantic import Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
 from ropefric.errors import InputError, Problem
+from ropefric.files.stamps import ORDERS
 from ropefric.files.toml_model import (
     StrictTable,
     any_quantity,
@@ -321,6 +323,9 @@ class ImportTable(StrictTable):
     missing: tuple[Text, ...] = ()
     block_columns: Row = 0
     block_names_row: Row = 0
+    skip_footer: Row = 0
+    date_order: Annotated[str, PlainValidator(choice(lambda: ("", *ORDERS)))] = ""
+    time_zone: Annotated[str, PlainValidator(choice(available_timezones))] = ""
     table: Text = ""
     channels: dict[str, Annotated[Channel, PlainValidator(_channel)]] = Field(default_factory=dict)
     constants: dict[str, Annotated[float, PlainValidator(any_quantity)]] = Field(default_factory=dict)

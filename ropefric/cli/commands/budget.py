@@ -12,7 +12,7 @@ from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 
 with on_first_use():
-    from ropefric.fitting import lift_budget, measured_budget
+    from ropefric.fitting import budgets
     from ropefric.friction import condition as conditions
     from ropefric.report import parts
     from ropefric.trials import campaign as campaigns
@@ -65,22 +65,22 @@ def budget(
         raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
     if fit is not None:
         wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        uncertainty = lift_budget.WheelUncertainty(
-            wheel_radius_m=u_wheel_radius or 0.0,
-            rope_radius_m=u_rope_diameter or 0.0,
-            wrap_angle_rad=u_wrap or 0.0,
-            end_tension_N=u_end_tension or 0.0,
-        )
+        uncertainty = {
+            "wheel_radius_m": u_wheel_radius or 0.0,
+            "rope_radius_m": u_rope_diameter or 0.0,
+            "wrap_angle_rad": u_wrap or 0.0,
+            "end_tension_N": u_end_tension or 0.0,
+        }
         return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
     if of not in {"force", "mu"}:
         raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
     found = _conditions(out, Path(str(source)), gravity)
     if condition is not None:
-        found = (measured_budget.condition_numbered(found, condition),)
+        found = (budgets.condition_numbered(found, condition),)
     if end_tension_measured:
-        found = tuple(measured_budget.with_measured_end(item, u_end_tension) for item in found)
+        found = tuple(budgets.with_measured_end(item, u_end_tension) for item in found)
     check |= {"quantity": of, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
-    stated = [(item, measured_budget.state_condition(item, **check)) for item in found]
+    stated = [(item, budgets.state_condition(item, **check)) for item in found]
     if len(stated) == 1:
         title = f"Uncertainty budget, {found[0].describe()}"
         sections = parts.uncertainty_sections(stated[0][1], title)
@@ -98,18 +98,16 @@ def budget(
     return Answer({"source": str(source), "budgets": trees}, sections, options.exit_code_of(good))
 
 
-def _conditions(
-    out: Output, path: Path, gravity: float | None
-) -> "tuple[measured_budget.MeasuredCondition, ...]":
+def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
     """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
-    limit = measured_budget.GRAVITY_LIMIT if gravity is None else gravity
+    limit = budgets.GRAVITY_LIMIT if gravity is None else gravity
     file = options.campaign_file(path)
     if file.suffix != ".toml":
-        return measured_budget.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
+        return budgets.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
     campaign = campaigns.load_campaign(file, missing_recordings="flag")
     with Progress(out, "extract") as progress:
         extraction = extracting.extract_campaign(campaign, progress=progress.update)
-    found = measured_budget.conditions_of_extraction(
+    found = budgets.conditions_of_extraction(
         extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
     )
     if not found:
@@ -120,7 +118,7 @@ def _conditions(
 
 def _of_fit(
     out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
-    uncertainty: "lift_budget.WheelUncertainty", *, check: dict[str, Any],
+    uncertainty: dict[str, float], *, check: dict[str, Any],
 ) -> Answer:  # fmt: skip
     names = ("--wheel-radius", "--wrap", "--end-tension")
     missing = [name for name, value in zip(names, wheel.values(), strict=True) if value is None]
@@ -130,7 +128,7 @@ def _of_fit(
     known = {name: float(value or 0.0) for name, value in wheel.items()}
     stored = options.read_fit(path, out)
     at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
-    stated = lift_budget.state_lift(stored, at, uncertainty, **check)
+    stated = budgets.state_lift(stored, at, uncertainty, **check)
     more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
     return Answer(
         stated.to_dict() | known | more,

@@ -14,11 +14,11 @@ from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, lis
 from ropefric.cli.output import Output, Progress, make_table, number
 
 with on_first_use():
-    from ropefric.fitting import choice, store
     from ropefric.fitting import compare as comparing
     from ropefric.fitting import diagnose as diagnosing
     from ropefric.fitting import fit as fitting
     from ropefric.fitting import intervals as confidence
+    from ropefric.fitting import store
     from ropefric.report import parts
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def compare(
         found = comparing.compare_laws(
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
         )
-    chosen = choice.choose_law(found)
+    chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
     return Answer(
         found.to_dict() | chosen.to_dict(),

@@ -96,12 +96,11 @@ def _write(
 
 
 def _write_sweep(out: Output, found: "sweeping.Sweep", folder: "folders.Folder", plot: str) -> Sequence[Path]:
-    from ropefric.plotting import figure  # noqa: PLC0415  (its package loads matplotlib)
-    from ropefric.plotting import sweep as sweep_plot  # noqa: PLC0415
+    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
 
     files = [sweeping.write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
-        files += figure.save_figure(sweep_plot.draw_sweep(found, quantity=plot), folder, "sweep_figure")
+        files += figure.save_figure(chart.draw_sweep(found, quantity=plot), folder, "sweep_figure")
     return options.publish(out, folder, "answer", files)
 
 

@@ -18,8 +18,8 @@ from ropefric.accuracy.study import (
     Setting,
     Study,
     against,
+    by_case,
     cheapest,
-    in_case,
     time_text,
 )
 from ropefric.arrays import FloatArray
@@ -48,9 +48,7 @@ NEAR_MINUS_ONE = 2.7697142691114408804
 SHORT_WRAP = 1.6324555162222883729e-7
 
 _PIECES = tuple(2**k for k in range(1, 15))
-_QUICK_PIECES = {4, 32, 256, 2048}
 _ORDERS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64)
-_QUICK_ORDERS = {2, 4, 8, 16, 32}
 _MOST_PIECES = 64
 """Of many conditions, and of a wrap so short that two pieces are exact."""
 
@@ -133,31 +131,29 @@ def _settings(
         return float(A * phi**b + C)
 
     judged = partial(against, exact)
-    rules = {"segment sum": segment_sum, "trapezoid": trapezoid, "simpson": simpson}
+
+    def by(rule: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+        return lambda n, function: rule(function, p, delta, n)
+
+    pieces = [n for n in _PIECES if n <= most_pieces]
+    tolerances = (1e-4, 1e-8, 1e-12) if copies == 1 else (1e-8,)
     return (
-        *(
-            judged(name, f"{n} pieces", partial(rule, start=p, wrap=delta, n=n), mu, quick=n in _QUICK_PIECES)
-            for name, rule in rules.items() for n in _PIECES if n <= most_pieces
+        *judged("segment sum", "{} pieces", by(segment_sum), mu, over=pieces),
+        *judged("trapezoid", "{} pieces", by(trapezoid), mu, over=pieces),
+        *judged("simpson", "{} pieces", by(simpson), mu, over=pieces),
+        *judged("gauss-legendre", "{} points", by(gauss_legendre), mu, over=_ORDERS),
+        *judged(
+            "adaptive quad", "tolerance {:g}", by(adaptive), float_mu, over=tolerances, quick=copies == 1
         ),
-        *(
-            judged("gauss-legendre", f"{n} points", partial(gauss_legendre, start=p, wrap=delta, n=n), mu,
-                   quick=n in _QUICK_ORDERS)
-            for n in _ORDERS
-        ),
-        *(
-            judged("adaptive quad", f"tolerance {one:g}", partial(adaptive, start=p, wrap=delta, tolerance=one),
-                   float_mu, quick=copies == 1)
-            for one in ((1e-4, 1e-8, 1e-12) if copies == 1 else (1e-8,))
-        ),
-        judged("closed form, textbook", "", partial(_difference, p, delta, b)),
-        judged("closed form, stable", "", partial(_unchecked, p, delta, b)),
-        judged("closed form", "", partial(power_integral, delta, A, b, C, start_rad=p)),
-    )  # fmt: skip
+        *judged("closed form, textbook", "", partial(_difference, p, delta, b)),
+        *judged("closed form, stable", "", partial(_unchecked, p, delta, b)),
+        *judged("closed form", "", partial(power_integral, delta, A, b, C, start_rad=p)),
+    )
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     """Whether a closed form is the fastest at every accuracy from 1e-6 down, case by case, and what else is."""
-    cases = {case: in_case(points, case) for case in dict.fromkeys(point.case for point in points)}
+    cases = by_case(points)
     sentences = [
         _of_case(case, here) for case, here in cases.items() if any(p.method in CLOSED for p in here)
     ]

@@ -1,6 +1,5 @@
 """Scenes: what leaving effects out saves and costs, against simulating all of them."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.accuracy.studies.press_transient import SPEED_M_S, machine
-from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case, time_text
+from ropefric.accuracy.study import Case, Measured, Setting, Study, against, by_case, time_text
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import Plan, make_plan
@@ -78,8 +77,8 @@ PROBLEMS: dict[str, tuple[System[Any, Any, Any], Any, str]] = {
 
 ACCURACIES_WANTED = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 
-_QUICK = {0.3, 1e-2, 1e-6}
-_QUICK_PLANS = {("hoist", 1e-2), ("saw", 1e-2), ("saw-sweep", 0.1), ("press", 1e-2)}
+_PLANNED = {"hoist": 1e-2, "saw": 1e-2, "saw-sweep": 0.1, "press": 1e-2}
+"""The accuracy for which a quick look makes a plan."""
 _REFERENCE_BUDGET = 1e-14
 _NO_ERROR = 1e-15
 _A_SAVING = 0.25
@@ -104,16 +103,9 @@ def _reference(case: str) -> Any:
 def _settings(case: str) -> tuple[Setting, ...]:
     system, problem, _ = PROBLEMS[case]
 
-    def setting(
-        method: str, wanted: float, call: Callable[[], object], effects: str, *, quick: bool
-    ) -> Setting:
-        def assess() -> Outcome:
-            count = len(planned(case, wanted, effects)[0].simulated) if effects else 0
-            return Outcome(error=float(system.distance(call(), _reference(case))), evaluations=float(count))
+    judged = partial(against, _reference(case), error=system.distance)
 
-        return Setting(method, f"accuracy {wanted:g}" if wanted else "", call, assess, quick)
-
-    def solve(accuracy: float, effects: str) -> object:
+    def solve(accuracy: float, effects: str = "auto") -> object:
         plan, model = planned(case, accuracy, effects)
         return system.solve(model, plan.method)
 
@@ -121,19 +113,20 @@ def _settings(case: str) -> tuple[Setting, ...]:
         plan, model = make_plan(system, problem, accuracy=accuracy, effects="auto")
         return system.solve(model, plan.method)
 
-    bare = system.bare(problem)
-    made = [setting(_NONE, 0.0, lambda: system.solve(bare, system.method(bare, 1.0)), "", quick=True)]
-    for wanted in ACCURACIES_WANTED:
-        kept, fresh = partial(solve, wanted, "auto"), partial(plan_and_solve, wanted)
-        made += [
-            setting(_KEPT, wanted, kept, "auto", quick=wanted in _QUICK),
-            setting(_PLAN, wanted, fresh, "auto", quick=(case, wanted) in _QUICK_PLANS),
-        ]
-    roughest = _roughest(case)
-    for place, wanted in enumerate(roughest):
-        whole = setting(_ALL, wanted, partial(solve, wanted, "all"), "all", quick=place in {0, 2})
-        made.append(whole if len(roughest) > 1 else replace(whole, setting=""))
-    return tuple(made)
+    def count(_answer: object, accuracy: float, effects: str = "auto") -> float:
+        return len(planned(case, accuracy, effects)[0].simulated)
+
+    bare, roughest = system.bare(problem), _roughest(case)
+    label = "accuracy {:g}" if len(roughest) > 1 else ""
+    whole, all_of = partial(solve, effects="all"), partial(count, effects="all")
+    return (
+        *judged(_NONE, "", lambda: system.solve(bare, system.method(bare, 1.0)), work=0.0),
+        *judged(_KEPT, "accuracy {:g}", solve, over=ACCURACIES_WANTED, work=count),
+        *judged(
+            _PLAN, "accuracy {:g}", plan_and_solve, over=ACCURACIES_WANTED, work=count, quick={_PLANNED[case]}
+        ),
+        *judged(_ALL, label, whole, over=roughest, work=all_of, quick=roughest[:3:2]),
+    )
 
 
 def _roughest(case: str) -> tuple[float, ...]:
@@ -148,8 +141,8 @@ def _roughest(case: str) -> tuple[float, ...]:
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     return tuple(
         sentence
-        for case in dict.fromkeys(point.case for point in points)
-        for sentence in (_left_out(case, in_case(points, case)), _worth(case, in_case(points, case)))
+        for case, here in by_case(points).items()
+        for sentence in (_left_out(case, here), _worth(case, here))
         if sentence
     )
 

@@ -23,7 +23,7 @@ from ropefric.accuracy.study import (
     time_text,
 )
 from ropefric.arrays import FloatArray
-from ropefric.friction.integral import power_integral, power_span
+from ropefric.friction.integral import PowerSpan, power_integral
 
 CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 """The library's function, its formula without the checks of its input, and the difference of two powers."""
@@ -114,7 +114,7 @@ def _difference(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
 
 def _unchecked(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
     with np.errstate(divide="ignore"):
-        return A * power_span(np.log(p), delta, b).integral() + C * delta
+        return A * PowerSpan(np.log(p), delta, b).integral() + C * delta
 
 
 def _settings(

@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.friction import law
 from ropefric.friction.condition import Conditions
-from ropefric.friction.integral import PowerSpan, power_log_start, power_span
+from ropefric.friction.integral import PowerSpan, power_log_start
 from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform
@@ -39,13 +39,12 @@ class PowerWrap:
 
     def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
         """Return ∫ μ over the wrap."""
-        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
-        return m * self._span(m, k, d, conditions).integral() * (phi > 0.0) + d * phi
+        m, _, d, phi, span = self._parts(columns, conditions)
+        return m * span.integral() * (phi > 0.0) + d * phi
 
     def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and ∂ by each parameter: that of the wrap itself and that of the shift of φ0."""
-        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
-        span = self._span(m, k, d, conditions)
+        m, k, d, phi, span = self._parts(columns, conditions)
         some = phi > 0.0
         integral = span.integral()
         rise = m * integral * some + d * phi
@@ -61,8 +60,7 @@ class PowerWrap:
 
     def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
-        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
-        span = self._span(m, k, d, conditions)
+        m, k, d, phi, span = self._parts(columns, conditions)
         some = phi > 0.0
         by_m, by_tension = span.integral() * some, np.ones_like(phi + m)
         if self.equivalence:
@@ -96,9 +94,13 @@ class PowerWrap:
             return np.array(-np.inf)
         return power_log_start(conditions.log_end_tension, m, k, d)
 
-    def _span(self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions) -> PowerSpan:
-        phi = conditions.wrap_angle_rad
-        return power_span(self._log_start(m, k, d, conditions), np.where(phi > 0.0, phi, 1.0), k)
+    def _parts(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, PowerSpan]:
+        """Return m, k, d, the wrap and its span."""
+        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        start = self._log_start(m, k, d, conditions)
+        return m, k, d, phi, PowerSpan(start, np.where(phi > 0.0, phi, 1.0), k)
 
 
 def _local(m: FloatArray, k: FloatArray, d: FloatArray, log_angle: FloatArray) -> FloatArray:

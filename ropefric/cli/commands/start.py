@@ -215,12 +215,7 @@ def check(
     if scene:
         return Answer(data, summary)
     content = _content(campaigns.load_campaign(campaign))
-
-    def show(console: "Console") -> None:
-        console.print(summary, markup=False, soft_wrap=True)
-        _show_content(content, console)
-
-    return Answer(data | {"campaign": content}, show)
+    return Answer(data | {"campaign": content}, "\n".join([summary, *_content_lines(content)]))
 
 
 def _is_scene(path: Path) -> bool:
@@ -249,8 +244,8 @@ def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
     }
 
 
-def _show_content(content: dict[str, Any], console: "Console") -> None:
-    """Print what a campaign holds in the units people use at the rig."""
+def _content_lines(content: dict[str, Any]) -> list[str]:
+    """Return what a campaign holds in the units people use at the rig."""
     fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
     excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     rows = [
@@ -265,9 +260,7 @@ def _show_content(content: dict[str, Any], console: "Console") -> None:
         ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
         ("rejection", content["rejection"]),
     ]
-    table = make_table(("", " "), [row for row in rows if row[1]])
-    table.show_header = False
-    console.print(table)
+    return [f"{name:<18} {text}" for name, text in rows if text]
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:

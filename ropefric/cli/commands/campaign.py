@@ -155,18 +155,18 @@ def _show(extraction: "result.Extraction", console: "Console") -> None:
     """Print a row a condition, then the recordings without a usable force and what to do about them."""
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
-    names = (
-        "R_w [mm]",
-        "φ [deg]",
-        f"{known} [N]",
-        "trials",
-        "kept",
-        f"mean {measured} [N]",
-        "s [N]",
-        "rejected ",
-    )
-    rows = [_condition_row(condition, slack=slack) for condition in extraction.conditions]
-    console.print(make_table(names, rows, left=0))
+    columns: dict[str, Callable[[result.ConditionSummary], str]] = {
+        "R_w [mm]": lambda of: number(1e3 * of.wheel_radius_m),
+        "φ [deg]": lambda of: number(math.degrees(of.wrap_angle_rad)),
+        f"{known} [N]": lambda of: number(of.lift_force_N if slack else of.end_tension_N),
+        "trials": lambda of: str(of.n_recorded),
+        "kept": lambda of: str(of.n_kept),
+        f"mean {measured} [N]": lambda of: number(of.mean_kept_N),
+        "s [N]": lambda of: number(of.std_kept_N, ".2g"),
+        "rejected ": lambda of: ", ".join(of.rejected),
+    }
+    rows = [[cell(condition) for cell in columns.values()] for condition in extraction.conditions]
+    console.print(make_table(tuple(columns), rows, left=0))
     flagged = _without_force(extraction)
     if not flagged:
         return
@@ -180,19 +180,6 @@ def _show(extraction: "result.Extraction", console: "Console") -> None:
 
 def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]":
     return [trial for trial in extraction.trials if trial.outcome == "without a force"]
-
-
-def _condition_row(condition: "result.ConditionSummary", *, slack: bool) -> tuple[str, ...]:
-    return (
-        number(1e3 * condition.wheel_radius_m),
-        number(math.degrees(condition.wrap_angle_rad)),
-        number(condition.lift_force_N if slack else condition.end_tension_N),
-        str(condition.n_recorded),
-        str(condition.n_kept),
-        number(condition.mean_kept_N),
-        number(condition.std_kept_N, ".2g"),
-        ", ".join(condition.rejected),
-    )
 
 
 def _flagged_row(trial: "result.TrialResult") -> tuple[str, str, str]:

@@ -24,6 +24,12 @@ from ropefric.systems.press.effects import SYSTEM as PRESS
 N_SWEEP = 8
 """Preloads of the sweep."""
 
+
+def _each(**numbers: float) -> dict[str, Any]:
+    """Return numbers of one machine as arrays."""
+    return {name: np.array([value]) for name, value in numbers.items()}
+
+
 # A rope that climbs, runs, hangs and is a little stiff: all six effects have something to say.
 _HOIST = HoistProblem(
     friction=WrapFriction(
@@ -31,33 +37,24 @@ _HOIST = HoistProblem(
         theta=np.array([0.46, -0.22, -0.3, -0.48, 0.055]),
         reference=one_condition(0.035, 0.0049, 5.4, 32.0),
     ),
-    wheel_radius_m=np.array([0.04]),
-    rope_radius_m=np.array([0.0049]),
-    wrap_angle_rad=np.array([5.0 * np.pi]),
-    end_tension_N=np.array([80.0]),
-    speed_m_s=np.array([0.3]),
-    linear_density_kg_m=np.array([0.062]),
-    hanging_length_m=np.array([25.0]),
-    bending_stiffness_N_m2=np.array([1e-4]),
+    **_each(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=5.0 * np.pi, end_tension_N=80.0),
+    **_each(speed_m_s=0.3, linear_density_kg_m=0.062, hanging_length_m=25.0, bending_stiffness_N_m2=1e-4),
 )
 _SAW = SawProblem(
-    free_span_m=np.array([1.6]),
-    linear_density_kg_m=np.array([STEEL_85_09.linear_density_kg_m]),
-    preload_N=np.array([12_000.0]),
     n_modes=3,
-    wheel_radius_m=np.array([0.35]),
-    wheel_speed_rad_s=np.array([100.0]),
-    tension_difference_N=np.array([211.0]),
-    mounting_factor=np.array([0.1]),
-    bending_stiffness_N_m2=np.array([STEEL_85_09.bending_stiffness_N_m2]),
     section=STEEL_85_09,
+    **_each(free_span_m=1.6, preload_N=12_000.0, tension_difference_N=211.0, mounting_factor=0.1),
+    **_each(wheel_radius_m=0.35, wheel_speed_rad_s=100.0),
+    **_each(
+        linear_density_kg_m=STEEL_85_09.linear_density_kg_m,
+        bending_stiffness_N_m2=STEEL_85_09.bending_stiffness_N_m2,
+    ),
 )
 _PRESS = PressProblem(
     press=machine(2e6, 1e-3),
     closure="share",
     friction=WrapFriction.constant(0.9),
-    speed_m_s=np.array([SPEED_M_S]),
-    load_factor=np.array([1.0]),
+    **_each(speed_m_s=SPEED_M_S, load_factor=1.0),
 )
 PROBLEMS: dict[str, tuple[System[Any, Any, Any], Any, str]] = {
     "hoist": (

@@ -2,7 +2,6 @@
 
 import math
 import os
-import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -158,6 +157,8 @@ def figure_names(*stems: str) -> tuple[str, ...]:
 
 def lend_fonts_a_place(folder: Path) -> None:
     """Let matplotlib keep its list of fonts with the results where the machine has no place for such things."""
+    import tempfile  # noqa: PLC0415  (quick start-up)
+
     try:
         tempfile.gettempdir()
     except OSError:

@@ -3,7 +3,6 @@
 import logging
 import math
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -101,6 +100,8 @@ def start_figures(
 
     Where it pays they are drawn in processes that live as long as `stack`; else by what is returned.
     """
+    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (quick start-up)
+
     from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
     executor = None

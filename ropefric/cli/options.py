@@ -137,7 +137,7 @@ def rope_radius(fit: "result.FitResult", given_m: float | None) -> float:
 
 def exit_code_of(found: "bool | verdict.Verdict") -> int:
     """Return 0 for what stands or is supported, 4 for what is undecided or not judged."""
-    return 0 if (found if isinstance(found, bool) else found.supported) else NOT_TRUSTED
+    return 0 if getattr(found, "supported", found) else NOT_TRUSTED
 
 
 def open_folder(

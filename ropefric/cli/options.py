@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import typer
 
 from ropefric.cli.lazily import on_first_use
-from ropefric.cli.output import Output
+from ropefric.cli.output import Console, Output
 from ropefric.errors import InputError, RopefricError
 
 with on_first_use():
@@ -20,9 +20,6 @@ with on_first_use():
     from ropefric.fitting import result, store, verdict
     from ropefric.report import section
     from ropefric.trials import table, workers
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 T = TypeVar("T")
 

@@ -5,14 +5,13 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import Answer, Force, command, exit_code_of, out_folder
-from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.cli.output import Console, Output, Progress, make_table, number
 from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
@@ -26,9 +25,6 @@ with on_first_use():
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, result, workers
     from ropefric.trials import extract as extracting
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 SERIAL_FIGURES = 8
@@ -152,7 +148,7 @@ def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> 
     out.note(f"{what}: {counts}{reused} → {folder / 'problems.csv'}")
 
 
-def _show(extraction: "result.Extraction", console: "Console") -> None:
+def _show(extraction: "result.Extraction", console: Console) -> None:
     """Print a row a condition, then the recordings without a usable force and what to do about them."""
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")

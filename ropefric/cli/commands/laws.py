@@ -4,14 +4,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from typer import Argument, Option
 
 from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed
-from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.cli.output import Console, Output, Progress, make_table, number
 
 with on_first_use():
     from ropefric.fitting import compare as comparing
@@ -20,9 +19,6 @@ with on_first_use():
     from ropefric.fitting import intervals as confidence
     from ropefric.fitting import store
     from ropefric.report import parts
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 _LARGE = 5_000_000
@@ -148,7 +144,7 @@ def verify(
     out.note(f"{n_ok} of {len(found)} fits come out of their data again")
     words = {True: "ok", False: "FAILED"}
 
-    def show(console: "Console") -> None:
+    def show(console: Console) -> None:
         rows = [(Path(i.path).name, words[i.ok], number(i.difference, ".1g"), i.message) for i in found]
         console.print(make_table(("fit", "", "change [standard errors]", "found "), rows, left=2))
 

@@ -14,7 +14,7 @@ from typer import Argument, Option
 from ropefric.cli import options
 from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import Answer, Number, Words, command, flag, listed, quantity
-from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.cli.output import Console, Output, Progress, make_table, number
 from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
 from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.glossary import counted
@@ -30,8 +30,6 @@ with on_first_use():
     from ropefric.trials import campaign_model, workers
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
     from ropefric.traces.readers.profile import ImportProfile
 
@@ -108,7 +106,7 @@ def inspect(
         write_file(write_profile, profile)
         out.note(f"wrote {write_profile}")
 
-    def show(console: "Console") -> None:
+    def show(console: Console) -> None:
         _show(found, console)
         console.print("\nsuggested for campaign.toml:\n", style="bold")
         console.print(profile.rstrip(), markup=False, soft_wrap=True)
@@ -130,7 +128,7 @@ def _fix_of_folder(folder: Path) -> str:
     return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
 
 
-def _show(found: "Inspection", console: "Console") -> None:
+def _show(found: "Inspection", console: Console) -> None:
     """Print what was found out about a file: how it is written, its columns, its first rows, what to check."""
     console.print(_headline(found), markup=False, soft_wrap=True)
     console.print()
@@ -147,7 +145,7 @@ def _show(found: "Inspection", console: "Console") -> None:
             console.print(f"- {doubt}", markup=False, soft_wrap=True)
 
 
-def _show_first_rows(found: "Inspection", console: "Console") -> None:
+def _show_first_rows(found: "Inspection", console: Console) -> None:
     console.print("\nfirst rows:\n", style="bold")
     names = [column.name or f"({column.number})" for column in found.columns]
     rows = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]

@@ -17,7 +17,7 @@ from ropefric.errors import InputError, RopefricError
 with on_first_use():
     from ropefric import quantities
     from ropefric.files import folder as folders
-    from ropefric.fitting import result, store, verdict
+    from ropefric.fitting import result, store
     from ropefric.report import section
     from ropefric.trials import table, workers
 
@@ -132,7 +132,7 @@ def rope_radius(fit: "result.FitResult", given_m: float | None) -> float:
         raise typer.BadParameter(str(error), param_hint="--rope-diameter") from error
 
 
-def exit_code_of(found: "bool | verdict.Verdict") -> int:
+def exit_code_of(found: "bool | result.Verdict") -> int:
     """Return 0 for what stands or is supported, 4 for what is undecided or not judged."""
     return 0 if getattr(found, "supported", found) else NOT_TRUSTED
 

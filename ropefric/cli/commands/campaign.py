@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -70,8 +70,7 @@ def extract(
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
-    error = pipeline.no_force(extraction, loaded)
-    if error is not None:
+    if (error := result.no_force(extraction, campaign)) is not None:
         if not out.json:
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
@@ -168,7 +167,8 @@ def _show(extraction: "result.Extraction", console: Console) -> None:
     if not flagged:
         return
     console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials are without a force:\n")
-    console.print(make_table(("trial", "status", "why "), [_flagged_row(trial) for trial in flagged], left=3))
+    reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
+    console.print(make_table(("trial", "status", "why "), reasons, left=3))
     console.print()
     for status in dict.fromkeys(trial.breakaway.status for trial in flagged):
         if status in _ADVISED:
@@ -179,11 +179,17 @@ def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]
     return [trial for trial in extraction.trials if trial.outcome == "without a force"]
 
 
-def _flagged_row(trial: "result.TrialResult") -> tuple[str, str, str]:
-    why = trial.breakaway.detail
-    if trial.breakaway.status not in _ADVISED:
-        why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
-    return trial.trial, str(trial.breakaway.status), why
+def _flagged_rows(group: "Sequence[result.TrialResult]") -> list[tuple[str, str, str]]:
+    """Return a row for each of some trials, or one for all where many have one reason."""
+    rows = []
+    for trial in group if len(group) <= MAX_ALIKE else group[:1]:
+        why = trial.breakaway.detail
+        if trial.breakaway.status not in _ADVISED:
+            why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
+        rows.append((trial.trial, str(trial.breakaway.status), why))
+    if len(group) > MAX_ALIKE:
+        rows = [(f"{group[0].trial} … {group[-1].trial} ({len(group)} trials)", *rows[0][1:])]
+    return rows
 
 
 @command("ropefric run data/prth-bench/campaign.toml --out out", order=60)

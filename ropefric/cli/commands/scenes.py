@@ -138,17 +138,25 @@ def cost(
     studies: Words = Argument(None, metavar="[STUDY …]", help="Studies to measure, all by default."),
     *,
     folder: Path = out_folder("Where figures, tables and page are written.", Path("cost")),
+    campaign: list[Path] | None = Option(
+        None, "--campaign", help="For picks: a campaign with truth.toml; repeatable."
+    ),
     quick: bool = flag("--quick", "Some settings only, and little time for each."),
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
 
-    Of the lift-force integral, the end tension's root, break-away peaks, intervals, fits, press, blade and scenes.
+    Of the lift-force integral, the end tension's root, break-away peaks and their pickers, intervals, fits, press, blade
+    and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
     cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
     """
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
+    if campaign:
+        from ropefric.accuracy.studies.picks import with_campaigns  # noqa: PLC0415  (its package loads all studies)
+
+        chosen = [with_campaigns(one, campaign) if one.name == "picks" else one for one in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
     with options.open_folder(

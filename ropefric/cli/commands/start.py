@@ -23,11 +23,15 @@ from ropefric.registry import did_you_mean
 with on_first_use():
     from ropefric.files import toml
     from ropefric.friction import condition as conditions
+    from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
+    from ropefric.rig import mechanics, recording
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, workers
+    from ropefric.trials import extract as extracting
+    from ropefric.trials import names as trial_names
 
 if TYPE_CHECKING:
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
@@ -45,16 +49,38 @@ def init(
         "Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …",
         "--scene",
     ),
+    recordings: str = Option(
+        "",
+        "--from",
+        metavar="GLOB",
+        help="List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).",
+    ),
+    pattern: str = Option(
+        "",
+        metavar="PATTERN",
+        help="What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+    ),
     force: bool = flag("--force", "Write over files that are already there."),
 ) -> Answer:
-    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
+    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, ….
+
+    With --from the list of trials is made from the names of recordings.
+    """
     if scenes or scene:
         written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {first if first in written else written[0]}")
     else:
-        written = campaigns.write_templates(folder, overwrite=force)
-        out.note(f"next: fill them in, then  ropefric check {written[0]}")
+        trials = None
+        if recordings:
+            trials, told = trial_names.list_from_names(recordings, pattern, folder)
+            if told:
+                out.note(told)
+        elif pattern:
+            fix = "add --from 'daq/*.csv'"
+            raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
+        written = campaigns.write_templates(folder, trials=trials, overwrite=force)
+        out.note(f"next: fill them in, then  ropefric check {folder / 'campaign.toml'}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
 
@@ -139,6 +165,8 @@ def _show(found: "Inspection", console: Console) -> None:
     console.print(make_table(shown[0], shown[1:], left=0))
     if found.first_rows:
         _show_first_rows(found, console)
+    for note in found.notes:
+        console.print(f"recognised: {note}", markup=False, soft_wrap=True)
     if found.doubts:
         console.print("\nplease check:\n", style="bold yellow")
         for doubt in found.doubts:
@@ -194,12 +222,17 @@ def check(
 ) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
-    A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
-    leave it at 0.
+    One recording of every kind is opened and read. A scene is checked too. Nothing is extracted, solved or written.
+    Exit code 3 if there are errors; warnings alone leave it at 0.
     """
     campaign = options.campaign_file(campaign)
     scene = _is_scene(campaign)
     problems = scenes.check_scene(campaign) if scene else campaigns.check_campaign(campaign)
+    content: dict[str, Any] = {}
+    if not scene and all(problem.severity == "warning" for problem in problems):
+        loaded = campaigns.load_campaign(campaign)
+        looked, unread = extracting.check_recordings(loaded)
+        content, problems = _content(loaded) | {"recordings": list(looked)}, (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -212,7 +245,6 @@ def check(
         return Answer(data | failure.to_dict(), summary, DataError.exit_code)
     if scene:
         return Answer(data, summary)
-    content = _content(campaigns.load_campaign(campaign))
     return Answer(data | {"campaign": content}, "\n".join([summary, *_content_lines(content)]))
 
 
@@ -258,7 +290,8 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
         ("rejection", content["rejection"]),
     ]
-    return [f"{name:<18} {text}" for name, text in rows if text]
+    told = [f"{name:<18} {text}" for name, text in rows if text]
+    return told + [f"read {line}" for line in content["recordings"]]
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:
@@ -284,11 +317,17 @@ def simulate(
     conditions: int | None = Option(None, min=1, help="Only the first so many conditions."),
     fault: Words = listed("NAME=RATE", "Only this fault, at this rate (0 to 1)"),
     no_faults: bool = flag("--no-faults", "Nothing goes wrong."),
+    physics: str = Option(
+        "coulomb", help="Friction of each recording: coulomb, or integrated: rate-state or lugre."
+    ),
+    protocol: str = Option("breakaway", help="Way of measuring: breakaway, stick-slip or held."),
 ) -> Answer:
     """Simulate a campaign with known truth: campaign.toml, trials.csv, recordings and truth.toml.
 
     Rope and cell stiffness, motor ramp, scatter, stick-slip, noise, converter and the usual faults are simulated.
-    Without options it writes data/prth-bench again, byte for byte.
+    Without options it writes data/prth-bench again, byte for byte. With --physics rate-state (rate-and-state friction)
+    or lugre (bristles) rope, wheel and motor are integrated in place of drawn: peaks, falls and teeth follow from
+    stiffness, mass and contact.
     """
     benches = {"prth-bench": (rigs.prth_bench_plan, rigs.PRTH_SEED)}
     if bench not in benches:
@@ -307,7 +346,12 @@ def simulate(
         changes["conditions"] = plan.conditions[:conditions]
     if fault is not None or no_faults:
         changes["faults"] = options.parse_assignments(fault or (), option="--fault")
-    plan = replace(plan, **changes)
+    if protocol != plan.protocol:
+        # Of faults only those that befall this way of measuring; a hand-held scale is another bench.
+        changes["bench"] = rig_bench.HELD_BENCH if protocol == "held" else plan.bench
+        kept = {n: rate for n, rate in plan.faults.items() if not recording.FAULTS[n].protocols}
+        changes.setdefault("faults", kept)
+    plan = replace(plan, physics=physics, protocol=mechanics.RIG_PROTOCOLS[protocol].name, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
@@ -317,6 +361,8 @@ def simulate(
         "campaign": campaign,
         "bench": bench,
         "seed": seed,
+        "physics": plan.physics,
+        "protocol": plan.protocol,
         "law": plan.law,
         "parameters": dict(plan.parameters),
         "faults": dict(plan.faults),

@@ -11,7 +11,7 @@ from ropefric.errors import Problem
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence
-from ropefric.pipeline.provenance import MANIFEST, InputFile, Provenance, manifest_text, trace_provenance
+from ropefric.pipeline.provenance import MANIFEST, manifest_text, trace_provenance
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
 from ropefric.report.parts import (
@@ -130,7 +130,7 @@ def _law_section(run: CampaignRun) -> Section:
 
 
 def campaign_report(
-    run: CampaignRun, evidence: Evidence, provenance: Provenance, pictures: Pictures
+    run: CampaignRun, evidence: Evidence, provenance: Mapping[str, Any], pictures: Pictures
 ) -> Report:
     """Return a campaign's report: what to know first, the result, the evidence, settings and provenance."""
     answer, extraction, plan = run.answer, run.extraction, evidence.plan
@@ -400,22 +400,23 @@ def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
     return f"{rule}; mean of all {plain(summary.mean_all_N)} N, s = {plain(summary.std_all_N, '.2g')} N"
 
 
-def _provenance(provenance: Provenance) -> tuple[Block, ...]:
+def _provenance(provenance: Mapping[str, Any]) -> tuple[Block, ...]:
     """Return command, versions, seeds and inputs with their hashes; settings and recordings folded away."""
-    seeds = ", ".join(f"{name} {seed}" for name, seed in provenance.seeds.items())
-    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance.versions.items()))
-    notes = (provenance.command, f"versions: {made}", f"seeds: {seeds}")
-    settings = Section(headings=("setting", "value "), rows=[*_flat(provenance.settings)])
+    seeds = ", ".join(f"{name} {seed}" for name, seed in provenance["seeds"].items())
+    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance["versions"].items()))
+    notes = (provenance["command"], f"versions: {made}", f"seeds: {seeds}")
+    settings = Section(headings=("setting", "value "), rows=[*_flat(provenance["settings"])])
+    lists, recordings = provenance["inputs"][:2], provenance["inputs"][2:]
     return (
         Section("How to make it again", ("in the campaign's folder:",), notes=notes),
-        _hashes((provenance.campaign, provenance.trial_list), "Inputs"),
-        Fold(f"SHA-256 of the {len(provenance.recordings)} recordings", _hashes(provenance.recordings)),
+        _hashes(lists, "Inputs"),
+        Fold(f"SHA-256 of the {len(recordings)} recordings", _hashes(recordings)),
         Fold("All settings, defaults filled in, in SI", settings),
     )
 
 
-def _hashes(files: Iterable[InputFile], title: str = "") -> Section:
-    rows = [(item.path, item.sha256 or "could not be read") for item in files]
+def _hashes(files: Iterable[Mapping[str, str]], title: str = "") -> Section:
+    rows = [(item["path"], item["sha256"] or "could not be read") for item in files]
     return Section(title, headings=("file", "SHA-256 "), rows=rows)
 
 

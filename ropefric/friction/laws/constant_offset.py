@@ -4,7 +4,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Slopes
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform
 
@@ -25,33 +25,19 @@ class Offset(Uniform):
         return self.rise(columns, conditions), (conditions.wrap_angle_rad, np.array(1.0))
 
 
-def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
-    return np.array([[mu, 0.0]])
-
-
-def _by_hand(sheet: Sheet) -> float:
-    return sheet.line("mu phi + k", "mu * phi + k")
-
-
 LAW = FrictionLaw(
     name="constant-offset",
     equation="F_A = F_B exp(mu phi + k)",
     source="eq. (2) with a constant in ln F",
     parameters=(
-        Parameter("mu", "-", start=0.2, lower=0.0, upper=5.0, meaning="friction coefficient; local"),
-        Parameter(
-            "k",
-            "-",
-            start=0.0,
-            lower=-5.0,
-            upper=5.0,
-            meaning="offset of ln F_A: bearing friction or a gain error, the same at every wrap",
-        ),
+        Parameter("mu", "-", 0.2, 0.0, 5.0, "friction coefficient; local"),
+        Parameter("k", "-", 0.0, -5.0, 5.0,
+                  "offset of ln F_A: bearing friction or a gain error, the same at every wrap"),
     ),
     coefficient="local",
     effects=frozenset({"offset"}),
     physics=Offset(),
-    candidates=_candidates,
+    candidates=lambda mu, _conditions, _log_lift: [[mu, 0.0]],
     special_cases=(CONSTANT,),
-    arithmetic=_by_hand,
-)
+    arithmetic=lambda sheet: sheet.line("mu phi + k", "mu * phi + k"),
+)  # fmt: skip

@@ -56,6 +56,10 @@ def mu_times_wrap(sheet: Sheet) -> float:
     return sheet.line("mu phi", "mu * phi")
 
 
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> list[list[float]]:
+    return [[mu]]
+
+
 LAW = FrictionLaw(
     name="constant",
     equation="F_A = F_B exp(mu phi)",
@@ -64,6 +68,6 @@ LAW = FrictionLaw(
     coefficient="average",
     effects=frozenset(),
     physics=Uniform(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu]],
+    candidates=_candidates,
     arithmetic=mu_times_wrap,
 )

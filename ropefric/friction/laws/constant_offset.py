@@ -4,7 +4,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Slopes
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform
 
@@ -25,6 +25,14 @@ class Offset(Uniform):
         return self.rise(columns, conditions), (conditions.wrap_angle_rad, np.array(1.0))
 
 
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> list[list[float]]:
+    return [[mu, 0.0]]
+
+
+def _arithmetic(sheet: Sheet) -> float:
+    return sheet.line("mu phi + k", "mu * phi + k")
+
+
 LAW = FrictionLaw(
     name="constant-offset",
     equation="F_A = F_B exp(mu phi + k)",
@@ -37,7 +45,7 @@ LAW = FrictionLaw(
     coefficient="local",
     effects=frozenset({"offset"}),
     physics=Offset(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu, 0.0]],
+    candidates=_candidates,
     special_cases=(CONSTANT,),
-    arithmetic=lambda sheet: sheet.line("mu phi + k", "mu * phi + k"),
+    arithmetic=_arithmetic,
 )  # fmt: skip

@@ -30,6 +30,10 @@ def _by_hand(sheet: Sheet) -> float:
     return mu_times_wrap(sheet)
 
 
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> list[list[float]]:
+    return [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]]
+
+
 LAW = FrictionLaw(
     name="groove",
     equation="F_A = F_B exp(mu phi/sin(half_angle))",
@@ -43,6 +47,6 @@ LAW = FrictionLaw(
     coefficient="average",
     effects=frozenset({"groove"}),
     physics=Groove(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
+    candidates=_candidates,
     arithmetic=_by_hand,
 )  # fmt: skip

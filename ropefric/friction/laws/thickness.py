@@ -45,6 +45,10 @@ def _by_hand(sheet: Sheet) -> float:
     return mu_times_wrap(sheet)
 
 
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return mu * np.array([[1.0], [1.2], [1.6]])
+
+
 LAW = FrictionLaw(
     name="thickness",
     equation="lambda = (-1 + sqrt(1 + 4 A mu^2 (1 - A)))/(2 A mu), A = R_r/(R_w + R_r); F_A = F_B exp(lambda phi)",
@@ -56,6 +60,6 @@ LAW = FrictionLaw(
     coefficient="average",
     effects=frozenset({"size"}),
     physics=Thickness(),
-    candidates=lambda mu, _conditions, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
+    candidates=_candidates,
     arithmetic=_by_hand,
 )  # fmt: skip

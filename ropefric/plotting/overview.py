@@ -49,6 +49,7 @@ CHECKS: "dict[str, tuple[str, Callable[[TrialResult], str]]]" = {
     "below the converter's ceiling": ("at the converter's ceiling", _saturation),
     "rope slipped": ("without a slip", _status(Status.NO_BREAKAWAY)),
     "static peak found": ("without a static peak", _status(Status.NO_PEAK)),
+    "one force stands out": ("doubtful", _status(Status.DOUBTFUL)),
     "no warning": ("with a warning", _warned),
     "not excluded by the user": ("excluded by the user", lambda trial: FLAG if trial.excluded else OK),
     "not rejected by the rule": ("rejected by the rule", lambda trial: FLAG if trial.rejected_by else OK),

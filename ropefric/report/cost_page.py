@@ -61,22 +61,24 @@ def _study_section(result: StudyResult) -> Section:
             f"{100 * result.unsteady:.0f} % of the times spread by more than half: the machine was busy with other "
             "work, and close ranks may be chance. Measure again when it is idle."
         )
-    title, said = f"{study.name}: {study.title}", (*lines, *cases)
+    title = f"{study.name}: {study.title}"
     if result.points and result.points[0].shares:
-        return Section(title, said, *_shares_table(result), 2, notes=notes)
+        return Section(title, (*lines, *cases), *_shares_table(result), 2, notes=notes)
     headings = ("accuracy", *(f"{case.name} " for case in study.cases))
     rows = [(_span(accuracies), *cells) for cells, accuracies in groups.items()]
-    return Section(title, said, headings, rows, notes=notes)
+    return Section(title, (*lines, *cases), headings, rows, notes=notes)
 
 
 def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of a study that counts outcomes: every setting, shares in percent, errors, time."""
+    """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
     names = [name for name in result.points[0].shares if name != "recordings"]
     rows = []
     for point in result.points:
         shares = (plain(100.0 * point.shares[name], ".0f") for name in names)
-        errors = (plain(100.0 * one, form) for one, form in
-                  ((point.bias, "+.2g"), (point.noise, ".2g"), (point.error, ".2g")))  # fmt: skip
+        errors = (
+            plain(100.0 * one, "+.2g" if one is point.bias else ".2g")
+            for one in (point.bias, point.noise, point.error)
+        )
         rows.append((point.case, point.name, *shares, *errors, time_text(point.seconds)))
     percent = (f"{name.replace('_', ' ')} [%]" for name in (*names, "bias", "scatter", "95 %"))
     return ("case", "picker", *percent, "time"), rows

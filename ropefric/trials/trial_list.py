@@ -36,8 +36,8 @@ MAX_MISSING = 20
 FEWEST_REPEATS = 6
 
 _SLIP = 0.75
-_TEXTS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note")
-_QUANTITIES = {
+TEXTS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note")
+QUANTITIES = {
     **SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
     "lift_mass": ("lift_force_N", "kg", STANDARD_GRAVITY_M_S2),
@@ -96,14 +96,14 @@ def read_trials(
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-    columns, others, found = bind_columns(table, _QUANTITIES, _TEXTS)
+    columns, others, found = bind_columns(table, QUANTITIES, TEXTS)
     own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
     reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)
     # A mistyped header says more than the consequence that its column is missing.
     missing = [] if found else list(reader.missing_columns())
     mistyped = {problem.key for problem in missing}
     for name in others:
-        found += [] if name in mistyped else near_miss(table, name, _QUANTITIES, _TEXTS)
+        found += [] if name in mistyped else near_miss(table, name, QUANTITIES, TEXTS)
     problems = [*problems_of_rows, *found, *missing, *_unnamed_columns(table)]
     if not table.rows and not problems_of_rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"

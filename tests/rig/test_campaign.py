@@ -211,7 +211,9 @@ def test_integrated_friction_breaks_away_at_what_the_law_says(physics, tmp_path)
         assert sorted(limits) == limits
         assert not ("snag" not in trial.faults and force_N[recording.true_time_s < limits[1]].any())
         climbed_N = np.interp(limits[2], recording.true_time_s, force_N)
-        assert climbed_N > 0.95 * (trial.lift_force_N if recording.truth.status.value == "ok" else force_N.max())
+        assert climbed_N > 0.95 * (
+            trial.lift_force_N if recording.truth.status.value == "ok" else force_N.max()
+        )
 
 
 def test_impossible_plans_are_refused():

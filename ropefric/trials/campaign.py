@@ -17,12 +17,9 @@ from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
 from ropefric.traces.breakaway import SIDES
-from ropefric.traces.calibration import Adc
 from ropefric.traces.derived import evaluate_derived
-from ropefric.traces.readers.profile import ImportProfile
 from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
-from ropefric.trials.workers import Limits
 
 MISSING_WAYS = ("error", "flag")
 TEMPLATES = ("campaign.toml", "trials.csv")
@@ -119,29 +116,17 @@ def _read(
     if model is None or any(problem.severity == "error" for problem in problems):
         return None, problems
     shown = (parent / trials_path).as_posix()
-    problems += advise(
-        trials, shown, rule=model.rejection.rule, one_trial_each=model.protocol.name == "breakaway"
-    )
-    rate_Hz = model.import_.sampling_rate_Hz or (model.sampling.rate if model.sampling else None)
-    campaign = Campaign(
+    problems += advise(trials, shown, rule=model.rejection, one_trial_each=model.protocol.name == "breakaway")
+    rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
+    of_file = dict(model) | {
+        "sampling_rate_Hz": rate_Hz,
+        "profile": replace(model.profile, sampling_rate_Hz=rate_Hz),
+        "trial_list": parent / trials_path,
+    }
+    campaign = Campaign.model_construct(
+        **of_file,
         path=Path(path),
-        trial_list=parent / trials_path,
         folder=folder,
-        name=model.name,
-        schema=model.schema_name,
-        rope=model.rope,
-        wheels=model.wheels,
-        cells={name: table.cell(name) for name, table in model.cells.items()},
-        adc=Adc(**dict(model.adc)) if model.adc else None,
-        protocol=model.protocol,
-        sampling_rate_Hz=rate_Hz,
-        tare_interval_s=model.tare.interval if model.tare else None,
-        smoothing=model.smoothing,
-        rejection=model.rejection.rule,
-        weights_tolerance=model.weights.tolerance if model.weights else 0.0,
-        design=model.design,
-        profile=ImportProfile(**dict(model.import_) | {"sampling_rate_Hz": rate_Hz}),
-        limits=Limits(**model.limits.given),
         trials=trials,
         warnings=tuple(problem for problem in problems if problem.severity == "warning"),
     )
@@ -216,9 +201,9 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
     def warn(key: tuple[str, ...], code: str, message: str, fix: str) -> Problem:
         return document.problem(key, code, message, fix=fix, warning=True)
 
-    profile_Hz = model.import_.sampling_rate_Hz
-    if model.sampling is not None and profile_Hz is not None and profile_Hz != model.sampling.rate:
-        message = f"{profile_Hz:g} Hz, but [sampling] rate is {model.sampling.rate:g} Hz"
+    profile_Hz, rate_Hz = model.profile.sampling_rate_Hz, model.sampling_rate_Hz
+    if profile_Hz is not None and rate_Hz is not None and profile_Hz != rate_Hz:
+        message = f"{profile_Hz:g} Hz, but [sampling] rate is {rate_Hz:g} Hz"
         yield document.problem(("import", "sampling_rate"), "RF111", message, fix="remove one of the two")
     protocol = model.protocol.name
     idle = {"side"} if protocol != "held" else {"min_step", "ending"}
@@ -227,8 +212,7 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
     for name, wheel in model.wheels.items():
         if doubt := radius_doubt(wheel.radius_m):
             yield warn(("wheels", name), "RF140", doubt, "check the unit")
-    for name, table in model.cells.items():  # one warning a cell, with every key that is missing
-        cell = table.cell(name)
+    for name, cell in model.cells.items():  # one warning a cell, with every key that is missing
         said = [f'{key} = "{100.0 * getattr(cell, key):g} %FS"' for key in cell.assumed]
         if said:
             fix = f"write what the data sheet states, such as {said[0]}"
@@ -238,9 +222,9 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
 
 def _idle_channels(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
     """Yield a warning of each measured channel that the trial list sets once for each trial instead."""
-    used = {name for formula in model.import_.derived.values() for name in _NAME.findall(str(formula))}
+    used = {name for formula in model.profile.derived.values() for name in _NAME.findall(str(formula))}
     for place in ("channels", "derived"):
-        for name in getattr(model.import_, place):
+        for name in getattr(model.profile, place):
             if name in _SET_BY_TRIAL and name not in used:
                 what = (
                     f"the measured {name.replace('_', ' ')} is read, but not used: that of the trial list is"

@@ -331,28 +331,34 @@ class CampaignFile(StrictTable):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrialSpec:
-    """One row of the trial list in SI: a recording and the conditions it was made under."""
+class TrialRow:
+    """What the trial list says of a trial, in SI, and its result repeats."""
 
     trial: str
     file: str
-    path: Path
-    line: int
+    sample: str = ""
     wheel_radius_m: float
     rope_radius_m: float
     wrap_angle_rad: float
-    end_tension_N: float | None = None
-    lift_force_N: float | None = None
-    sample: str = ""
-    wheel: str = ""
     cell: str = ""
     rope_id: str = ""
+    note: str = ""
+    own: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialSpec(TrialRow):
+    """One row of the trial list: a recording and the conditions it was made under."""
+
+    path: Path
+    line: int
+    end_tension_N: float | None = None
+    lift_force_N: float | None = None
+    wheel: str = ""
     dwell_s: float | None = None
     start_s: float | None = None
     stop_s: float | None = None
     exclude: str = ""
-    note: str = ""
-    own: tuple[tuple[str, str], ...] = ()
 
 
 class Campaign(CampaignFile):

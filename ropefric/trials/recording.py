@@ -1,8 +1,8 @@
 """One recording file -> the results of the trials it holds."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import nan
 from typing import Any
 
@@ -21,7 +21,7 @@ from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
 from ropefric.traces.segments import MIN_SAMPLES
 from ropefric.traces.trace import ForceTrace, recalibrate
-from ropefric.trials.campaign_model import Campaign, TrialSpec
+from ropefric.trials.campaign_model import Campaign, TrialRow, TrialSpec
 from ropefric.trials.result import Outline, TrialResult
 
 STATUS_CODES = {
@@ -60,20 +60,6 @@ def unreadable(
     return tuple((_unreadable(campaign, spec, error, sha256=sha256),) for spec in specs)
 
 
-def _extract_row(
-    campaign: Campaign, spec: TrialSpec, raws: Sequence[RawRecording], sha256: str
-) -> list[TrialResult]:
-    try:
-        chosen = blocks_of(spec, raws)
-    except DataError as error:
-        return [_unreadable(campaign, spec, error, sha256=sha256)]
-    results: list[TrialResult] = []
-    for raw in chosen:
-        named = spec if len(chosen) == 1 else replace(spec, trial=f"{spec.trial}#{raw.sample}")
-        results.extend(_extract_raw(campaign, replace(named, sample=raw.sample), raw, sha256))
-    return results
-
-
 def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:
     """Return the recordings of a file that a row of the trial list names."""
     if spec.sample == "*" or (not spec.sample and len(raws) == 1):
@@ -88,23 +74,46 @@ def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawReco
     raise DataError(message, code="RF123", path=spec.file, key="sample", fix=fix)
 
 
-def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str) -> list[TrialResult]:
+def _extract_row(
+    campaign: Campaign, spec: TrialSpec, raws: Sequence[RawRecording], sha256: str
+) -> Iterator[TrialResult]:
+    try:
+        chosen = blocks_of(spec, raws)
+    except DataError as error:
+        yield _unreadable(campaign, spec, error, sha256=sha256)
+        return
+    for raw in chosen:
+        name = spec.trial if len(chosen) == 1 else f"{spec.trial}#{raw.sample}"
+        named = replace(spec, trial=name, sample=raw.sample)
+        try:
+            yield from _extract_raw(campaign, named, raw, sha256)
+        except RopefricError as error:
+            yield _unreadable(campaign, named, error, sha256=sha256)
+
+
+def _extract_raw(
+    campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str
+) -> Sequence[TrialResult]:
+    of_campaign = {key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side")}
     settings = PickSettings(
         window_s=campaign.smoothing.window_s,
         peak=campaign.smoothing.peak,
         start_s=spec.start_s,
         stop_s=spec.stop_s,
-        min_step_N=campaign.protocol.min_step_N,
-        ending=campaign.protocol.ending,
-        side=campaign.protocol.side,
+        **of_campaign,
     )
-    try:
-        trace, tare_N, problems = tared_trace(campaign, spec, raw)
-        found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
-    except RopefricError as error:
-        return [_unreadable(campaign, spec, error, sha256=sha256)]
+    trace, tare_N, problems = tared_trace(campaign, spec, raw)
+    found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
     common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": tare_N}
-    problems += _rate_problem(campaign, spec, trace)
+    of_trace = {
+        "calibration": trace.calibration,
+        "saturated_samples": trace.saturation.n_high if trace.saturation is not None else 0,
+    }
+    wanted_Hz, found_Hz = campaign.sampling_rate_Hz, trace.sampling_rate_Hz
+    if wanted_Hz is not None and found_Hz and abs(found_Hz / wanted_Hz - 1) > RATE_TOLERANCE:
+        message = f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz"
+        fix = "correct the unit of the time column or the rate; the time stamps were used"
+        problems += (_warning(spec, "RF203", message, fix, "[sampling] rate"),)
     results = []
     for number, breakaway in enumerate(found, start=1):
         many = campaign.protocol.name != "breakaway"
@@ -118,9 +127,9 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
             )
             results.append(_unreadable(campaign, named, refusal, problems, **common))
         else:
-            saturated = trace.saturation.n_high if trace.saturation is not None else 0
-            of_trace = {"calibration": trace.calibration, "saturated_samples": saturated}
-            problems += _status_problem(named, breakaway)
+            if breakaway.status is not Status.OK:
+                message = f"{named.trial}: {breakaway.status.value}: {breakaway.detail}"
+                problems += (_warning(named, STATUS_CODES[breakaway.status], message, breakaway.advice),)
             results.append(_result(campaign, named, breakaway, problems, **of_trace, **common))
         problems = ()  # those of the recording are told once
     return results
@@ -129,49 +138,35 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
 def _result(
     campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
 ) -> TrialResult:
-    known_N = spec.lift_force_N if campaign.protocol.needs_lift_force else spec.end_tension_N
+    measures_slack, is_ok = campaign.protocol.needs_lift_force, breakaway.status is Status.OK
+    known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
     known_N = nan if known_N is None else known_N
     known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
-    measured = (breakaway.peak_N, nan)
-    if breakaway.status is Status.OK:
-        std_N = force_std_N(breakaway.peak_N, more.get("calibration"), picking_std_N=breakaway.peak_std_N)
-        measured = (breakaway.peak_N, std_N)
-    measures_slack = campaign.protocol.needs_lift_force
+    std_N = force_std_N(breakaway.peak_N, more.get("calibration"), picking_std_N=breakaway.peak_std_N)
+    measured = (breakaway.peak_N, std_N if is_ok else nan)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
     if peak_N <= end_N:
-        swapped = Problem(
-            code="RF240",
-            message=f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)",
-            path=spec.file,
-            key="end_tension",
-            fix="check whether the sides, the units or the sign of the force are swapped",
-            severity="warning",
-        )
-        problems = (*problems, swapped)
-    of_row = (
-        "trial",
-        "file",
-        "sample",
-        "wheel_radius_m",
-        "rope_radius_m",
-        "wrap_angle_rad",
-        "cell",
-        "rope_id",
-    )
+        message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
+        fix = "check whether the sides, the units or the sign of the force are swapped"
+        problems += (_warning(spec, "RF240", message, fix, "end_tension"),)
     return TrialResult(
-        **{name: getattr(spec, name) for name in (*of_row, "note", "own")},
+        **{item.name: getattr(spec, item.name) for item in fields(TrialRow)},
         end_tension_N=end_N,
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
         peak_std_N=peak_std_N,
         breakaway=breakaway,
-        kept=breakaway.status is Status.OK and not spec.exclude,
+        kept=is_ok and not spec.exclude,
         excluded=spec.exclude,
         measures_slack=measures_slack,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
         problems=problems,
         **more,
     )
+
+
+def _warning(spec: TrialSpec, code: str, message: str, fix: str, key: str = "") -> Problem:
+    return Problem(code=code, message=message, path=spec.file, key=key, fix=fix, severity="warning")
 
 
 def _unreadable(
@@ -185,30 +180,6 @@ def _unreadable(
     detail = f"{problem.message} ({problem.where})" if problem.where else problem.message
     breakaway = Breakaway(status=Status.UNREADABLE, detail=detail)
     return _result(campaign, spec, breakaway, (*problems, *error.problems), **more)
-
-
-def _status_problem(spec: TrialSpec, breakaway: Breakaway) -> tuple[Problem, ...]:
-    if breakaway.status is Status.OK:
-        return ()
-    message = f"{spec.trial}: {breakaway.status.value}: {breakaway.detail}"
-    code, fix = STATUS_CODES[breakaway.status], breakaway.advice
-    return (Problem(code=code, message=message, path=spec.file, fix=fix, severity="warning"),)
-
-
-def _rate_problem(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> tuple[Problem, ...]:
-    wanted_Hz, found_Hz = campaign.sampling_rate_Hz, trace.sampling_rate_Hz
-    if wanted_Hz is None or not found_Hz or abs(found_Hz / wanted_Hz - 1) <= RATE_TOLERANCE:
-        return ()
-    return (
-        Problem(
-            code="RF203",
-            message=f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz",
-            path=spec.file,
-            key="[sampling] rate",
-            fix="correct the unit of the time column or the rate; the time stamps were used",
-            severity="warning",
-        ),
-    )
 
 
 def tared_trace(
@@ -268,12 +239,10 @@ def draw_outline(trace: ForceTrace) -> Outline | None:
     n_bins = min(BINS, force_N.size)
     starts = np.arange(n_bins) * force_N.size // n_bins
     counts = np.diff(np.append(starts, force_N.size))
-    middle_s = _rounded(0.5 * (time_s[starts] + time_s[starts + counts - 1]))
     return Outline(
-        time_s=middle_s,
+        time_s=_rounded(0.5 * (time_s[starts] + time_s[starts + counts - 1])),
         low_N=_rounded(np.minimum.reduceat(force_N, starts)),
         high_N=_rounded(np.maximum.reduceat(force_N, starts)),
-        smoothed_time_s=middle_s,
         smoothed_N=_rounded(np.add.reduceat(force_N, starts) / counts),
     )
 

@@ -21,6 +21,7 @@ from ropefric.files.plain_text import to_spreadsheet
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
+from ropefric.trials.campaign_model import TrialRow
 
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
@@ -55,25 +56,17 @@ class Outline:
     time_s: _Curve
     low_N: _Curve
     high_N: _Curve
-    smoothed_time_s: _Curve
     smoothed_N: _Curve
 
     def __post_init__(self) -> None:
-        envelope, smoothed = (self.low_N, self.high_N, self.time_s), (self.smoothed_N, self.smoothed_time_s)
-        if any(len({curve.shape for curve in curves}) > 1 for curves in (envelope, smoothed)):
+        if len({curve.shape for curve in (self.time_s, self.low_N, self.high_N, self.smoothed_N)}) > 1:
             raise ValueError("the curves differ in length")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrialResult:
+class TrialResult(TrialRow):
     """One trial: its condition, what was picked, and whether it counts."""
 
-    trial: str
-    file: str
-    sample: str = ""
-    wheel_radius_m: float
-    rope_radius_m: float
-    wrap_angle_rad: float
     end_tension_N: float
     end_tension_std_N: float = nan
     peak_N: float = nan
@@ -83,14 +76,10 @@ class TrialResult:
     excluded: str = ""
     rejected_by: str = ""
     measures_slack: bool = False
-    cell: str = ""
-    rope_id: str = ""
     dwell_s: float = nan
     tare_N: float = nan
     saturated_samples: int = 0
     sha256: str = ""
-    note: str = ""
-    own: tuple[tuple[str, str], ...] = ()
     calibration: Calibration | None = None
     outline: Outline | None = None
     problems: tuple[Problem, ...] = field(default=())

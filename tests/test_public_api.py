@@ -31,7 +31,7 @@ SIGNATURES = {
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
     "find_breakaway": "(trace, *, window_s=None, peak='smoothed', start_s=None, stop_s=None, min_step_N=None, "
-    "ending='sliding')",
+    "ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
     "n_starts=4, seed=0, intervals='covariance')",
     "lmfit_model": "(law)",

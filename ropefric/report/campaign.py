@@ -153,6 +153,7 @@ def campaign_report(
         _measured_section(run),
         *trials[:1],
         _set_aside_section(run.extraction),
+        *_decided_section(run.extraction),
         _conditions_section(run.extraction, evidence),
         *trials[1:],
     )
@@ -416,6 +417,26 @@ def _set_aside_section(extraction: Extraction) -> Section:
         return Section(title=title, lines=("Every trial gave a force and counts.",))
     headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
     return Section(title=title, table=Table(headings=headings, rows=rows, left=2))
+
+
+def _decided_section(extraction: Extraction) -> Iterator[Section]:
+    """Yield what people decided about single trials, where they did: what, who and why."""
+    rows = tuple(
+        (
+            trial.trial,
+            trial.decision or f"excluded: {trial.excluded}",
+            plain(trial.measured_N),
+            trial.by,
+            trial.why,
+            "; ".join(note for note in trial.breakaway.notes if note.startswith("without the decision")),
+        )
+        for trial in extraction.trials
+        if trial.decision or (trial.excluded and trial.by)
+    )
+    if rows:
+        headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
+        table = Table(headings=headings, rows=rows, left=1)
+        yield Section(title="Decided by people", table=table)
 
 
 def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:

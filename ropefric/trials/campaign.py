@@ -147,6 +147,7 @@ def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -
         needs_cell="counts" in document.table("import", "channels"),
         start_s=model.protocol.start_s if model else None,
         stop_s=model.protocol.stop_s if model else None,
+        protocol=model.protocol.name if model else "breakaway",
     )
 
 

@@ -343,12 +343,17 @@ class TrialRow:
     cell: str = ""
     rope_id: str = ""
     note: str = ""
+    why: str = ""
+    by: str = ""
     own: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialSpec(TrialRow):
-    """One row of the trial list: a recording and the conditions it was made under."""
+    """One row of the trial list: a recording, the conditions it was made under, and what a person decided of it.
+
+    A decision is `pick_s`, when F_A was reached, or `peak_N`, F_A itself, `by` somebody who says `why`.
+    """
 
     path: Path
     line: int
@@ -359,6 +364,15 @@ class TrialSpec(TrialRow):
     start_s: float | None = None
     stop_s: float | None = None
     exclude: str = ""
+    pick_s: float | None = None
+    peak_N: float | None = None
+    peak_std_N: float | None = None
+
+    @property
+    def decision(self) -> str:
+        """Return what a person decided about F_A; "" where nobody did."""
+        given = (("pick_s", self.pick_s, "s"), ("peak_N", self.peak_N, "N"))
+        return "".join(f"{name} = {value:g} {unit}" for name, value, unit in given if value is not None)
 
 
 class Campaign(CampaignFile):

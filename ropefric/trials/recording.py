@@ -16,6 +16,7 @@ from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.budget import end_tension_std_N, force_std_N
 from ropefric.traces.calibration import Calibration, tare_from_interval
+from ropefric.traces.decided import pick_at
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
@@ -33,6 +34,8 @@ STATUS_CODES = {
 RATE_TOLERANCE = 0.01
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
+STATED_SHARE = 0.01
+"""Standard uncertainty of a force that a person states, as a fraction of it, where none is stated with it."""
 BINS = 300
 DIGITS = 6
 
@@ -104,6 +107,11 @@ def _extract_raw(
     )
     trace, tare_N, problems = tared_trace(campaign, spec, raw)
     found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
+    if spec.decision:
+        chosen = (
+            _given(spec) if spec.pick_s is None else pick_at(trace, replace(settings, pick_s=spec.pick_s))
+        )
+        found = (_beside(chosen, found[0]),)
     common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": tare_N}
     of_trace = {
         "calibration": trace.calibration,
@@ -135,6 +143,24 @@ def _extract_raw(
     return results
 
 
+def _given(spec: TrialSpec) -> Breakaway:
+    """Return the break-away force that a person states."""
+    peak_N = nan if spec.peak_N is None else spec.peak_N
+    note = f"no peak_std_N is given: taken as {STATED_SHARE:.0%} of peak_N"
+    return Breakaway(
+        status=Status.OK,
+        peak_N=peak_N,
+        peak_std_N=STATED_SHARE * peak_N if spec.peak_std_N is None else spec.peak_std_N,
+        notes=(note,) if spec.peak_std_N is None else (),
+    )
+
+
+def _beside(chosen: Breakaway, found: Breakaway) -> Breakaway:
+    """Return what a person decided, with what the picker would have said of it."""
+    says = f"{found.peak_N:.6g} N at {found.peak_time_s:.6g} s" if found.status is Status.OK else found.detail
+    return replace(chosen, notes=(*chosen.notes, f"without the decision: {found.status.value}, {says}"))
+
+
 def _result(
     campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
 ) -> TrialResult:
@@ -158,6 +184,7 @@ def _result(
         breakaway=breakaway,
         kept=is_ok and not spec.exclude,
         excluded=spec.exclude,
+        decision=spec.decision,
         measures_slack=measures_slack,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
         problems=problems,
@@ -178,8 +205,11 @@ def _unreadable(
 ) -> TrialResult:
     problem = error.problem
     detail = f"{problem.message} ({problem.where})" if problem.where else problem.message
-    breakaway = Breakaway(status=Status.UNREADABLE, detail=detail)
-    return _result(campaign, spec, breakaway, (*problems, *error.problems), **more)
+    breakaway, of_error = Breakaway(status=Status.UNREADABLE, detail=detail), error.problems
+    if spec.peak_N is not None:  # a stated force needs no recording
+        breakaway = _beside(_given(spec), breakaway)
+        of_error = tuple(replace(problem, severity="warning") for problem in of_error)
+    return _result(campaign, spec, breakaway, (*problems, *of_error), **more)
 
 
 def tared_trace(

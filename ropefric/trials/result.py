@@ -31,7 +31,8 @@ _COLUMNS = (
     "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N",
     "end_tension_std_N", "peak_N", "peak_std_N", "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s",
     "noise_std_N", "loading_rate_N_s", "kinetic_N", "kinetic_std_N", "status", "kept", "rejected_by", "excluded",
-    "detail", "notes", "cell", "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
+    "decision", "decided_by", "decided_why", "detail", "notes", "cell", "rope_id", "dwell_s", "tare_N",
+    "saturated_samples", "note",
 )  # fmt: skip
 _OF_BREAKAWAY = {
     "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
@@ -74,6 +75,7 @@ class TrialResult(TrialRow):
     breakaway: Breakaway
     kept: bool = False
     excluded: str = ""
+    decision: str = ""
     rejected_by: str = ""
     measures_slack: bool = False
     dwell_s: float = nan
@@ -106,7 +108,8 @@ class TrialResult(TrialRow):
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""
         row: dict[str, Any] = {
-            name: getattr(self.breakaway if name in _OF_BREAKAWAY else self, name) for name in _COLUMNS
+            name: getattr(self.breakaway if name in _OF_BREAKAWAY else self, name.removeprefix("decided_"))
+            for name in _COLUMNS
         }
         row |= {"status": self.breakaway.status.value, "notes": "; ".join(self.breakaway.notes)}
         if self.measures_slack:

@@ -63,7 +63,7 @@ _PASSED_OVER = frozenset(
     {
         "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
         "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
-        "dwell", "tare", "saturated_samples", "sha256", "wheel",
+        "dwell", "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
     }
 )  # fmt: skip
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ropefric.files.plain_text import from_spreadsheet
 from ropefric.files.read import kind_of_file
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
+from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.trials.campaign_model import TrialSpec
 from ropefric.trials.cells import (
@@ -27,6 +29,7 @@ from ropefric.trials.cells import (
     near_miss,
     read_cells,
     read_number,
+    word_of,
 )
 
 MISSING_RECORDING = "RF124"
@@ -36,7 +39,7 @@ MAX_MISSING = 20
 FEWEST_REPEATS = 6
 
 _SLIP = 0.75
-_TEXTS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note")
+_TEXTS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note", "why", "by")
 _QUANTITIES = {
     **SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
@@ -44,7 +47,10 @@ _QUANTITIES = {
     "dwell": ("dwell_s", "s", 1.0),
     "from": ("start_s", "s", 1.0),
     "until": ("stop_s", "s", 1.0),
+    "pick": ("pick_s", "s", 1.0),
 }
+_DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
+"""Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
     "file": "the recording it was made of",
     "wheel_radius_m": "a wheel radius",
@@ -67,6 +73,7 @@ class TrialContext:
     needs_cell: bool = False
     start_s: float | None = None
     stop_s: float | None = None
+    protocol: str = "breakaway"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +103,8 @@ def read_trials(
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-    columns, others, found = bind_columns(table, _QUANTITIES, _TEXTS)
+    decided = _DECIDED if {"why", "by"} <= {word_of(name) for name in table.header} else {}
+    columns, others, found = bind_columns(table, {**_QUANTITIES, **decided}, _TEXTS)
     own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
     reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)
     # A mistyped header says more than the consequence that its column is missing.
@@ -104,6 +112,12 @@ def read_trials(
     mistyped = {problem.key for problem in missing}
     for name in others:
         found += [] if name in mistyped else near_miss(table, name, _QUANTITIES, _TEXTS)
+        if word_of(split_unit_suffix(name)[0]) == "peak":
+            message, fix = (
+                "kept, but not used",
+                "add the columns why and by, if it is a decision about the break-away",
+            )
+            found.append(table.problem(table.header_line, name, "RF141", message, fix, warning=True))
     problems = [*problems_of_rows, *found, *missing, *_unnamed_columns(table)]
     if not table.rows and not problems_of_rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
@@ -207,6 +221,33 @@ class _Reader:
             message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
             place = "stop_s" if "stop_s" in self.columns else "start_s"
             yield self._problem(row, place, "RF111", message, "give an end after the start")
+        yield from self._decision(row)
+
+    def _decision(self, row: _Row) -> Iterator[Problem]:
+        """Yield what is missing or too much in a person's decision about the break-away."""
+        given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
+        if not given:
+            if "peak_std_N" in row.numbers:
+                yield self._problem(
+                    row, "peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it"
+                )
+            return
+        if len(given) > 1:
+            message = "pick_s and peak_N are both given"
+            yield self._problem(row, "peak_N", "RF111", message, "leave one of the two cells empty")
+        for name in ("peak_N", "peak_std_N"):
+            value_N = row.numbers.get(name, 1.0)
+            if value_N < 0.0 or (name == "peak_N" and value_N == 0.0):
+                message = f"{value_N:g} N is no possible value"
+                yield self._problem(row, name, "RF110", message, "correct the number")
+        for name, what in (("why", "its reason"), ("by", "who took it")):
+            if not row.texts.get(name):
+                message, fix = f"a decision needs {what}", f"fill the column {name}"
+                yield self.table.problem(row.line, name, "RF121", message, fix)
+        if self.context.protocol != "breakaway" or row.texts.get("sample") == "*":
+            message = "one decision cannot stand for several trials of a recording"
+            fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
+            yield self._problem(row, given[0], "RF111", message, fix)
 
     def _interval(self, row: _Row) -> tuple[float | None, float | None]:
         start_s = row.numbers.get("start_s", self.context.start_s)
@@ -238,25 +279,15 @@ class _Reader:
         texts, numbers, context = row.texts, row.numbers, self.context
         wheel_m = numbers.get("wheel_radius_m", context.wheels.get(texts.get("wheel", "")))
         rope_m = numbers.get("rope_radius_m", context.rope_radius_m)
-        wrap_rad, file = numbers.get("wrap_angle_rad"), texts.get("file")
-        if wheel_m is None or rope_m is None or wrap_rad is None or not file:
+        if wheel_m is None or rope_m is None or "wrap_angle_rad" not in numbers or not texts.get("file"):
             return None
         start_s, stop_s = self._interval(row)
-        return TrialSpec(
-            trial=name,
-            path=folder / row.file,
-            line=row.line,
-            wheel_radius_m=wheel_m,
-            rope_radius_m=rope_m,
-            wrap_angle_rad=wrap_rad,
-            end_tension_N=numbers.get("end_tension_N"),
-            lift_force_N=numbers.get("lift_force_N"),
-            dwell_s=numbers.get("dwell_s"),
-            start_s=start_s,
-            stop_s=stop_s,
-            own=tuple((header, row.cells[index]) for header, index in self.own.items()),
-            **{key: text for key, text in texts.items() if key != "trial"},
-        )
+        of_row: dict[str, Any] = {key: text for key, text in texts.items() if key != "trial"} | {
+            key: value for key, value in numbers.items() if key not in {"start_s", "stop_s"}
+        }
+        settings = {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m, "start_s": start_s, "stop_s": stop_s}
+        own = tuple((header, row.cells[index]) for header, index in self.own.items())
+        return TrialSpec(**of_row | settings, trial=name, path=folder / row.file, line=row.line, own=own)
 
 
 # --- recordings and names ---

@@ -50,8 +50,8 @@ _BAND = 100
 _MANY = 600
 
 
-def _status(status: Status) -> "Callable[[TrialResult], Level]":
-    return lambda trial: Level.FAIL if trial.breakaway.status is status else Level.OK
+def _status(*failing: Status) -> "Callable[[TrialResult], Level]":
+    return lambda trial: Level.FAIL if trial.breakaway.status in failing else Level.OK
 
 
 def _saturation(trial: "TrialResult") -> Level:
@@ -70,7 +70,7 @@ CHECKS: dict[str, "Callable[[TrialResult], Level]"] = {
     "long enough": _status(Status.TOO_SHORT),
     "below the converter's ceiling": _saturation,
     "rope slipped": _status(Status.NO_BREAKAWAY),
-    "static peak found": _status(Status.NO_PEAK),
+    "static peak found": _status(Status.NO_PEAK, Status.DOUBTFUL),
     "no warning": _warned,
     "not excluded by the user": lambda trial: Level.FLAG if trial.excluded else Level.OK,
     "not rejected by the rule": lambda trial: Level.FLAG if trial.rejected_by else Level.OK,

@@ -28,6 +28,7 @@ from ropefric.report.section import Section, Table, as_text, interval, percent, 
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import (
+    SUMMARISED,
     ConditionSummary,
     Extraction,
     TrialResult,
@@ -42,6 +43,7 @@ _NAMED = 8
 """Trials that an alert names; the others are counted."""
 _SAID = 3
 """Problems of one kind that are said in full."""
+_NONE = (math.nan, math.nan, 0)
 _NOTHING = ("nothing was found",)
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
@@ -155,6 +157,7 @@ def campaign_report(
         _set_aside_section(run.extraction),
         *_decided_section(run.extraction),
         _conditions_section(run.extraction, evidence),
+        *_sliding_section(run.extraction),
         *trials[1:],
     )
     plan = () if evidence.plan is None else (Section(lines=(_WHERE,)), *plan_sections(evidence.plan))
@@ -396,6 +399,26 @@ def _conditions_section(extraction: Extraction, evidence: Evidence) -> Section:
     )
 
 
+def _sliding_section(extraction: Extraction) -> Iterator[Section]:
+    """Yield what was measured beside the break-away force, by condition: mean ± s of the kept trials."""
+    conditions = extraction.conditions
+    shown = [name for name in SUMMARISED if any(item.of_kept.get(name, _NONE)[2] for item in conditions)]
+    if not shown:
+        return
+    rows = []
+    for number, item in enumerate(conditions, start=1):
+        found = [item.of_kept.get(name, _NONE) for name in shown]
+        cells = (f"{plain(mean)} ± {plain(std, '.2g')}" if n > 1 else plain(mean) for mean, std, n in found)
+        rows.append((str(number), str(max(n for *_, n in found)), *cells))
+    headings = ("no.", "n", *(SUMMARISED[name] for name in shown))
+    note = "mean ± s of the kept trials, n of them at most; every trial stands in trials.csv"
+    yield Section(
+        title="Beside the break-away force",
+        table=Table(headings=headings, rows=tuple(rows), left=0),
+        notes=(note,),
+    )
+
+
 def _set_aside_section(extraction: Extraction) -> Section:
     """Return all trials that do not count: their condition, what became of them, and why."""
     place = {name: summary for summary in extraction.conditions for name in summary.trials}
@@ -410,7 +433,9 @@ def _set_aside_section(extraction: Extraction) -> Section:
             plain(trial.measured_N),
             _why(trial, place.get(trial.trial)),
         )
-        for trial in extraction.trials
+        for trial in sorted(
+            extraction.trials, key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL
+        )
         if not trial.kept
     )
     if not rows:
@@ -443,7 +468,8 @@ def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
     if trial.excluded:
         return trial.excluded
     if trial.breakaway.status is not Status.OK:
-        return trial.breakaway.detail
+        candidates = trial.measured("candidates")
+        return trial.breakaway.detail + (f"; candidates: {candidates}" if candidates else "")
     rule = _rule_label(trial.rejected_by)
     if summary is None:
         return rule

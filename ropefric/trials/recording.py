@@ -1,5 +1,6 @@
 """One recording file -> the results of the trials it holds."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import fields, replace
@@ -26,6 +27,7 @@ from ropefric.trials.campaign_model import Campaign, TrialRow, TrialSpec
 from ropefric.trials.result import Outline, TrialResult
 
 STATUS_CODES = {
+    Status.DOUBTFUL: "RF234",
     Status.SATURATED: "RF230",
     Status.NO_BREAKAWAY: "RF231",
     Status.NO_PEAK: "RF232",
@@ -168,8 +170,10 @@ def _result(
     known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
     known_N = nan if known_N is None else known_N
     known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
-    std_N = force_std_N(breakaway.peak_N, more.get("calibration"), picking_std_N=breakaway.peak_std_N)
-    measured = (breakaway.peak_N, std_N if is_ok else nan)
+    calibration, measured = more.get("calibration"), (nan, nan)
+    if is_ok:
+        std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
+        measured = (breakaway.peak_N, std_N)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
     if peak_N <= end_N:
         message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
@@ -181,6 +185,9 @@ def _result(
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
         peak_std_N=peak_std_N,
+        kinetic_mean_std_N=force_std_N(
+            breakaway.kinetic_N, calibration, picking_std_N=_kinetic_picking_N(breakaway)
+        ),
         breakaway=breakaway,
         kept=is_ok and not spec.exclude,
         excluded=spec.exclude,
@@ -190,6 +197,16 @@ def _result(
         problems=problems,
         **more,
     )
+
+
+def _kinetic_picking_N(breakaway: Breakaway) -> float:
+    """Return the standard uncertainty [N] of a mean kinetic force beside its chain.
+
+    Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
+    stick-slip it begins anew.
+    """
+    wander_N = math.sqrt(max(breakaway.kinetic_std_N**2 - breakaway.noise_std_N**2, 0.0))
+    return wander_N / math.sqrt(max(breakaway.n_slips - 1, 1))
 
 
 def _warning(spec: TrialSpec, code: str, message: str, fix: str, key: str = "") -> Problem:

@@ -63,7 +63,8 @@ _PASSED_OVER = frozenset(
     {
         "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
         "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
-        "dwell", "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
+        "drop", "trough", "n_slips", "recurrence", "measured_dwell", "mu", "mu_std", "mu_kinetic", "candidates", "dwell",
+         "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
     }
 )  # fmt: skip
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}

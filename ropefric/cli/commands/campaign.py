@@ -40,7 +40,7 @@ SERIAL_FIGURES = 8
 MAX_ALIKE = 3
 """Problems of one code that are said in full; the others are counted."""
 # The advice for these says something about the measurement; an unreadable file has advice of its own.
-_ADVISED = ("no-breakaway", "no-peak", "saturated", "too-short")
+_ADVISED = ("doubtful", "no-breakaway", "no-peak", "saturated", "too-short")
 
 
 @command("ropefric extract data/prth-bench/campaign.toml --out out", order=50)
@@ -184,6 +184,7 @@ def _show(extraction: "Extraction", console: "Console") -> None:
         "kept",
         f"mean {measured} [N]",
         "s [N]",
+        "mean kinetic [N]",
         "rejected ",
     )
     rows = [_condition_row(condition, slack=slack) for condition in extraction.conditions]
@@ -200,7 +201,9 @@ def _show(extraction: "Extraction", console: "Console") -> None:
 
 
 def _without_force(extraction: "Extraction") -> "list[TrialResult]":
-    return [trial for trial in extraction.trials if trial.outcome == "without a force"]
+    """Return the trials without a usable force, first those that a person can decide."""
+    found = [trial for trial in extraction.trials if trial.outcome == "without a force"]
+    return sorted(found, key=lambda trial: trial.breakaway.status != "doubtful")
 
 
 def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, ...]:
@@ -212,12 +215,15 @@ def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, 
         str(condition.n_kept),
         number(condition.mean_kept_N),
         number(condition.std_kept_N, ".2g"),
+        number(condition.of_kept.get("kinetic_N", (math.nan,))[0]),
         ", ".join(condition.rejected),
     )
 
 
 def _flagged_row(trial: "TrialResult") -> tuple[str, str, str]:
     why = trial.breakaway.detail
+    if candidates := trial.measured("candidates"):
+        why += f"; candidates: {candidates}"
     if trial.breakaway.status not in _ADVISED:
         why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
     return trial.trial, str(trial.breakaway.status), why

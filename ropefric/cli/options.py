@@ -94,11 +94,11 @@ def campaign_file(path: Path) -> Path:
     return path / "campaign.toml" if path.is_dir() else path
 
 
-def read_table(path: Path, out: Output) -> "TrialTable":
-    """Return a trial table, and say on stderr what is doubtful about it."""
+def read_table(path: Path, out: Output, *, of: str = "peak") -> "TrialTable":
+    """Return a trial table of the force to be fitted, and say on stderr what is doubtful about it."""
     from ropefric.trials.table import read_trial_table  # noqa: PLC0415  (quick start-up)
 
-    table = read_trial_table(path)
+    table = read_trial_table(path).of(of)
     out.problems(table.warnings)
     return table
 
@@ -110,6 +110,8 @@ def read_fit(path: Path, out: Output) -> "FitResult":
     fit = load_fit(path)
     if not fit.trustworthy:
         out.note(f"{path}: the law is {fit.verdict.word}: {fit.verdict.reason}")
+    if fit.of == "kinetic":
+        out.note(f"{path}: a law of the kinetic force, so F_A is what keeps the rope sliding")
     return fit
 
 

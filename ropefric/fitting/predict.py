@@ -119,6 +119,8 @@ class Prediction:
         On the law: by its own fit, or by the comparison it comes from.
     candidates : tuple of Candidate
         What the laws answer that the data do not tell apart, the law used first; empty where there is one only.
+    of : {"peak", "kinetic"}
+        Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     """
 
     law: str
@@ -140,6 +142,7 @@ class Prediction:
     seed: int
     judged: Verdict
     candidates: tuple[Candidate, ...] = ()
+    of: str = "peak"
 
     def __len__(self) -> int:
         return len(self.conditions)
@@ -207,6 +210,7 @@ class Prediction:
             "verdict": self.verdict(i).to_dict(),
             "candidates": [asdict(item) for item in self.candidates],
             "spread_N": self.spread_N,
+            "of": self.of,
         }
         return {"law": self.law, **given, **rounded_tree(found)}
 
@@ -289,6 +293,7 @@ def predict(
             draws=draws,
             seed=seed,
             judged=fit.verdict,
+            of=fit.of,
         )
 
 

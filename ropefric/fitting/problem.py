@@ -56,6 +56,8 @@ class FitSettings:
         Whether the errors hold what the repeats of a condition share.
     n_starts, seed : int
         Starts of the search, and of the random numbers that spread them.
+    of : {"peak", "kinetic"}
+        The force that is fitted.
     """
 
     fixed: Mapping[str, float] = field(default_factory=dict)
@@ -66,10 +68,13 @@ class FitSettings:
     clustered: bool = True
     n_starts: int = 4
     seed: int = 0
+    of: str = "peak"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the settings as plain data, which `fit_law` takes as keyword arguments again."""
         tree = {item.name: getattr(self, item.name) for item in fields(self)}
+        if self.of == "peak":  # what older versions can read
+            del tree["of"]
         bounds = {name: list(span) for name, span in self.bounds.items()}
         return tree | {"fixed": dict(self.fixed), "bounds": bounds, "start": dict(self.start)}
 

@@ -26,6 +26,11 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
     between = f"between conditions {percent(found.scatter_between)}"
     lines = (
         f"{law.name}: {law.equation}",
+        *(
+            ("fitted to the kinetic force: F_A is the mean force while sliding",)
+            if fit.of == "kinetic"
+            else ()
+        ),
         f"{counted(found.n, 'trial')} of {counted(found.n_conditions, 'condition')}",
         f"scatter between repeats {percent(found.scatter_within)}, {between}",
         f"status {fit.status}: {fit.status.advice}",
@@ -118,9 +123,12 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
         f"wrap {plain(math.degrees(at.wrap_angle_rad[index]))} deg, F_B = {plain(at.end_tension_N[index])} N"
     )
     lift = plain(prediction.lift_force_N[index], ".5g")
+    title, symbol = (
+        ("Kinetic force", "F_A while sliding") if prediction.of == "kinetic" else ("Lift force", "F_A")
+    )
     lines = [
         f"{where}:",
-        f"F_A = {lift} N by {prediction.law}, standard error {_newtons(prediction.std_N[index])}",
+        f"{symbol} = {lift} N by {prediction.law}, standard error {_newtons(prediction.std_N[index])}",
         f"{level} confidence interval of the mean: {_span(prediction.interval_N[index])}",
     ]
     wide = prediction.prediction_interval_N[index]
@@ -134,7 +142,9 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
         lines.append(f"laws that the data do not tell apart answer {plain(low)} … {plain(high)} N:")
         notes = (*(_candidate(item) for item in prediction.candidates), *notes)
     return Section(
-        title="Lift force", lines=tuple(lines), notes=tuple(n for n in notes if n not in verdict.reasons)
+        title=title,
+        lines=tuple(lines),
+        notes=tuple(n for n in notes if n not in verdict.reasons),
     )
 
 

@@ -33,15 +33,18 @@ _COLUMNS = (
     "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N",
     "end_tension_std_N", "end_tension_set_N", "peak_N", "peak_std_N", "peak_raw_N", "peak_time_s", "two_line_N",
     "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "measured_dwell_s", "kinetic_N", "kinetic_std_N",
-    "kinetic_mean_std_N", "kinetic_s", "drop_N", "trough_N", "n_slips", "recurrence_s", "mu", "mu_std", "mu_kinetic",
+    "kinetic_mean_std_N", "sliding_s", "drop_N", "trough_N", "n_slips", "recurrence_s", "mu", "mu_std", "mu_kinetic",
     "status", "candidates", "kept", "rejected_by", "excluded", "decision", "decided_by", "decided_why", "detail",
     "notes", "cell", "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
 )  # fmt: skip
 """Of a trial's row."""
 _OF_BREAKAWAY = {
-    "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
-    "kinetic_std_N", "kinetic_s", "drop_N", "trough_N", "n_slips", "recurrence_s", "status", "detail", "notes",
-}  # fmt: skip
+    name: name
+    for name in (
+        "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
+        "kinetic_std_N", "drop_N", "trough_N", "n_slips", "recurrence_s", "status", "detail", "notes",
+    )
+} | {"sliding_s": "kinetic_s", "measured_dwell_s": "dwell_s"}  # fmt: skip
 SUMMARISED = {
     "kinetic_N": "kinetic force [N]",
     "drop_N": "drop [N]",
@@ -153,12 +156,12 @@ class TrialResult(TrialRow):
 
     def measured(self, name: str) -> Any:
         """Return what a column of the trial's row holds."""
-        found = self.breakaway
-        if name == "measured_dwell_s":
-            return found.dwell_s
+        if name in _OF_BREAKAWAY:
+            return getattr(self.breakaway, _OF_BREAKAWAY[name])
         if name == "candidates":
-            return "; ".join(f"{event.force_N:.5g} N at {event.time_s:.5g} s" for event in found.candidates)
-        return getattr(found if name in _OF_BREAKAWAY else self, name.removeprefix("decided_"))
+            events = self.breakaway.candidates
+            return "; ".join(f"{event.force_N:.5g} N at {event.time_s:.5g} s" for event in events)
+        return getattr(self, name.removeprefix("decided_"))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""

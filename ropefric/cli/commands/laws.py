@@ -29,6 +29,11 @@ _LARGE = 5_000_000
 """Bytes of a table that takes seconds."""
 
 
+_OF = Option(
+    "peak", metavar="peak|kinetic", help="Fit the break-away force, or the mean force while sliding."
+)
+
+
 @command("ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)
 def fit(
     out: Output,
@@ -45,6 +50,7 @@ def fit(
     ),
     loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
     seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
+    of: str = _OF,
     file: Path | None = Option(None, "--out", "-o", metavar="FIT.json", help="Store the fit there."),
     force: bool = Option(False, "--force", help="Write over a file that is there and is no fit."),
 ) -> Answer:
@@ -66,7 +72,7 @@ def fit(
         check_target(file, trials, overwrite=force)
     with _steps(trials, out) as step:
         step(0, "reading")
-        table = read_table(trials, out)
+        table = read_table(trials, out, of=of)
         step(1, "fitting")
         fitted = fit_law(table, law, loss=loss, seed=seed, **options)
         step(2, "intervals")
@@ -77,7 +83,7 @@ def fit(
     verdict = verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [fit_section(result), verdict, *notes_sections(result)]
     return Answer(
-        result.to_dict() | {"verdict": result.verdict.to_dict()},
+        result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of},
         sections,
         exit_code_of(result.verdict),
     )
@@ -101,6 +107,7 @@ def compare(
     laws: list[str] | None = Option(
         None, metavar="NAME[,NAME…]", help="Laws to compare, all by default; repeatable."
     ),
+    of: str = _OF,
 ) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
 
@@ -112,7 +119,7 @@ def compare(
     from ropefric.report.parts import comparison_section, verdict_section  # noqa: PLC0415
 
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
-    table = read_table(trials, out)
+    table = read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
         found = compare_laws(
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
@@ -120,7 +127,7 @@ def compare(
     choice = choose_law(found)
     verdict = verdict_section(choice.verdict, f"The law: {choice.fit.law}")
     return Answer(
-        found.to_dict() | choice.to_dict(),
+        found.to_dict() | choice.to_dict() | {"of": table.force},
         [comparison_section(found), verdict],
         exit_code_of(choice.verdict),
     )

@@ -1,6 +1,7 @@
 """What all tests share."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,9 @@ from hypothesis import HealthCheck, settings
 # Two workers on two cores: linear algebra with threads of its own gets in their way. Set before numpy loads.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
+
+# What the tests of several folders share, `promise`.
+sys.path.insert(0, str(Path(__file__).parent / "systems"))
 
 # No luck and no clock decides the default run. The long one, `-m slow`, draws afresh each time, and more.
 settings.register_profile(

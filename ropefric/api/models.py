@@ -11,6 +11,14 @@ import numpy.typing as npt
 from ropefric.api.recordings import PathLike, as_campaign, trial_table
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.fitting.budgets import (
+    GRAVITY_LIMIT,
+    MeasuredQuantity,
+    conditions_of_extraction,
+    conditions_of_table,
+    state_condition,
+    state_lift,
+)
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
@@ -18,17 +26,8 @@ from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import with_intervals
-from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
-from ropefric.fitting.measured_budget import (
-    GRAVITY_LIMIT,
-    MeasuredQuantity,
-    conditions_of_extraction,
-    conditions_of_table,
-    state_condition,
-)
-from ropefric.fitting.next_tests import LabPlan, PlannedLaw, planned_fit
+from ropefric.fitting.next_tests import Criterion, LabPlan, PlannedLaw, RigLimits, planned_fit
 from ropefric.fitting.next_tests import plan_tests as find_plan
-from ropefric.fitting.plan_search import Criterion, RigLimits
 from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.problem import Loss
@@ -43,7 +42,7 @@ from ropefric.scenes.sweep import Axis, Sweep, parse_axis, sweep_scene
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.statement import Statement
+from ropefric.uncertainty.budget import Statement
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -267,7 +266,7 @@ def budget(
     one_pull : bool
         Of one pull with a new rope, not of the mean law.
     level, draws, seed
-        As `ropefric.uncertainty.statement.state_uncertainty`.
+        As `ropefric.uncertainty.budget.state_uncertainty`.
 
     Returns
     -------
@@ -294,13 +293,13 @@ def budget(
     stored = as_fit(fit)
     radius_m = stored.only_rope_radius_m() if rope_radius_m is None else rope_radius_m
     at = one_condition(wheel_radius_m, radius_m, wrap_angle_rad, end_tension_N)
-    uncertainty = WheelUncertainty(
-        wheel_radius_m=u_wheel_radius_m,
-        rope_radius_m=u_rope_radius_m,
-        wrap_angle_rad=u_wrap_angle_rad,
-        end_tension_N=u_end_tension_N,
-    )
-    return state_lift(stored, at, uncertainty, one_pull=one_pull, level=level, draws=draws, seed=seed)
+    wheel_std = {
+        "wheel_radius_m": u_wheel_radius_m,
+        "rope_radius_m": u_rope_radius_m,
+        "wrap_angle_rad": u_wrap_angle_rad,
+        "end_tension_N": u_end_tension_N,
+    }
+    return state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
 def measured_budgets(
@@ -328,7 +327,7 @@ def measured_budgets(
     gain_limit : float
         Limit of error of the gain, common to both sides [-].
     weights_tolerance : float
-        Of the dead weights of an extraction [-], see `ropefric.fitting.measured_budget.weights`.
+        Of the dead weights of an extraction [-], see `ropefric.fitting.budgets.weights`.
     gravity_limit : float
         Limit of error of g of the weights [-].
     level, draws, seed

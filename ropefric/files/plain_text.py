@@ -1,7 +1,10 @@
 """Text that somebody else has written, made harmless for what shows it: terminals, pages, figures, spreadsheets."""
 
+import csv
+import io
 import json
 import re
+from collections.abc import Iterable
 from typing import Any
 
 # Control characters (ESC steers a terminal), what turns the direction of a line round, what no UTF-8 or XML holds.
@@ -35,6 +38,20 @@ def to_spreadsheet(text: str) -> str:
     """Return the text of a CSV cell such that no spreadsheet takes it for a formula; numbers are not to be given."""
     shown = json_escaped(text)
     return f"'{shown}" if _RUN.match(shown) else shown
+
+
+def csv_cell(value: Any) -> Any:
+    """Return a value as a CSV cell holds it: words harmless, true and false in small letters."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return to_spreadsheet(value) if isinstance(value, str) else value
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    """Return rows of cells as CSV, the same bytes on every machine."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(rows)
+    return stream.getvalue()
 
 
 def from_spreadsheet(cell: str) -> str:

@@ -3,7 +3,7 @@
 import codecs
 import csv
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -119,43 +119,49 @@ def _inflated(packed: Iterator[bytes]) -> Iterator[bytes]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Text:
-    r"""A text file's content: UTF-8 without byte-order mark, every line, the last one too, ending in `\n`."""
+    r"""A text file's content: UTF-8 without byte-order mark, every line, the last one too, ending in `\n`.
+
+    Or a part of it, from a line of the file on.
+    """
 
     source: Source
     data: bytes
     encoding: str
     is_whole: bool = True
     is_ended: bool = True
-    separator: str = ""
+    first_line: int = 1
+    cut: Callable[[bytes, bool], bytes] | None = None
 
     def blocks(self, line: int = 1) -> Iterator["Block"]:
         """Return an iterator over pieces of whole lines, from a 1-based line on."""
-        first = 1
+        first = self.first_line
         for data in (self.data,) if self.is_whole else self._read():
-            start = _start_of(data, line - first + 1)
+            start = start_of_line(data, line - first + 1)
             if start < len(data):
                 yield Block(max(line, first), data, start)
             first += 0 if self.is_whole else data.count(b"\n")
 
     def _read(self) -> Iterator[bytes]:
-        above = b""
+        held = b""  # the end is cut in one piece that is not small
         for data in _clean_blocks(self.source.unpacked(), self.encoding, self.source):
-            is_ended = data.endswith(b"\n")
-            if not is_ended and self.separator and _is_cut(above, data, self.separator):
-                return
-            yield data if is_ended else data + b"\n"
-            above = data
+            if held and len(data) >= HEAD_BYTES:
+                yield held
+                held = b""
+            held += data
+        is_ended = held.endswith(b"\n")
+        held = held if is_ended else held + b"\n"
+        yield self.cut(held, is_ended) if self.cut is not None else held
 
-    def without_cut_number(self, separator: str, data_row: int) -> "Text":
-        """Return the text without its last row where the file ends within a number."""
+    def part(self, start: int, stop: int) -> "Text":
+        """Return some bytes of a text that is held whole, as a text of their own."""
+        return replace(self, data=self.data[start:stop], first_line=1 + self.data.count(b"\n", 0, start))
+
+    def without_end(self, data_row: int, cut: Callable[[bytes, bool], bytes]) -> "Text":
+        """Return the text whose rows from a line on end as `cut` says of them and of whether their last line ends."""
         if not self.is_whole:
-            return replace(self, separator=separator)
-        begin = self.data.rfind(b"\n", 0, -1) + 1
-        above = self.data.rfind(b"\n", 0, max(begin - 1, 0)) + 1
-        if self.is_ended or above < _start_of(self.data, data_row):
-            return self
-        is_cut = _is_cut(self.data[above:begin], self.data[begin:-1], separator)
-        return replace(self, data=self.data[:begin]) if is_cut else self
+            return replace(self, cut=cut)
+        start = start_of_line(self.data, data_row - self.first_line + 1)
+        return replace(self, data=self.data[:start] + cut(self.data[start:], self.is_ended))
 
     @property
     def end_of_head(self) -> int:
@@ -211,18 +217,7 @@ def is_blank_line(line: str, separator: str) -> bool:
     return not line.strip(" " if separator == "\t" else " \t")
 
 
-def _is_cut(above: bytes, last: bytes, separator: str) -> bool:
-    """Return whether a row that nothing ends breaks off within its last number, by the row before it.
-
-    13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
-    one before, which costs nothing. A row cut to fewer cells is refused later.
-    """
-    before = above[above.rfind(b"\n", 0, -1) + 1 : -1]
-    rows = [split_line(line.decode(errors="replace"), separator) for line in (before, last)]
-    return len(rows[0]) == len(rows[1]) and 0 < len(rows[1][-1].strip()) < len(rows[0][-1].strip())
-
-
-def _start_of(block: bytes, line: int) -> int:
+def start_of_line(block: bytes, line: int) -> int:
     """Return the byte at which a 1-based line of a block starts; its end where there is no such line."""
     start = 0
     for _ in range(line - 1):
@@ -230,6 +225,13 @@ def _start_of(block: bytes, line: int) -> int:
         if start == 0:
             return len(block)
     return start
+
+
+def first_lines(source: Source, most: int = 40) -> list[str]:
+    """Return the first lines of a text, as far as they can be read without knowing its encoding."""
+    block = next(iter(source.unpacked() if source.is_packed else (source.file.part(0, HEAD_BYTES),)), b"")
+    encoding = next((name for mark, name in _MARKS if block.startswith(mark)), "utf-8")
+    return block[:HEAD_BYTES].decode(encoding, errors="replace").splitlines()[:most]
 
 
 def load_text(source: Source, encoding: str = "") -> Text:

@@ -11,6 +11,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from ropefric.errors import DataError, InputError
+from ropefric.files.stamps import ORDERS, is_stamp
 from ropefric.files.text import Source, Text, split_line
 from ropefric.quantities import SUFFIX_UNITS
 
@@ -58,6 +59,9 @@ class TableLayout:
     missing: tuple[str, ...] = ()
     block_columns: int = 0
     block_names_row: int = 0
+    skip_footer: int = 0
+    date_order: str = ""
+    time_zone: str = ""
 
     @property
     def no_value(self) -> frozenset[str]:
@@ -93,6 +97,7 @@ class Dialect:
     header: tuple[str, ...]
     units: tuple[str, ...]
     n_cells: int
+    stamps: frozenset[int]
     no_value: frozenset[str]
     no_value_numbers: tuple[float, ...]
 
@@ -105,6 +110,11 @@ def is_number(cell: str, decimal: str) -> bool:
 def looks_numeric(cell: str) -> bool:
     """Return whether a cell is written like a number in any country; it need not be readable."""
     return _NUMBER_SHAPED.fullmatch(cell) is not None and not cell.endswith(",")
+
+
+def is_value(cell: str) -> bool:
+    """Return whether a cell is written like a number or a time stamp."""
+    return looks_numeric(cell) or is_stamp(cell)
 
 
 def bare_unit(text: str) -> str:
@@ -134,13 +144,15 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         for row in rows[:2]
     )
     decimal = layout.decimal or _find_decimal(head, rows.data_row, separator, text.source)
+    first_row = split_line(lines[rows.data_row - 1], separator)
     return Dialect(
         separator=separator,
         decimal=decimal,
         rows=rows,
         header=header,
         units=units,
-        n_cells=len(split_line(lines[rows.data_row - 1], separator)),
+        n_cells=len(first_row),
+        stamps=frozenset(index for index, cell in enumerate(first_row) if is_stamp(cell)),
         no_value=layout.no_value,
         no_value_numbers=layout.no_value_numbers(decimal),
     )
@@ -158,9 +170,11 @@ def _check(layout: TableLayout) -> None:
         refuse("separator", 'use an ASCII character such as ";"')
     if layout.decimal not in ("", ".", ","):
         refuse("decimal", 'use "." or ","')
+    if layout.date_order not in ("", *ORDERS):
+        refuse("date_order", 'use "dmy", "mdy" or "ymd"')
     if layout.header_row < -1:
         refuse("header_row", "give a line number from 1, 0 for none, or leave it out")
-    for key in ("units_row", "data_row", "block_names_row", "block_columns"):
+    for key in ("units_row", "data_row", "block_names_row", "block_columns", "skip_footer"):
         if getattr(layout, key) < 0:
             refuse(key, "give a number from 1, or leave it out")
     if 0 < layout.data_row <= layout.last_head_row:
@@ -176,7 +190,7 @@ def _typical_row(rows: Sequence[Sequence[str]]) -> Sequence[str]:
 
 def _with_numbers(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
     """Return the rows that hold any number: words are a header or a preamble, and say nothing about the data."""
-    return [row for row in rows if any(looks_numeric(cell) for cell in row)]
+    return [row for row in rows if any(is_value(cell) for cell in row)]
 
 
 def _find_separator(
@@ -201,7 +215,7 @@ def _find_separator(
             continue
         alike = [row for row in rows if len(row) == width]
         cells = [cell for row in alike for cell in row if cell not in no_value]
-        numeric = sum(looks_numeric(cell) for cell in cells) / max(len(cells), 1)
+        numeric = sum(is_value(cell) for cell in cells) / max(len(cells), 1)
         score = (round(numeric, 2), len(alike) / len(rows))
         if score > best_score:
             best, best_score, best_width = candidate, score, width
@@ -300,10 +314,10 @@ def _first_data_row(
     rows: Sequence[Sequence[str]], below: Sequence[int], typical: Sequence[str], layout: TableLayout
 ) -> int:
     """Return the first row that holds numbers wherever a typical row does, or nothing but numbers."""
-    no_value, is_numeric = layout.no_value, [looks_numeric(cell) for cell in typical]
+    no_value, is_numeric = layout.no_value, [is_value(cell) for cell in typical]
     for place, number in enumerate(below):
         row = rows[number - 1]
-        hits = [looks_numeric(cell) for cell in row]
+        hits = [is_value(cell) for cell in row]
         fits = [hit or cell in no_value for hit, cell in zip(hits, row, strict=True)]
         is_typical = len(row) == len(typical) and all(
             fit or not numeric for fit, numeric in zip(fits, is_numeric, strict=True)
@@ -328,7 +342,7 @@ def _words_above(
         row = rows[number - 1]
         words = [cell for cell in row if cell]
         wide = len(row) > 1 or len(rows[data_row - 1]) == 1
-        return wide and bool(words) and not any(looks_numeric(cell) for cell in words)
+        return wide and bool(words) and not any(is_value(cell) for cell in words)
 
     units_row = layout.units_row
     above = [n for n in inked if n < (units_row or data_row) and n != layout.block_names_row]

@@ -1,4 +1,4 @@
-"""Which law the data ask for: all laws on one trial table, ranked by AICc over the conditions.
+"""Which law the data ask for: all laws on one trial table, ranked by AICc over the conditions, and the one to use.
 
 A law stands on the condition means: refit there, judged by likelihood, with each mean left out. Residuals are those of
 the force that was measured: the lift force or, where a known weight is lifted, the end tension. Where the load is set
@@ -16,10 +16,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError, RopefricError, UnknownNameError
+from ropefric.errors import FitError, InputError, RopefricError, UnknownNameError
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import (
@@ -32,7 +33,8 @@ from ropefric.fitting.statistics import (
     f_test,
     scatter_fit,
 )
-from ropefric.fitting.verdict import RIVAL, FitStatus
+from ropefric.fitting.verdict import RIVAL, Doubt, FitStatus, Verdict, same_lift, verdict_of
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
@@ -53,6 +55,7 @@ _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
 _STRAYED = 10.0
 _CHANCE = 0.05
+# Criteria are differences of logarithms, weights and p-values their powers.
 _DIGITS = 6
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4
@@ -93,7 +96,7 @@ class ComparisonEntry:
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON object of the entry; None where there is no number."""
         names = (item.name for item in fields(self) if item.name != "fit")
-        return _rounded({name: getattr(self, name) for name in names})
+        return dict(rounded_tree({name: getattr(self, name) for name in names}, _DIGITS))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -143,17 +146,12 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
-        tests = [asdict(test) for test in self.tests]
-        return _rounded({
-            "ranking": [entry.to_dict() for entry in self.ranking], "f_tests": tests, "unit": self.unit, "n": self.n,
-            "n_trials": self.n_trials, "scatter_within": self.scatter_within, "conclusive": self.conclusive,
-            "notes": list(self.notes),
-        })  # fmt: skip
-
-
-def _rounded(tree: dict[str, Any]) -> dict[str, Any]:
-    """Return numbers to six digits: criteria are differences of logarithms, weights and p-values their powers."""
-    return dict(rounded_tree(tree, _DIGITS))
+        names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes")
+        tree = {name: getattr(self, name) for name in names} | {
+            "ranking": [entry.to_dict() for entry in self.ranking],
+            "f_tests": [asdict(test) for test in self.tests],
+        }
+        return dict(rounded_tree(tree, _DIGITS))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -197,19 +195,11 @@ def compare_laws(
             # The law itself knows best why it has no answer on these conditions.
             reasons = law.validity([parameter.start for parameter in law.parameters], table.conditions())
             notes[name] = reasons[0] if reasons else str(error)
-    constant = fits["constant"].data
-    means = condition_means(
-        constant if unit == "conditions" else replace(constant, group=np.arange(constant.n_points))
-    )
-    slack = table.measures_slack
+    data, slack = fits["constant"].data, table.measures_slack
+    means = condition_means(data if unit == "conditions" else replace(data, group=np.arange(data.n_points)))
     standings = {name: standing(fit.data, means, fit.theta, slack=slack) for name, fit in fits.items()}
     for name, stands in standings.items():
-        notes[name] = (
-            notes[name]
-            or _too_few(stands)
-            or _strayed(fits[name], stands, means)
-            or _twin(name, standings, notes)
-        )
+        notes[name] = notes[name] or _no_judge(fits[name], stands, means) or _twin(name, standings, notes)
     ranking = _ranking(fits, standings, notes, len(means))
     tests = tuple(
         found
@@ -222,7 +212,7 @@ def compare_laws(
         tests=tests,
         unit=unit,
         n=len(means),
-        n_trials=constant.n_points,
+        n_trials=data.n_points,
         scatter_within=means.scatter_within,
         notes=_notes(ranking, tests, means, unit, slack=slack),
     )
@@ -233,18 +223,18 @@ def _ranking(
 ) -> tuple[ComparisonEntry, ...]:
     """Return all laws, those without a note weighed and first."""
     ranked = [name for name, note in notes.items() if not note]
-    best = min((standings[name].aicc for name in ranked), default=math.nan)
-    weights = akaike_weights([standings[name].aicc for name in ranked]).tolist()
+    criteria = [standings[name].aicc for name in ranked]
     # Weights say nothing of one law, nor of the constant ones where others went unjudged: a law that the data show to
     # be a simpler one was judged, one without an answer, or with too few data, was not.
     judged = len(fits) == len(notes) and all(
         fit.status not in _NO_ANSWER and standings[name].aicc < math.inf for name, fit in fits.items()
     )
-    if len(ranked) < 2 or (set(ranked) <= set(ALWAYS) and not judged):
-        weights = [math.nan] * len(ranked)
-    weight_of, entries = dict(zip(ranked, weights, strict=True)), []
+    told = len(ranked) > 1 and (judged or not set(ranked) <= set(ALWAYS))
+    weight_of = dict(zip(ranked, akaike_weights(criteria).tolist(), strict=True))
+    best, entries = min(criteria, default=math.nan), []
     for name, note in notes.items():
-        entry = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight_of.get(name, 0.0))
+        weight = 0.0 if note else weight_of[name] if told else math.nan
+        entry = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight)
         if name in fits:
             stands, fit = standings[name], fits[name]
             entry = replace(
@@ -270,30 +260,25 @@ def _why_not(fit: FitResult) -> str:
     return ""
 
 
-def _too_few(stands: Standing) -> str:
-    few = counted(stands.problem.n_points, "observation")
-    text = f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
-    return text if stands.aicc == math.inf else ""
-
-
-def _strayed(fit: FitResult, stands: Standing, means: ConditionMeans) -> str:
-    """Return whether the fit of ln F_A missed the measured end tensions; empty if it did not."""
-    if not stands.slack:
-        return ""
-    residual = measured_residual(stands.problem, fit.theta, slack=True)
-    if scatter_fit(residual, means).deviance <= stands.scatter.deviance + _STRAYED:
-        return ""
-    return "its fit answers the lift that was set whatever the end tension, and so says nothing of what was measured"
+def _no_judge(fit: FitResult, stands: Standing, means: ConditionMeans) -> str:
+    """Return why the conditions cannot judge a law, or its fit missed what was measured; empty otherwise."""
+    if stands.aicc == math.inf:
+        few = counted(len(means), "observation")
+        return f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
+    if stands.slack:
+        residual = measured_residual(stands.problem, fit.theta, slack=True)
+        if scatter_fit(residual, means).deviance > stands.scatter.deviance + _STRAYED:
+            text = "its fit answers the lift that was set whatever the end tension"
+            return f"{text}, and so says nothing of what was measured"
+    return ""
 
 
 def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]) -> str:
     """Return which simpler or earlier law gives the same forces; empty if none does."""
-    mine, earlier = standings[name], True
+    mine, order = standings[name], list(standings)
     for other, theirs in standings.items():
-        if other == name:
-            earlier = False
-            continue
-        if notes[other] or not (theirs.k < mine.k or (earlier and theirs.k == mine.k)):
+        earlier = order.index(other) < order.index(name)
+        if other == name or notes[other] or not (theirs.k < mine.k or (earlier and theirs.k == mine.k)):
             continue
         lifts = [law.problem.law.log_lift(law.theta, law.problem.conditions) for law in (theirs, mine)]
         if float(np.abs(lifts[0] - lifts[1]).max()) <= _SAME:
@@ -316,10 +301,18 @@ def _notes(
         notes.append("no condition was repeated, so every trial is a condition of its own")
     if slack:
         notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
-    ranked = [entry for entry in ranking if entry.counted]
-    if any(math.isnan(entry.weight) for entry in ranked) or not ranked:
-        notes += _unjudged(ranking, tests, in_all)
-    rivals = [e.law for e in ranked if e.delta_aicc <= RIVAL]
+    ranked = {entry.law: entry for entry in ranking if entry.counted}
+    if not ranked or math.isnan(ranking[0].weight):
+        named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
+        notes.append(
+            f"{named} ranked on {in_all}, so weights would say nothing and no law is chosen: measure more conditions"
+        )
+        against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
+        worst = min(against, key=lambda test: test.p_value, default=None)
+        if worst is not None and worst.p_value < _CHANCE:
+            more = f"{worst.fuller}, which is not ranked, follows the trials better (p = {worst.p_value:.2g})"
+            notes.append(f"an F-test speaks against {worst.simpler}: {more}")
+    rivals = [law for law, entry in ranked.items() if entry.delta_aicc <= RIVAL]
     if len(rivals) > 1:
         notes.append(f"within 2 of the best AICc, so not told apart: {', '.join(rivals)}")
     wraps = [law for law in rivals if "wrap-dependence" in ALL_LAWS[law].effects]
@@ -329,19 +322,6 @@ def _notes(
             f"{', '.join(wraps)}: measure the offset at a wrap near zero"
         )
     return tuple(notes)
-
-
-def _unjudged(ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], in_all: str) -> list[str]:
-    """Return that the ranking decides nothing, and which test speaks most against what it holds."""
-    ranked = [entry.law for entry in ranking if entry.counted]
-    named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
-    text = f"{named} ranked on {in_all}, so weights would say nothing and no law is chosen: measure more conditions"
-    against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
-    worst = min(against, key=lambda test: test.p_value, default=None)
-    if worst is None or not worst.p_value < _CHANCE:
-        return [text]
-    more = f"{worst.fuller}, which is not ranked, follows the trials better (p = {worst.p_value:.2g})"
-    return [text, f"an F-test speaks against {worst.simpler}: {more}"]
 
 
 def standing(
@@ -461,3 +441,138 @@ def _end_tension_fit(
         )
     best = min(ends, key=lambda found: float(found.cost))
     return full(best.x), bool(best.success)
+
+
+# Their forces follow the data as well as those of others, whatever is known of their parameters.
+_ANSWERING = frozenset({FitStatus.OK, FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Choice:
+    """The law that is used."""
+
+    fit: FitResult
+    entry: ComparisonEntry
+    forced: bool
+    verdict: Verdict
+    doubts: tuple[str, ...]
+    rivals: tuple[FitResult, ...]
+
+    @property
+    def how(self) -> str:
+        """Return how the law came to be used, and the verdict."""
+        chosen = self.entry.counted and not math.isnan(self.entry.weight)
+        place = "the best by AICc" if chosen else "shown, since none could be chosen"
+        return f"{'as asked for' if self.forced else place}; {self.verdict.word}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree of the law and the verdict."""
+        return {"law": self.fit.law, "verdict": self.verdict.to_dict()}
+
+    def of(self, prediction: Prediction) -> Prediction:
+        """Return a prediction of one condition with this verdict, and beside it what the rivals answer."""
+        candidates = _candidates(prediction, (self.fit, *self.rivals))
+        return replace(prediction, judged=self.verdict, candidates=candidates if len(candidates) > 1 else ())
+
+
+def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
+    """Return the best law of a comparison whose fit may be used as it stands, or the law that is asked for."""
+    fits = {entry.law: entry.fit for entry in comparison.ranking if entry.fit is not None}
+    fitted = [entry for entry in comparison.ranking if entry.law in fits]
+    if law:
+        chosen = comparison[law]
+        if law not in fits:
+            raise FitError(f"{law} has no answer on these data: {chosen.note}", fix="use another law")
+    else:
+        good = [entry for entry in fitted if entry.counted and fits[entry.law].trustworthy]
+        chosen = (good or fitted)[0]
+    fit = fits[chosen.law]
+    # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
+    rivals = [
+        fits[entry.law]
+        for entry in fitted
+        if entry is not chosen
+        and (
+            entry.counted and entry.delta_aicc <= RIVAL and fits[entry.law].status in _ANSWERING
+            if comparison.conclusive
+            else fits[entry.law].status is FitStatus.OK
+        )
+    ]
+    doubts = [*_of_place(comparison, chosen, fitted[0], forced=bool(law)), *fit.doubts]
+    other = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
+    if other:
+        where = "on the conditions tested" if wheel is None else "for the wheel asked for"
+        text = f"are within {RIVAL:g} in AICc and answer differently {where}"
+        doubts.append(("undecided", f"{chosen.law} and {' and '.join(other)} {text}"))
+    weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"
+    names = " and ".join(rival.law for rival in rivals)
+    alike = f"; {names} answer{'s' * (len(rivals) == 1)} alike" if rivals else ""
+    place = "has the lowest AICc" if chosen.delta_aicc <= 0.0 else f"is within {RIVAL:g} of the lowest AICc"
+    text = f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
+    return Choice(
+        fit=fit,
+        entry=chosen,
+        forced=bool(law),
+        verdict=verdict_of(doubts, text),
+        doubts=tuple(dict.fromkeys(text for _, text in doubts)),
+        rivals=tuple(rivals),
+    )
+
+
+def _of_place(
+    comparison: Comparison, chosen: ComparisonEntry, first: ComparisonEntry, *, forced: bool
+) -> list[Doubt]:
+    """Return what the place of a law in the comparison says against it."""
+    if not comparison.conclusive:
+        ranked = [entry.law for entry in comparison.ranking if entry.counted]
+        named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
+        where = counted(comparison.n, comparison.unit[:-1])
+        return [("not judged", f"no choice of law: {named} ranked on {where}; measure more conditions")]
+    if not chosen.counted:
+        return [("not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}")]
+    lead = chosen.delta_aicc - (first.delta_aicc if first.counted else 0.0)
+    if chosen is first or lead <= 0.0:
+        return []
+    text = f"{first.law} stands {lead:.1f} in AICc before"
+    if forced:
+        text = f"{chosen.law} was asked for; {text} it"
+    else:
+        text = f"{text} {chosen.law}, but is not to be used as it stands: {first.status}"
+    return [("undecided" if lead > RIVAL else "supported", text)]
+
+
+def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
+    """Return whether two laws give the same lift force for a wheel, or on the conditions tested."""
+    if wheel is None:
+        if fit.problem is None:
+            return True
+        wheel = fit.problem.conditions.select(np.unique(fit.problem.group, return_index=True)[1])
+    try:
+        own, other = (predict(one, wheel, check=False) for one in (fit, rival))
+    except RopefricError:
+        return False
+    laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
+    nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
+    # Of a law on a bound no interval is known, and only its force can be looked at.
+    known = rival.status is FitStatus.OK
+    return same_lift(
+        other.log_lift - own.log_lift, own.log_half_width, other.log_half_width, nested=nested or not known
+    )
+
+
+def _candidates(prediction: Prediction, fits: Sequence[FitResult]) -> tuple[Candidate, ...]:
+    """Return the answers of several laws for one condition, the same one once."""
+    found: list[Candidate] = []
+    for fit in fits:
+        try:
+            other = predict(
+                fit, prediction.conditions, level=prediction.level, method=prediction.method, check=False
+            )
+        except RopefricError:
+            continue
+        lift_N = float(other.lift_force_N[0])
+        if not any(math.isclose(lift_N, item.lift_force_N, rel_tol=1e-6) for item in found):
+            low, high = other.interval_N[0].tolist()
+            std_N = float(other.std_N[0])
+            found.append(Candidate(law=fit.law, lift_force_N=lift_N, std_N=std_N, interval_N=(low, high)))
+    return tuple(found)

@@ -137,8 +137,7 @@ class Design:
             "lower_bound_N", "limit_lift_N", "limit_bound_N",
         )  # fmt: skip
         numbers = {name: float(getattr(self, name)[i]) for name in names}
-        row: dict[str, Any] = {name: value if np.isfinite(value) else None for name, value in numbers.items()}
-        return row | {
+        return {name: value if math.isfinite(value) else None for name, value in numbers.items()} | {
             "solve_for": self.solve_for,
             "probability": self.probability,
             "status": DesignStatus(int(self.status[i])).name.lower().replace("_", "-"),
@@ -176,17 +175,12 @@ class LiftBound:
         rows = np.flatnonzero(self.law.answers(self.theta, conditions))
         for first in range(0, rows.size, _CHUNK):
             some = rows[first : first + _CHUNK]
-            chosen = conditions.select(some)
-            eta[some] = self.law.log_lift(self.theta, chosen)
-            bound[some] = eta[some] - self.margin(chosen)
+            chosen = conditions if some.size == len(conditions) else conditions.select(some)
+            eta[some] = bound[some] = self.law.log_lift(self.theta, chosen)
+            if self.reach:
+                std = linear_std(LiftModel(law=self.law), self.theta, self.covariance, chosen)
+                bound[some] -= self.reach * np.hypot(std, self.scatter)
         return eta, bound
-
-    def margin(self, conditions: Conditions) -> FloatArray:
-        """Return by how much the bound lies below the mean in ln F_A, shape (n,)."""
-        if self.reach == 0.0:
-            return np.zeros(len(conditions))
-        std = linear_std(LiftModel(law=self.law), self.theta, self.covariance, conditions)
-        return self.reach * np.hypot(std, self.scatter)
 
 
 def design(
@@ -211,33 +205,35 @@ def design(
         lift_N=lift_N, rope_radius_m=rope_radius_m, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    n, bound, log_load = load_N.size, LiftBound(fit, probability), np.log(load_N)
+    n, bounds, log_load = load_N.size, (LiftBound(fit, None), LiftBound(fit, probability)), np.log(load_N)
     parts = []
     for part in (slice(first, first + _CHUNK) for first in range(0, n, _CHUNK)):
         some = {name: values[part] for name, values in given.items()}
-        parts.append(_search(bound, solve_for, (low, high), some, log_load[part]))
-    x, status, eta, lower, at_limit, bound_at_limit = map(np.concatenate, zip(*parts, strict=True))
-    arrays = given | {QUANTITIES[solve_for][0]: x}
-    reached = status <= DesignStatus.LOWER_LIMIT
-    extrapolated = np.zeros(n, dtype=np.bool_)
-    if reached.any():
-        chosen = Conditions(**{name: values[reached] for name, values in arrays.items()})
-        extrapolated[reached] = outside_range(fit.validity, chosen).any(axis=1)
+        parts.append(_search(bounds, solve_for, (low, high), some, log_load[part]))
+    x, status = map(np.concatenate, zip(*parts, strict=True))
+    reached, target = status <= DesignStatus.LOWER_LIMIT, QUANTITIES[solve_for][0]
+    # The designs, and the upper limit where there is none.
+    at = Conditions(**given, **{target: np.where(reached, x, high)})
     with np.errstate(over="ignore"):
-        return Design(
-            solve_for=solve_for,
-            value=x,
-            required_N=np.exp(log_load),
-            lift_force_N=np.exp(eta),
-            lower_bound_N=np.exp(lower),
-            probability=probability,
-            status=status.astype(np.int8),
-            limits=(low, high),
-            limit_lift_N=np.exp(at_limit),
-            limit_bound_N=np.exp(bound_at_limit),
-            extrapolated=extrapolated,
-            **arrays,
-        )
+        forces_N = np.exp(bounds[1].evaluate(at))
+    lift_N, bound_N, limit_lift_N, limit_bound_N = (
+        np.where(mask, row, np.nan) for mask in (reached, ~reached) for row in forces_N
+    )
+    return Design(
+        solve_for=solve_for,
+        value=x,
+        required_N=np.exp(log_load),
+        lift_force_N=lift_N,
+        lower_bound_N=bound_N,
+        probability=probability,
+        status=status.astype(np.int8),
+        limits=(low, high),
+        limit_lift_N=limit_lift_N,
+        limit_bound_N=limit_bound_N,
+        extrapolated=outside_range(fit.validity, at).any(axis=1) & reached,
+        **given,
+        **{target: x},
+    )
 
 
 def _checked(
@@ -267,87 +263,71 @@ def _checked(
         )
     low, high = (float(end) for end in (limits or usual))
     if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):
-        raise InputError(
-            f"limits {low:g} to {high:g} {unit} are none", key="limits", fix="give 0 < low < high in SI"
-        )
+        text = f"limits {low:g} to {high:g} {unit} are none"
+        raise InputError(text, key="limits", fix="give 0 < low < high in SI")
     try:
         same = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
     except ValueError:
         lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
-        raise InputError(
-            f"the designs disagree in length: {lengths}", fix="give one value each, or one for all"
-        ) from None
+        fix = "give one value each, or one for all"
+        raise InputError(f"the designs disagree in length: {lengths}", fix=fix) from None
     load_N = same.pop("lift_N")
     # Every quantity is looked at here, so that no search meets a bad one.
     Conditions(**same, **{target: np.array(high)})
-    if load_N.size and not (np.isfinite(load_N) & (load_N > 0.0)).all():
-        worst = int(np.argmin(np.where(np.isfinite(load_N), load_N, -np.inf)))
-        raise InputError(
-            f"lift_N[{worst}] is {load_N[worst]:g} N; it must be finite and positive", key="lift_N"
-        )
+    bad = np.flatnonzero(~(np.isfinite(load_N) & (load_N > 0.0)))
+    if bad.size:
+        text = f"lift_N[{bad[0]}] is {load_N[bad[0]]:g} N; it must be finite and positive"
+        raise InputError(text, key="lift_N")
     return same, load_N, (low, high)
 
 
 def _search(
-    bound: LiftBound,
+    bounds: tuple[LiftBound, LiftBound],
     solve_for: SolveFor,
     limits: tuple[float, float],
     given: Mapping[str, FloatArray],
     load: FloatArray,
-) -> tuple[npt.NDArray[Any], ...]:
-    """Return value, status, ln F_A, ln bound, and both at the upper limit, of designs for ln loads.
+) -> tuple[FloatArray, npt.NDArray[np.int8]]:
+    """Return value and status of designs for ln loads.
 
     The search moves in the wrap itself, and in the logarithm of a radius or an end tension.
     """
-    n, wrap, law, theta = load.size, solve_for == "wrap", bound.law, bound.theta
+    (mean, bound), n, wrap = bounds, load.size, solve_for == "wrap"
     target, column = QUANTITIES[solve_for][0], list(QUANTITIES).index(solve_for)
     low, high = (max(end, _LEAST_WRAP_RAD) if wrap else math.log(end) for end in limits)
 
-    def conditions(x: FloatArray, rows: npt.NDArray[Any]) -> Conditions:
-        return Conditions(**{name: values[rows] for name, values in given.items()}, **{target: x})
-
-    def value_of(x: FloatArray) -> FloatArray:
-        return np.where(x <= _LEAST_WRAP_RAD, limits[0], x) if wrap else np.exp(x)
-
-    def above(at: FloatArray, rows: IntArray, *, bounded: bool) -> tuple[FloatArray, FloatArray]:
+    def above(at: FloatArray, rows: IntArray, by: LiftBound) -> tuple[FloatArray, FloatArray]:
         """Return how far above the load ln F_A is and its slope; −inf where the law has no answer."""
-        tried = conditions(at if wrap else np.exp(at), rows)
-        value, slope = np.full(rows.size, -np.inf), np.full(rows.size, np.nan)
-        good = np.flatnonzero(law.answers(theta, tried))
+        tried = Conditions(
+            **{name: values[rows] for name, values in given.items()}, **{target: at if wrap else np.exp(at)}
+        )
+        value, slope = by.evaluate(tried)[1] - load[rows], np.full(rows.size, np.nan)
+        good = np.flatnonzero(np.isfinite(value))
         if good.size:
             chosen = tried if good.size == rows.size else tried.select(good)
-            value[good] = law.log_lift(theta, chosen) - load[rows[good]]
-            if bounded:
-                value[good] -= bound.margin(chosen)
-            by = law.log_lift_gradient_conditions(theta, chosen)[:, column]
-            slope[good] = by * chosen.wheel_radius_m if solve_for == "radius" else by
-        return value, slope
+            by_setting = mean.law.log_lift_gradient_conditions(mean.theta, chosen)[:, column]
+            slope[good] = by_setting * chosen.wheel_radius_m if solve_for == "radius" else by_setting
+        return np.where(np.isnan(value), -np.inf, value), slope
 
     x, status = np.full(n, np.nan), np.full(n, DesignStatus.OK, dtype=np.int8)
     lows, highs, everything = np.full(n, low), np.full(n, high), np.arange(n)
-    enough = above(lows, everything, bounded=True)[0] >= 0.0
+    enough = above(lows, everything, bound)[0] >= 0.0
     x[enough], status[enough] = low, DesignStatus.LOWER_LIMIT
-    status[~enough & (above(highs, everything, bounded=False)[0] < 0.0)] = DesignStatus.OUT_OF_REACH
+    status[~enough & (above(highs, everything, mean)[0] < 0.0)] = DesignStatus.OUT_OF_REACH
     rows = np.flatnonzero(status == DesignStatus.OK)
     if rows.size:
         root = lows[rows]
-        below = above(root, rows, bounded=False)[0] < 0.0
+        below = above(root, rows, mean)[0] < 0.0
         some = rows[below]
-        root[below] = rising_root(lambda at, i: above(at, some[i], bounded=False), lows[some], highs[some])
+        root[below] = rising_root(lambda at, i: above(at, some[i], mean), lows[some], highs[some])
         if bound.reach > 0.0:
-            left, right = first_crossing(lambda at, i: above(at, rows[i], bounded=True), root, highs[rows])
+            left, right = first_crossing(lambda at, i: above(at, rows[i], bound), root, highs[rows])
             held = ~np.isnan(right)
             status[rows[~held]] = DesignStatus.TOO_UNCERTAIN
             rows, left, right = rows[held], left[held], right[held]
-            root = rising_root(lambda at, i: above(at, rows[i], bounded=True), left, right, start=left)
+            root = rising_root(lambda at, i: above(at, rows[i], bound), left, right, start=left)
         x[rows] = root
-    x, lost = value_of(x), status > DesignStatus.LOWER_LIMIT
-    found, at_limit = np.full((2, n), np.nan), np.full((2, n), np.nan)
-    if not lost.all():
-        found[:, ~lost] = bound.evaluate(conditions(x[~lost], ~lost))
-    if lost.any():
-        at_limit[:, lost] = bound.evaluate(conditions(value_of(highs[lost]), lost))
-    return x, status, *found, *at_limit
+    return np.where(x <= _LEAST_WRAP_RAD, limits[0], x) if wrap else np.exp(x), status
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -383,18 +363,19 @@ def design_chart(
         wrap_angle_rad=grid[1].ravel(),
         end_tension_N=np.array(end_tension_N),
     )
-    eta, lower = LiftBound(fit, probability).evaluate(conditions)
+    outside = outside_range(fit.validity, conditions).any(axis=1)
     with np.errstate(over="ignore"):
-        return DesignChart(
-            wheel_radius_m=radii,
-            wrap_angle_rad=wraps,
-            rope_radius_m=float(rope_radius_m),
-            end_tension_N=float(end_tension_N),
-            lift_force_N=np.exp(eta).reshape(grid[0].shape),
-            lower_bound_N=np.exp(lower).reshape(grid[0].shape),
-            probability=probability,
-            extrapolated=outside_range(fit.validity, conditions).any(axis=1).reshape(grid[0].shape),
-        )
+        lift_N, bound_N = np.exp(LiftBound(fit, probability).evaluate(conditions))
+    return DesignChart(
+        wheel_radius_m=radii,
+        wrap_angle_rad=wraps,
+        rope_radius_m=float(rope_radius_m),
+        end_tension_N=float(end_tension_N),
+        lift_force_N=lift_N.reshape(grid[0].shape),
+        lower_bound_N=bound_N.reshape(grid[0].shape),
+        probability=probability,
+        extrapolated=outside.reshape(grid[0].shape),
+    )
 
 
 def rising_root(

@@ -11,8 +11,7 @@ from scipy.special import fdtrc, stdtr
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.choice import choose_law
-from ropefric.fitting.compare import Comparison, ComparisonEntry, compare_laws
+from ropefric.fitting.compare import Comparison, ComparisonEntry, choose_law, compare_laws
 from ropefric.fitting.statistics import ConditionMeans, condition_means
 from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import distinct

@@ -6,7 +6,7 @@ once: along a grid, further where needed, then to the root. A bootstrap refits t
 
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +19,9 @@ from ropefric.files.digits import to_share
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import MANY, FitProblem, Rows, pooled, reduced
 from ropefric.fitting.result import FitResult
-from ropefric.fitting.statistics import TwoLevelScatter, plain_covariance, two_level_scatter
+from ropefric.fitting.statistics import plain_covariance, two_level_scatter
 from ropefric.registry import did_you_mean
-from ropefric.uncertainty.quantity import check_level, quantile
+from ropefric.uncertainty.quantity import quantile
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 
@@ -57,24 +57,14 @@ _ENOUGH_TO_DRAW = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ProfileCurve:
-    """The profile of one parameter, for plotting."""
-
-    name: str
-    value: FloatArray
-    delta_chi2: FloatArray
-    threshold: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProfileResult:
-    """Profile-likelihood intervals of a fit."""
+    """Profile-likelihood intervals of a fit, the Δχ² at their ends, and how many fits it took to find them."""
 
-    level: float
     theta: FloatArray
     ci: FloatArray
     at_bound: BoolArray
-    curves: tuple[ProfileCurve, ...]
+    threshold: FloatArray
+    n_fits: int
     notes: tuple[str, ...]
 
 
@@ -85,12 +75,11 @@ def profile_intervals(
     level: float = 0.95,
     scale: npt.ArrayLike = 1.0,
     absolute_std: bool = False,
-    dof: float | None = None,
 ) -> ProfileResult:
     """Return the profile-likelihood interval of every fitted parameter.
 
     A value belongs to the interval while Δχ² = χ²(value, others refitted) − χ²_min stays below scale · s² · F, with
-    s² = χ²_min/(n − q) and F the quantile of F(1, dof); with absolute_std, below scale · the quantile of χ²(1).
+    s² = χ²_min/(n − q) and F the quantile of F(1, n − q); with absolute_std, below scale · the quantile of χ²(1).
     Correlated points make Δχ² too large by the ratio of the true variance to the one it believes in, parameter by
     parameter; dividing by that ratio (Chandler & Bate 2007, Biometrika 94:167, for one parameter at a time) gives
     back the size of the interval and keeps its shape.
@@ -101,19 +90,22 @@ def profile_intervals(
     exponent of `wrap-power` without a plateau), because the bound pulls half of all fits to one side; from half a
     standard error off the bound they are right again.
     """
-    check_level(level)
-    start = np.asarray(theta, dtype=np.float64)
-    inflation = np.broadcast_to(np.asarray(scale, dtype=np.float64), start.shape)
-    if not (np.isfinite(inflation) & (inflation > 0.0)).all():
-        raise InputError("scale must be finite and positive", key="scale", fix="1 for independent points")
-    fit = batched_fit(problem, starts=start)
+    fit = batched_fit(problem, starts=theta)
     best, chi2_min = fit.theta[0], float(fit.chi2[0])
-    if not np.isfinite(chi2_min):
-        raise InputError(
-            f"{problem.law.name} has no answer at theta = {start.tolist()}", code="RF420", key="theta"
-        )
     notes = [] if fit.converged[0] else ["the fit had not converged, so the intervals are not to be trusted"]
-    threshold = inflation * _unit_threshold(problem, chi2_min, level, absolute_std=absolute_std, dof=dof)
+    dof = problem.n_points - problem.n_varying
+    if not absolute_std and dof <= 0:
+        raise FitError(
+            f"{problem.n_points} points and {problem.n_varying} fitted parameters leave no degree of freedom to "
+            "estimate the scatter from",
+            fix="measure more, or fix a parameter; in Python, standard deviations may count as known (absolute_std)",
+        )
+    allowed = (
+        chi2_distribution.ppf(level, 1)
+        if absolute_std
+        else f_distribution.ppf(level, 1, dof) * chi2_min / dof
+    )
+    threshold = np.broadcast_to(np.asarray(scale) * allowed, best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.
     threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
     walk = _Walk(problem, best, chi2_min, threshold)
@@ -121,8 +113,8 @@ def profile_intervals(
     walk.refine()
     ci = np.stack([best, best], axis=-1)
     at_bound = np.zeros(ci.shape, dtype=np.bool_)
-    sides = zip(walk.parameter.tolist(), np.where(walk.sign < 0.0, 0, 1).tolist(), walk.ends(), strict=True)
-    for j, side, (end, kind) in sides:
+    for j, sign, (end, kind) in zip(walk.parameter, walk.sign, walk.ends(), strict=True):
+        side = int(sign > 0.0)
         ci[j, side], at_bound[j, side] = end, kind == "bound"
         if kind != "crossing":
             text = _END_NOTES[kind].format(("lower", "upper")[side], end)
@@ -133,29 +125,8 @@ def profile_intervals(
             "fit again from more starts"
         )
     return ProfileResult(
-        level=level,
-        theta=best,
-        ci=ci,
-        at_bound=at_bound,
-        curves=tuple(walk.curve(int(j), float(threshold[j])) for j in np.flatnonzero(problem.vary)),
-        notes=tuple(notes),
+        theta=best, ci=ci, at_bound=at_bound, threshold=threshold, n_fits=walk.n_fits, notes=tuple(notes)
     )
-
-
-def _unit_threshold(
-    problem: FitProblem, chi2_min: float, level: float, *, absolute_std: bool, dof: float | None
-) -> float:
-    if absolute_std:
-        return float(chi2_distribution.ppf(level, 1))
-    own = problem.n_points - problem.n_varying
-    used = float(own) if dof is None else float(dof)
-    if own <= 0 or not used > 0.0:
-        raise FitError(
-            f"{problem.n_points} points and {problem.n_varying} fitted parameters leave no degree of freedom to "
-            "estimate the scatter from",
-            fix="measure more, or fix a parameter; in Python, standard deviations may count as known (absolute_std)",
-        )
-    return float(f_distribution.ppf(level, 1, used)) * chi2_min / own
 
 
 class _Walk:
@@ -166,8 +137,7 @@ class _Walk:
 
     def __init__(self, problem: FitProblem, best: FloatArray, chi2_min: float, threshold: FloatArray) -> None:
         self.problem, self.best, self.chi2_min = problem, best, chi2_min
-        self.lowest = 0.0
-        self.seen: list[tuple[Rows, FloatArray, FloatArray]] = []
+        self.lowest, self.n_fits = 0.0, 1
         varying = np.flatnonzero(problem.vary)
         self.parameter = np.repeat(varying, 2)
         self.sign = np.tile([-1.0, 1.0], varying.size)
@@ -207,9 +177,8 @@ class _Walk:
         starts = np.where(usable[:, np.newaxis], starts, plain)
         delta = batched_fit(problem, starts=starts, vary=vary, tolerance=_TOLERANCE).chi2 - self.chi2_min
         self.lowest = min(self.lowest, float(delta.min(initial=0.0)))
-        delta = np.maximum(delta, 0.0)
-        self.seen.append((parameter, value, delta))
-        return np.asarray(np.sqrt(delta) - self.root[sides])
+        self.n_fits += delta.size
+        return np.asarray(np.sqrt(np.maximum(delta, 0.0)) - self.root[sides])
 
     def place(self, sides: Rows, distance: FloatArray, gap: FloatArray) -> None:
         """Move one end of each bracket to a distance in it."""
@@ -274,29 +243,16 @@ class _Walk:
         ]
         return list(zip(np.where(np.isinf(self.far), self.bound, ends).tolist(), kinds, strict=True))
 
-    def curve(self, j: int, threshold: float) -> ProfileCurve:
-        """Return what was met of one profile, the minimum among it, in rising order."""
-        value = np.concatenate([self.best[j : j + 1], *(v[p == j] for p, v, _ in self.seen)])
-        delta = np.concatenate([np.zeros(1), *(d[p == j] for p, _, d in self.seen)])
-        value, first = np.unique(value, return_index=True)
-        name = self.problem.law.parameter_names[j]
-        return ProfileCurve(name=name, value=value, delta_chi2=delta[first], threshold=threshold)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BootstrapResult:
-    """Parameters of the refitted resamples, and what they say of the fit."""
+    """Parameters of the resamples that could be refitted, shape (m, p), and what they say of the fit."""
 
-    best: FloatArray
     theta: FloatArray
-    std: FloatArray
-    n_failed: int
-    scatter: TwoLevelScatter
     notes: tuple[str, ...]
 
     def interval(self, level: float = 0.95) -> FloatArray:
         """Return the percentile interval of every parameter at a level between 0 and 1, shape (p, 2)."""
-        check_level(level)
         return np.quantile(self.theta, [(1.0 - level) / 2.0, (1.0 + level) / 2.0], axis=0).T
 
 
@@ -313,46 +269,27 @@ def bootstrap(
 
     "parametric" draws scatter about the law, at two levels; "clustered" draws whole conditions.
     """
-    best = np.asarray(theta, dtype=np.float64)
-    law, (p,) = problem.law, problem.start.shape
-    if best.shape != (p,):
-        raise InputError(f"theta has shape {best.shape}; law {law.name} needs {(p,)}")
+    law, best = problem.law, np.asarray(theta, dtype=np.float64)
     if not 2 <= n <= _MOST_RESAMPLES:
         what = "has no spread" if n < 2 else f"is too large: {_MOST_RESAMPLES} is the limit"
         raise InputError(f"a bootstrap of {n} resamples {what}", key="n", fix="take 2000")
     rng = np.random.default_rng(seed)
-    levels = two_level_scatter(problem, best) if scatter is None else TwoLevelScatter(*scatter)
-    if not all(np.isfinite(value) and value >= 0.0 for value in levels):
-        raise InputError(
-            f"the scatter within and between conditions is ({levels.within:g}, {levels.between:g})",
-            key="scatter",
-            fix="give standard deviations of ln F_A, zero or more",
-        )
+    within, between = two_level_scatter(problem, best) if scatter is None else scatter
     share: float | FloatArray = 1.0
     if problem.n_points >= MANY:
         problem, share = pooled(problem)
     group = np.unique(problem.group, return_inverse=True)[1]
-    k, q = int(group.max()) + 1, problem.n_varying
+    k = int(group.max()) + 1
     if kind == "parametric":
         lift = law.log_lift(best, problem.conditions)
         shared = rng.standard_normal((n, k))[:, group]
         own = rng.standard_normal((n, lift.size))
-        fits = batched_fit(problem, lift + levels.between * shared + levels.within * share * own, best)
+        fits = batched_fit(problem, lift + between * shared + within * share * own, best)
         good = fits.converged
-    elif kind == "clustered":
-        if k <= q:
-            raise InputError(
-                f"{k} conditions cannot be resampled for the {q} fitted parameters of {law.name}",
-                key="kind",
-                fix="take kind='parametric', or measure more conditions",
-            )
+    else:
         counts = rng.multinomial(k, np.full(k, 1.0 / k), size=n)
         fits = batched_fit(problem, None, best, multiplicity=counts[:, group])
-        good = fits.converged & ((counts > 0).sum(axis=1) >= q)
-    else:
-        raise UnknownNameError(
-            f"unknown kind of bootstrap {kind!r}", fix=did_you_mean(str(kind), get_args(BootstrapKind))
-        )
+        good = fits.converged & ((counts > 0).sum(axis=1) >= problem.n_varying)
     refits = fits.theta[good]
     failed = n - len(refits)
     if len(refits) < 2:
@@ -371,14 +308,7 @@ def bootstrap(
         for name, part in zip(law.parameter_names, at_bound, strict=True)
         if part > _WORTH_A_NOTE
     ]
-    return BootstrapResult(
-        best=best,
-        theta=refits,
-        std=refits.std(axis=0, ddof=1) * problem.vary,
-        n_failed=failed,
-        scatter=levels,
-        notes=tuple(notes),
-    )
+    return BootstrapResult(theta=refits, notes=tuple(notes))
 
 
 def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0) -> FitResult:
@@ -398,7 +328,8 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
         )
     how: dict[str, str | int] = {"method": method}
     if method == "profile":
-        ends, notes = _profile(fit, problem)
+        found = _profile(fit, problem)
+        ends, notes = found.ci, found.notes
     else:
         enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
         whole = enough <= fit.statistics.n_conditions < fit.statistics.n
@@ -417,18 +348,15 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
     )
 
 
-def _profile(fit: FitResult, problem: FitProblem) -> tuple[FloatArray, tuple[str, ...]]:
+def _profile(fit: FitResult, problem: FitProblem) -> ProfileResult:
     if fit.covariance_kind == "scaled":
-        found = profile_intervals(problem, fit.theta)
-        return found.ci, found.notes
+        return profile_intervals(problem, fit.theta)
     # χ² believes in independent trials and a normal quantile; the fit's own covariance and Student's t know better.
     variance = np.diag(fit.covariance)
     shown = variance > 0.0
-    plain = np.zeros_like(variance)
+    plain = np.ones_like(variance)
     plain[shown] = np.diag(plain_covariance(problem.jacobian(fit.theta)[:, shown]))
-    ratio = np.divide(variance, plain, out=np.ones_like(variance), where=plain > 0.0)
-    ratio = np.where(np.isfinite(ratio) & (ratio > 0.0), ratio, 1.0)
+    ratio = np.where(shown & np.isfinite(variance) & (plain > 0.0), variance / plain, 1.0)
     dof, normal = fit.statistics.interval_dof, quantile(0.975, inf)
     reach = quantile(0.975, dof) if dof > 0 else normal
-    found = profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2, absolute_std=True)
-    return found.ci, found.notes
+    return profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2, absolute_std=True)

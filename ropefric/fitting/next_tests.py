@@ -2,30 +2,21 @@
 
 In: what is known of a law (`planned_fit`, or `planned_guess` before the first test) and what the rig can set. Out: a
 `LabPlan` with how certain the wanted lift forces are expected to be before and after, and with the usual plan instead.
+The best plan is found by exchange of conditions against candidates until no exchange helps (Fedorov 1972); the plan to
+compare with varies one factor at a time about a centre, as such campaigns are usually made.
 """
 
-import csv
-import io
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting.plan_search import (
-    FACTORS,
-    Criterion,
-    Exchange,
-    RigLimits,
-    best_plan,
-    middle_of,
-    nearest_to,
-    one_factor_plan,
-)
+from ropefric.files.plain_text import csv_text
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import decomposed, plain_covariance
@@ -35,7 +26,98 @@ from ropefric.registry import did_you_mean
 from ropefric.uncertainty.quantity import quantile
 
 SCHEMA = "ropefric.test-plan/1"
-_MOST = 1000
+
+Criterion = Literal["v", "d"]
+"""Make the variance of the wanted predictions small, or the volume of the parameters' ellipsoid."""
+
+FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
+"""What a plan may vary; the rope is the same throughout."""
+
+BALANCE = 0.3
+"""Weight of the parameters' ellipsoid in a plan for a prediction [-]; it costs that prediction a few per cent."""
+
+# Of one factor, of conditions, repeats and starts; and of all combinations, each weighed against the others.
+_MOST, _MOST_CONDITIONS = 1000, 50_000
+# Keeps the inverse finite while a plan of few conditions has one taken out; a whitened plan has eigenvalues near 1.
+_RIDGE = 1e-13
+_TINY = float(np.finfo(np.float64).tiny)
+_WORTHWHILE = 1e-9
+_MAX_PASSES = 100
+# Half a per cent of a standard error.
+_AS_GOOD = 0.01
+
+
+# ---- what a rig can set ----
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigLimits:
+    """Every setting a rig offers; each combination is a condition that might be tested."""
+
+    wheel_radius_m: tuple[float, ...]
+    wrap_angle_rad: tuple[float, ...]
+    end_tension_N: tuple[float, ...]
+    rope_radius_m: float
+    largest_force_N: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in FACTORS:
+            levels = sorted(float(level) for level in getattr(self, name))
+            if not levels or not (levels[0] > 0.0 and math.isfinite(levels[-1])):
+                raise InputError(
+                    f"{name}: {levels} are no settings", key=name, fix="give one or more above zero"
+                )
+            if len(set(levels)) < len(levels):
+                raise InputError(f"{name}: a setting is given twice", key=name, fix="give each once")
+            object.__setattr__(self, name, tuple(levels))
+        if math.prod(self.shape) > _MOST_CONDITIONS:
+            sizes = " × ".join(str(size) for size in self.shape)
+            raise InputError(
+                f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}",
+                key="limits",
+                fix="give fewer wheels, wraps or end tensions, or fewer levels",
+            )
+        for name in ("rope_radius_m", "largest_force_N"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"{name} = {getattr(self, name):g} is not positive", key=name)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Return the number of settings of each factor."""
+        return tuple(len(getattr(self, name)) for name in FACTORS)
+
+    def conditions(self) -> Conditions:
+        """Return all combinations, wheel by wheel, wrap by wrap, end tension by end tension."""
+        grid = np.meshgrid(*(getattr(self, name) for name in FACTORS), indexing="ij")
+        columns = dict(zip(FACTORS, (axis.ravel() for axis in grid), strict=True))
+        return Conditions(rope_radius_m=np.array(self.rope_radius_m), **columns)
+
+
+def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
+    """Return about n settings from low to high that are whole multiples of a step, ends included."""
+    _check_range(low, high, n)
+    return _with_ends(low, high, [round(x / step) * step for x in np.linspace(low, high, n)[1:-1].tolist()])
+
+
+def geometric_levels(low: float, high: float, n: int) -> tuple[float, ...]:
+    """Return about n settings from low to high in even ratios, rounded to two digits, ends included."""
+    _check_range(low, high, n)
+    if not low > 0.0:
+        raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
+    return _with_ends(low, high, [float(f"{x:.2g}") for x in np.geomspace(low, high, n)[1:-1].tolist()])
+
+
+def _with_ends(low: float, high: float, inner: list[float]) -> tuple[float, ...]:
+    return tuple(sorted({low, high, *(x for x in inner if low <= x <= high)}))
+
+
+def _check_range(low: float, high: float, n: int) -> None:
+    if not (low < high and 2 <= n <= _MOST):
+        fix = f"give low before high, two to {_MOST} settings"
+        raise InputError(f"{n} settings from {low:g} to {high:g}", key="range", fix=fix)
+
+
+# ---- what is known of a law ----
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,22 +224,20 @@ def planned_fit(
         notes.append("the fit cannot tell the scatter between conditions: none is assumed")
     if not fit.trials.get("n"):
         raise InputError("the fit does not list its conditions", key="fit", fix="fit the trials again")
+    columns = {name: np.array(values, dtype=np.float64) for name, values in fit.trials.items()}
     if instrument_N is None:
-        chain_N = np.array(fit.trials["peak_std_N"], dtype=np.float64)
-        instrument_N = float(np.median(chain_N[np.isfinite(chain_N)])) if np.isfinite(chain_N).any() else 0.0
-    scatter = MeanScatter(within=within, between=between, instrument_N=instrument_N)
-    tested = Conditions(**{name: np.array(fit.trials[name], dtype=np.float64) for name in SETTINGS})
-    free = np.array([item.vary and not item.at_bound for item in fit.parameters], dtype=bool)
+        known_N = columns["peak_std_N"][np.isfinite(columns["peak_std_N"])]
+        instrument_N = float(np.median(known_N)) if known_N.size else 0.0
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
     return PlannedLaw(
         law=fit.friction_law,
-        theta=np.asarray(fit.theta),
-        free=free,
-        scatter=scatter,
-        tested=tested,
-        tested_repeats=np.array(fit.trials["n"]),
+        theta=fit.theta,
+        free=fit.shown,
+        scatter=MeanScatter(within=within, between=between, instrument_N=instrument_N),
+        tested=Conditions(**{name: columns[name] for name in SETTINGS}),
+        tested_repeats=columns["n"],
         notes=tuple(notes),
     )
 
@@ -180,18 +260,16 @@ def allowed_conditions(
     planned: PlannedLaw, limits: RigLimits, grid: Conditions
 ) -> tuple[BoolArray, list[str]]:
     """Return which combinations can be tested, shape (N,), and what is left out, in words."""
-    law, theta = planned.law, planned.theta
-    answered, over = law.answers(theta, grid), np.zeros(len(grid), dtype=bool)
-    if answered.any():
-        over[answered] = law.log_lift(theta, grid.select(answered)) > math.log(limits.largest_force_N)
+    law, most_N = planned.law, limits.largest_force_N
+    log_lift = law.log_lift_of_pairs(np.tile(planned.theta, (len(grid), 1)), grid)
     reasons = (
-        (~answered, f"{law.name} has no answer there"),
-        (over, f"F_A would exceed the {limits.largest_force_N:.4g} N of the cell"),
+        (np.isnan(log_lift), f"{law.name} has no answer there"),
+        (log_lift > math.log(most_N), f"F_A would exceed the {most_N:.4g} N of the cell"),
     )
     notes = [
         f"{int(out.sum())} of {len(grid)} settings are left out: {why}" for out, why in reasons if out.any()
     ]
-    return answered & ~over, notes
+    return log_lift <= math.log(most_N), notes
 
 
 def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
@@ -203,6 +281,139 @@ def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
     )
     n_tested = len(planned.tested)
     return np.isin(group[n_tested:], group[:n_tested])
+
+
+# ---- the search ----
+
+
+class Exchange:
+    """A criterion on a choice of rows: values of plans, and of all exchanges of one condition."""
+
+    def __init__(
+        self,
+        rows: FloatArray,
+        known: FloatArray,
+        targets: FloatArray,
+        *,
+        criterion: Criterion,
+        balance: float = BALANCE,
+    ) -> None:
+        """Turn to coordinates in which all candidates and what is known are of even size.
+
+        Both criteria keep their order in them.
+        """
+        length = np.linalg.norm(np.vstack([rows, known]), axis=0)
+        triangle = np.linalg.qr(np.vstack([rows, known]) / length, mode="r") / np.sqrt(len(rows))
+        turn = np.linalg.inv(triangle) / length[:, None]
+        old = known @ turn
+        self.rows, self.known, self.targets = rows @ turn, old.T @ old, targets @ turn
+        self.criterion, self.balance = criterion, balance
+
+    def information(self, plan: IntArray) -> FloatArray:
+        """Return the information matrix of a plan with what is known, shape (q, q)."""
+        rows = self.rows[plan]
+        return np.asarray(rows.T @ rows + self.known + _RIDGE * np.eye(rows.shape[1]))
+
+    def value(self, plan: IntArray) -> float:
+        """Return the criterion of a plan."""
+        information = self.information(plan)
+        log_det = float(np.linalg.slogdet(information)[1])
+        if self.criterion == "d":
+            return -log_det
+        targets = self.targets
+        variance = np.einsum("ti,it->", targets, np.linalg.solve(information, targets.T)) / len(targets)
+        return float(np.log(max(variance, _TINY))) - self.balance * log_det / len(information)
+
+    def with_each(self, rest: IntArray) -> FloatArray:
+        """Return the criterion of a plan with each candidate added in turn, shape (N,)."""
+        information = self.information(rest)
+        inverse, rows = np.linalg.inv(information), self.rows
+        leverage = np.maximum(np.einsum("ni,ij,nj->n", rows, inverse, rows), 0.0)
+        log_det = float(np.linalg.slogdet(information)[1]) + np.log1p(leverage)
+        if self.criterion == "d":
+            return np.asarray(-log_det)
+        targets = self.targets
+        gained = ((rows @ inverse @ targets.T) ** 2).sum(axis=1) / (1.0 + leverage)
+        left = np.einsum("ti,ij,tj->", targets, inverse, targets) - gained
+        variance = np.log(np.maximum(left, _TINY) / len(targets))
+        return np.asarray(variance - self.balance * log_det / len(information))
+
+    def improved(self, plan: IntArray) -> IntArray:
+        """Return a plan that no exchange of a single condition improves, sorted."""
+        current = self.value(plan)
+        for _ in range(_MAX_PASSES):
+            before = current
+            for place in range(plan.size):
+                rest = np.delete(plan, place)
+                values = self.with_each(rest)
+                values[rest] = np.inf  # a condition set up twice is one condition with more repeats
+                best = int(np.argmin(values))
+                # The values of exchanges carry the rounding of an inverse; only the plan's own value decides.
+                changed = np.append(rest, best)
+                value = self.value(changed)
+                if value < current - _WORTHWHILE:
+                    plan, current = changed, value
+            if before - current < _WORTHWHILE:
+                break
+        return np.sort(plan)
+
+    def greedy(self, n: int) -> IntArray:
+        """Return n candidates taken one by one, each the best of its turn."""
+        plan = np.zeros(0, dtype=np.int64)
+        for _ in range(n):
+            values = self.with_each(plan)
+            values[plan] = np.inf
+            plan = np.append(plan, int(np.argmin(values)))
+        return plan
+
+
+def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) -> tuple[IntArray, int]:
+    """Return the best plan of n different candidates from several starts, and how many starts found it.
+
+    The first start takes the best candidate one by one; the others are drawn at random. The same arguments give the
+    same plan.
+    """
+    rng = np.random.default_rng(seed)
+    first = [exchange.greedy(n)]
+    first += [rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(max(starts - 1, 0))]
+    found = [exchange.improved(plan) for plan in first]
+    values = np.array([exchange.value(plan) for plan in found])
+    best = int(np.argmin(values))
+    return found[best], int(np.count_nonzero(values <= values[best] + _AS_GOOD))
+
+
+def nearest_to(allowed: BoolArray, place: tuple[float, ...] | None = None) -> tuple[int, ...]:
+    """Return the allowed combination nearest to a place counted in settings, or to the middle, the first of equals."""
+    last = np.array(allowed.shape) - 1.0
+    spots, about = np.argwhere(allowed), 0.5 * last if place is None else np.array(place)
+    gap = (((spots - about) / np.maximum(last, 1.0)) ** 2).sum(axis=1)
+    return tuple(int(i) for i in spots[int(np.argmin(np.round(gap, 12)))])
+
+
+def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntArray:
+    """Return the combinations of a one-factor-at-a-time plan: the centre, then each factor varied alone.
+
+    The n − 1 conditions beside the centre are dealt evenly to the factors that can vary, and spread evenly over the
+    settings of each, its ends first.
+    """
+    lines = [np.moveaxis(allowed, axis, 0)[:, *np.delete(centre, axis)] for axis in range(allowed.ndim)]
+    others = [
+        np.delete(np.arange(line.size), at)[np.delete(line, at)]
+        for line, at in zip(lines, centre, strict=True)
+    ]
+    shares = [0] * len(others)
+    for _ in range(min(n - 1, sum(spots.size for spots in others))):
+        still = [axis for axis, spots in enumerate(others) if shares[axis] < spots.size]
+        shares[min(still, key=shares.__getitem__)] += 1
+    found = [centre]
+    for axis, (spots, share) in enumerate(zip(others, shares, strict=True)):
+        # A single one is the strongest setting.
+        even = np.linspace(0, spots.size - 1, share).round().astype(int) if share > 1 else np.full(share, -1)
+        found += [(*centre[:axis], int(spot), *centre[axis + 1 :]) for spot in spots[even]]
+    return np.sort(np.ravel_multi_index(tuple(np.array(found).T), allowed.shape).astype(np.int64))
+
+
+# ---- what comes out ----
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -333,10 +544,8 @@ class LabPlan:
 
     def to_csv(self) -> str:
         r"""Return the plan as CSV for the lab: a row a condition, in millimetres, degrees and newtons."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         heads = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
-        writer.writerow(("condition", *heads, "repeats", "expected_lift_force_N"))
+        rows: list[tuple[object, ...]] = [("condition", *heads, "repeats", "expected_lift_force_N")]
         for row in self.rows():
             settings = (
                 1e3 * row["wheel_radius_m"],
@@ -345,8 +554,8 @@ class LabPlan:
                 row["end_tension_N"],
             )
             force = f"{row['expected_lift_force_N']:.4g}"
-            writer.writerow((row["condition"], *(f"{x:.10g}" for x in settings), row["repeats"], force))
-        return text.getvalue()
+            rows.append((row["condition"], *(f"{x:.10g}" for x in settings), row["repeats"], force))
+        return csv_text(rows)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""
@@ -416,20 +625,20 @@ def plan_tests(
     for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
         if asked > _MOST:
             raise InputError(f"{name} is {asked}; the limit is {_MOST}", key=name, fix="ask for fewer")
-    grid = limits.conditions()
+    law, theta, grid = planned.law, planned.theta, limits.conditions()
     allowed, notes = allowed_conditions(planned, limits, grid)
     free = allowed & ~tested_before(planned, grid)
-    _check_enough(planned, int(np.count_nonzero(free)), n_conditions)
-    places = np.flatnonzero(free)
+    places, known = np.flatnonzero(free), planned.known
+    if places.size < n_conditions:
+        raise InputError(
+            f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned",
+            key="limits",
+            fix="give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions",
+        )
     rows = planned.rows(grid.select(places), repeats)
-    known = planned.known
-    _check_seen(planned, np.vstack([rows, known]))
-    chosen, agreeing = best_plan(
-        Exchange(rows, known, planned.gradients(wanted), criterion=criterion),
-        n_conditions,
-        starts=starts,
-        seed=seed,
-    )
+    _check_determined(planned, np.vstack([rows, known]), planned.n_free + 1 - len(known), n_conditions)
+    exchange = Exchange(rows, known, planned.gradients(wanted), criterion=criterion)
+    chosen, agreeing = best_plan(exchange, n_conditions, starts=starts, seed=seed)
     plan = grid.select(places[chosen])
 
     def outlook(added: FloatArray) -> Outlook:
@@ -437,19 +646,27 @@ def plan_tests(
         dof = max(len(both) - planned.n_free, 0)
         return Outlook(std_log=expected_std(planned, both, wanted), dof=dof, level=level)
 
-    usual = _one_factor_plans(limits, free, wanted, n_conditions)
-    about_middle, about_target = (outlook(planned.rows(grid.select(one), repeats)) for one in usual)
+    # The usual plans: about the middle of the settings, and about the first wanted condition.
+    spots = (
+        np.interp(getattr(wanted, name)[0], getattr(limits, name), range(size))
+        for name, size in zip(FACTORS, limits.shape, strict=True)
+    )
+    possible = free.reshape(limits.shape)
+    about_middle, about_target = (
+        outlook(planned.rows(grid.select(one_factor_plan(possible, centre, n_conditions)), repeats))
+        for centre in (nearest_to(possible), nearest_to(possible, tuple(map(float, spots))))
+    )
     return LabPlan(
         planned=planned,
         conditions=plan,
         repeats=repeats,
-        log_lift=planned.law.log_lift(planned.theta, plan),
+        log_lift=law.log_lift(theta, plan),
         wanted=wanted,
-        wanted_log_lift=planned.law.log_lift(planned.theta, wanted),
+        wanted_log_lift=law.log_lift(theta, wanted),
         criterion=criterion,
         level=level,
         parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([known, rows[chosen]])))),
-        before=outlook(np.zeros((0, planned.n_free))),
+        before=outlook(rows[:0]),
         after=outlook(rows[chosen]),
         one_factor=about_middle,
         one_factor_at_target=about_target,
@@ -458,18 +675,12 @@ def plan_tests(
         starts=starts,
         agreeing_starts=agreeing,
         seed=seed,
-        notes=(*planned.notes, *notes, *_outside(planned, limits, wanted), *_untested(limits, planned, plan)),
+        notes=(*planned.notes, *notes, *_on_trust(planned, limits, wanted, plan)),
     )
 
 
-def _check_enough(planned: PlannedLaw, n_free: int, n: int) -> None:
-    if n_free < n:
-        raise InputError(
-            f"the rig's settings leave {n_free} conditions to choose from, and {n} are to be planned",
-            key="limits",
-            fix="give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions",
-        )
-    least = planned.n_free + 1 - len(planned.known)
+def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int) -> None:
+    """Refuse to plan n conditions, of those that can be had, where they cannot tell the parameters."""
     if n < least:
         raise InputError(
             f"{n} conditions cannot determine the {planned.n_free} parameters of {planned.law.name} with an error",
@@ -477,12 +688,8 @@ def _check_enough(planned: PlannedLaw, n_free: int, n: int) -> None:
             key="n_conditions",
             fix=f"plan {least} conditions or more, or hold a parameter",
         )
-
-
-def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
-    unseen = decomposed(rows).unseen
-    if unseen.any():
-        names = [name for name, gone in zip(planned.free_names, unseen, strict=True) if gone]
+    names = [name for name, gone in zip(planned.free_names, decomposed(rows).unseen, strict=True) if gone]
+    if names:
         varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}
         shown_by = [words for effect, words in varied.items() if effect in planned.law.effects]
         raise InputError(
@@ -494,39 +701,20 @@ def _check_seen(planned: PlannedLaw, rows: FloatArray) -> None:
         )
 
 
-def _one_factor_plans(limits: RigLimits, free: BoolArray, wanted: Conditions, n: int) -> list[IntArray]:
-    """Return one-factor plans about the middle of the settings, and about the first wanted condition."""
-    allowed, levels = free.reshape(limits.shape), [getattr(limits, name) for name in FACTORS]
-    first = [getattr(wanted, name)[0] for name in FACTORS]
-    spots = [float(np.interp(at, some, np.arange(len(some)))) for at, some in zip(first, levels, strict=True)]
-    centres = (middle_of(allowed), nearest_to(allowed, tuple(spots)))
-    return [one_factor_plan(allowed, centre, n) for centre in centres]
-
-
-def _outside(planned: PlannedLaw, limits: RigLimits, wanted: Conditions) -> list[str]:
-    """Return what of the wanted conditions lies outside all that was and can be tested."""
-    spans: dict[str, Any] = limits.ranges()
-    if planned.tested is not None:
-        for name, (low, high) in spans.items():
-            old = getattr(planned.tested, name)
-            spans[name] = (min(low, float(old.min())), max(high, float(old.max())))
-    return [
-        f"wanted {words}, whatever is planned"
-        for i in range(len(wanted))
-        for words in outside_words(spans, wanted, i)
-    ]
-
-
-def _untested(limits: RigLimits, planned: PlannedLaw, plan: Conditions) -> list[str]:
-    """Return over which factors the plan takes the law on trust."""
-    notes = []
-    for name in FACTORS:
-        levels = getattr(limits, name)
-        tested = [plan] if planned.tested is None else [plan, planned.tested]
-        values = np.concatenate([getattr(part, name) for part in tested])
-        if np.ptp(values) < 0.5 * (levels[-1] - levels[0]):
+def _on_trust(planned: PlannedLaw, limits: RigLimits, wanted: Conditions, plan: Conditions) -> list[str]:
+    """Return what of the wanted conditions lies outside all that was and can be tested, and what stays untested."""
+    spans: dict[str, tuple[float, float]] = {}
+    few = []
+    for name in SETTINGS:
+        tested = np.array([]) if planned.tested is None else getattr(planned.tested, name)
+        settings = np.array(getattr(limits, name)).ravel()
+        both = np.append(settings, tested)
+        spans[name] = (float(both.min()), float(both.max()))
+        values = np.append(getattr(plan, name), tested)
+        if name in FACTORS and np.ptp(values) < 0.5 * np.ptp(settings):
             title, unit, factor = REGRESSORS[name]
             low, high = (f"{factor * float(end):.4g}" for end in (values.min(), values.max()))
             where = f"only {title} {low} {unit}" if low == high else f"only {title} {low}–{high} {unit}"
-            notes.append(f"{where} is tested; add a few conditions elsewhere if the law itself is in doubt")
-    return notes
+            few.append(f"{where} is tested; add a few conditions elsewhere if the law itself is in doubt")
+    outside = (words for i in range(len(wanted)) for words in outside_words(spans, wanted, i))
+    return [*(f"wanted {words}, whatever is planned" for words in outside), *few]

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.statistics import FitStatistics, Identifiability
@@ -87,6 +87,11 @@ class FitResult:
     def theta(self) -> FloatArray:
         """Return the parameter values, shape (p,)."""
         return np.array([parameter.value for parameter in self.parameters])
+
+    @property
+    def shown(self) -> BoolArray:
+        """Return which parameters were fitted and lie on no bound, shape (p,): those with a variance."""
+        return np.array([item.vary and not item.at_bound for item in self.parameters], dtype=np.bool_)
 
     @property
     def data(self) -> FitProblem:

@@ -10,17 +10,26 @@ import numpy as np
 from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
+from ropefric.fitting.budgets import (
+    MeasuredCondition,
+    conditions_of_extraction,
+    force_model,
+    state_lift,
+)
 from ropefric.fitting.design import DesignChart, design_chart
-from ropefric.fitting.lift_budget import WheelUncertainty, state_lift
-from ropefric.fitting.measured_budget import MeasuredCondition, conditions_of_extraction, force_model
-from ropefric.fitting.next_tests import LabPlan, plan_tests, planned_fit
-from ropefric.fitting.plan_search import RigLimits, geometric_levels, linear_levels
+from ropefric.fitting.next_tests import (
+    LabPlan,
+    RigLimits,
+    geometric_levels,
+    linear_levels,
+    plan_tests,
+    planned_fit,
+)
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun
-from ropefric.uncertainty.budget import LinearBudget, linear_budget
-from ropefric.uncertainty.statement import Statement, state_uncertainty
+from ropefric.uncertainty.budget import LinearBudget, Statement, linear_budget, state_uncertainty
 
 T = TypeVar("T")
 
@@ -123,7 +132,7 @@ def state_design(fit: FitResult, wheel: Conditions) -> Statement:
 
     Of one pull with one new rope where the fit knows how far they scatter, else of the mean law.
     """
-    return state_lift(fit, wheel, WheelUncertainty(), one_pull=math.isfinite(new_rope_std(fit)))
+    return state_lift(fit, wheel, {}, one_pull=math.isfinite(new_rope_std(fit)))
 
 
 def swings_of_design(

@@ -1,7 +1,5 @@
 """A campaign from its recordings to the lift force of a wheel, with everything written that others can check."""
 
-import csv
-import io
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,9 +10,8 @@ import numpy as np
 
 from ropefric.errors import DataError, RopefricError
 from ropefric.files.folder import Folder, OutputFolder, as_folder
-from ropefric.files.plain_text import json_document
-from ropefric.fitting.choice import Choice, choose_law
-from ropefric.fitting.compare import Comparison, compare_laws
+from ropefric.files.plain_text import csv_cell, csv_text, json_document
+from ropefric.fitting.compare import Choice, Comparison, choose_law, compare_laws
 from ropefric.fitting.diagnose import Diagnosis, diagnose
 from ropefric.fitting.predict import Prediction, predict
 from ropefric.fitting.result import FitResult
@@ -225,17 +222,8 @@ def _require_a_force(extraction: Extraction, campaign: Campaign) -> None:
 
 
 def _ranking_text(comparison: Comparison) -> str:
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, _RANKING, lineterminator="\n")
-    writer.writeheader()
-    for entry in comparison.ranking:
-        row = entry.to_dict()
-        writer.writerow({name: _cell(row[name]) for name in _RANKING})
-    return stream.getvalue()
-
-
-def _cell(value: Any) -> Any:
-    return str(value).lower() if isinstance(value, bool) else value
+    rows = (entry.to_dict() for entry in comparison.ranking)
+    return csv_text([_RANKING, *([csv_cell(row[name]) for name in _RANKING] for row in rows)])
 
 
 def campaign_folder(

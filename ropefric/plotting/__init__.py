@@ -2,10 +2,10 @@
 
 In come results; out go a figure with its tables and its words, as PNG and CSV files or as SVG for a page.
 - `figure`: a figure with its data, its legends and its files; `svg`: the same for the inside of a page
-- `style`, `labels`: how figures look, and the words on them
+- `style`: how figures look, and the words on them
 - `conditions`, `overview`: recordings and trials of a campaign
-- `points`, `fits`: fitted laws against what was measured; `rankings`: laws, budgets and swings in order of size
-- `design_chart`, `sweep`, `chart`, `press`, `saw_chart`: designs, sweeps and machines
+- `fits`: fitted laws against what was measured; `rankings`: laws, budgets and swings in order of size
+- `design_chart`, `chart`, `press`, `saw_chart`: designs, scenes and their sweeps, machines
 - `work_precision`: what accuracy costs in time
 """
 

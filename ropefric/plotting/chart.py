@@ -1,18 +1,27 @@
-"""The figures of a scene: lines from a chart that its kind gives as data, or what the kind names here."""
+"""The figures of a scene: what its kind gives as a chart or names here, and its sweeps as lines or a map."""
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
-from ropefric.plotting.style import GREY, LINE_STYLES, house_style
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.glossary import GLOSSARY
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_below
+from ropefric.plotting.style import GREY, LINE_STYLES, figure_label
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from ropefric.scenes.kind import Chart
     from ropefric.scenes.solve import Solution
+    from ropefric.scenes.sweep import Axis, Sweep
 
 _MARKERS = "os^Dv*"
+_MOST_LINES = 6
+_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
+_DRAWN_POINTS, _DRAWN_CELLS = 2000, 250
+"""Most points of a line, and of each side of a map, that a page can show; a finer sweep is thinned evenly."""
 
 
 def scene_figures(solution: "Solution") -> "Iterator[tuple[str, FigureWithData]]":
@@ -26,30 +35,74 @@ def scene_figures(solution: "Solution") -> "Iterator[tuple[str, FigureWithData]]
 
 def draw_chart(chart: "Chart") -> FigureWithData:
     """Return the figure of a chart: its lines, thin grey ones for limits, a point where a line has one value."""
-    with house_style():
-        figure = new_figure(9.0, 6.0)
+    with drawing(9.0, 6.0) as figure:
         axes = figure.subplots()
         drawn = 0
         for line in chart.lines:
             if line.limit:
                 axes.plot(line.x, line.y, color=GREY, linewidth=1.0, label=line.name)
                 continue
-            point = line.x.size == 1
-            look = (
-                {"marker": _MARKERS[drawn % 6], "linestyle": "none"}
-                if point
-                else {"linestyle": LINE_STYLES[drawn % 4]}
-            )
+            dot: dict[str, Any] = {"marker": _MARKERS[drawn % 6], "linestyle": "none"}
+            look = dot if line.x.size == 1 else {"linestyle": LINE_STYLES[drawn % 4]}
             axes.plot(line.x, line.y, label=line.name, **look)
             drawn += 1
         axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
         axes.set_title(chart.title)
         legend_below(axes)
-    rows = tuple(
-        (line.name, float(x), float(y)) for line in chart.lines for x, y in zip(line.x, line.y, strict=True)
-    )
-    table = DataTable(header=("line", chart.x_column, chart.y_column), rows=rows)
-    names = ", ".join(line.name for line in chart.lines)
-    return FigureWithData(
-        figure=figure, tables=(table,), alt=f"{chart.title}: {chart.y_label} over {chart.x_label} of {names}."
-    )
+    names = [line.name for line in chart.lines]
+    columns = {
+        "line": np.repeat(names, [line.x.size for line in chart.lines]),
+        chart.x_column: np.concatenate([line.x for line in chart.lines], dtype=np.float64),
+        chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
+    }
+    alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
+    return FigureWithData(figure=figure, tables=(DataTable.of_columns(columns),), alt=alt)
+
+
+def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
+    """Return the figure of one number of a sweep over one or two axes: lines for few values of the first, else a map."""
+    if len(sweep.axes) > 2:
+        raise InputError(
+            f"a figure shows one or two axes, this sweep has {len(sweep.axes)}", fix="use its CSV file"
+        )
+    name = quantity or next(iter(sweep.columns))
+    if name not in sweep.columns:
+        raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
+    *outer, across = sweep.axes
+    lines = not outer or outer[0].values.size <= _MOST_LINES
+    most = _DRAWN_POINTS if lines else _DRAWN_CELLS
+    steps = [1 if lines else -(-axis.values.size // most) for axis in outer] + [
+        -(-across.values.size // most)
+    ]
+    grid = sweep.columns[name].reshape(sweep.shape)[tuple(slice(None, None, step) for step in steps)]
+    places = [axis.values[::step] / axis.factor for axis, step in zip(sweep.axes, steps, strict=True)]
+    path, _, last = name.rpartition(".")
+    label = (f"{path}: " if path else "") + (figure_label(last) if last in GLOSSARY else last)
+    with drawing(9.0, 6.0) as figure:
+        axes = figure.subplots()
+        axes.set_xlabel(_axis_words(across))
+        if not outer:
+            axes.plot(places[0], grid, color="black")
+            axes.set_ylabel(label)
+        elif lines:
+            for place, (value, row) in enumerate(zip(places[0], grid, strict=True)):
+                look: dict[str, Any] = {"linestyle": _DASHES[place], "color": str(0.65 * place / _MOST_LINES)}
+                words = f"{outer[0].key} = {value:.4g} {outer[0].unit}".rstrip()
+                axes.plot(places[1], row, label=words, **look)
+            axes.set_ylabel(label)
+            legend_below(axes)
+        else:
+            shown = np.ma.masked_invalid(grid)
+            drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
+            axes.set_ylabel(_axis_words(outer[0]))
+            axes.figure.colorbar(drawn, ax=axes).set_label(label)
+    columns = {
+        axis.key: each.ravel()
+        for axis, each in zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
+    }
+    table = DataTable.of_columns(columns | {name: grid.ravel()})
+    return FigureWithData(figure=figure, tables=(table,))
+
+
+def _axis_words(axis: "Axis") -> str:
+    return f"{axis.key} [{axis.unit}]" if axis.unit else axis.key

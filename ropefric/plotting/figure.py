@@ -1,14 +1,14 @@
 """A figure together with the numbers it shows and its words for those who cannot see it; its legends and files."""
 
-import csv
 import gc
 import io
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib import font_manager
@@ -22,11 +22,12 @@ from matplotlib.text import Text
 
 from ropefric.errors import InputError
 from ropefric.files.folder import Folder, as_folder
-from ropefric.files.plain_text import to_spreadsheet
+from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.glossary import counted
-from ropefric.plotting.labels import figure_text, plain_text
-from ropefric.plotting.style import GREY, house_style
+from ropefric.plotting.style import GREY, figure_text, house_style, plain_text
 from ropefric.registry import did_you_mean
+
+T = TypeVar("T")
 
 # Dates and version strings would change the bytes of an unchanged figure.
 FORMATS: dict[str, dict[str, None]] = {
@@ -37,6 +38,17 @@ FORMATS: dict[str, dict[str, None]] = {
 """File formats and the metadata left out of them."""
 
 _PARSERS: dict[str, Any] = {}
+
+
+def begin(
+    jobs: Mapping[str, Callable[[], T]], executor: Executor | None
+) -> Callable[[], Iterable[tuple[str, T]]]:
+    """Begin to draw, if there is an executor; return what gives the name and the outcome of each job as it is done."""
+    if executor is None:
+        return lambda: ((name, job()) for name, job in jobs.items())
+    forget_fonts()  # the executor may fork here, and this process goes on drawing
+    names = {executor.submit(job): name for name, job in jobs.items()}
+    return lambda: ((names[future], future.result()) for future in as_completed(names))
 
 
 def forget_fonts() -> None:
@@ -126,6 +138,28 @@ def new_figure(
     return figure
 
 
+@contextmanager
+def drawing(
+    width_inch: float = 10.0, height_inch: float = 5.0, *, margins: Mapping[str, float] | None = None
+) -> Iterator[Figure]:
+    """Give an empty figure to draw on, in the house's style."""
+    with house_style():
+        yield new_figure(width_inch, height_inch, margins=margins)
+
+
+def note_at(
+    axes: Axes, text: str, point: tuple[float, float], right: float = 0.0, up: float = 0.0, **look: Any
+) -> None:
+    """Write a small text at a point, so many points of print to the right of it and above it."""
+    shown: dict[str, Any] = {
+        "fontsize": 8.0,
+        "ha": "center",
+        "va": "bottom",
+        "textcoords": "offset points",
+    } | look
+    axes.annotate(text, point, xytext=(right, up), **shown)
+
+
 def legend_below(axes: Axes, *, columns: int = 2) -> None:
     """Put a legend under the axes with one entry for each label; none where nothing is labelled."""
     if entries := _entries([axes]):
@@ -181,29 +215,16 @@ def figure_files(
             figure.figure.savefig(stream, format=name, metadata=FORMATS[name])
         contents[f"{stem}.{name}"] = stream.getvalue()
     for table in figure.tables:
-        contents[f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"] = _csv_text(table).encode()
+        rows = zip(*map(_cells, zip(*table.rows, strict=True)), strict=True)
+        text = csv_text([table.header, *rows])
+        contents[f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"] = text.encode()
     return contents
 
 
-def _csv_text(table: DataTable) -> str:
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(table.header)
-    writer.writerows(zip(*(_cells(column) for column in zip(*table.rows, strict=True)), strict=True))
-    return stream.getvalue()
-
-
-def _cells(column: tuple[object, ...]) -> list[str]:
+def _cells(column: tuple[object, ...]) -> list[object]:
     if all(type(value) is float for value in column):
         # All in one go: the traces of a campaign are half a million numbers.
-        return ("%.8g\n" * len(column) % column).replace("nan", "").split("\n")[:-1]
+        return [*("%.8g\n" * len(column) % column).replace("nan", "").split("\n")[:-1]]
     return [
-        f"{value:.8g}".replace("nan", "") if isinstance(value, float) else _word(value) for value in column
+        f"{value:.8g}".replace("nan", "") if isinstance(value, float) else csv_cell(value) for value in column
     ]
-
-
-@lru_cache(typed=True)
-def _word(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return to_spreadsheet(value) if isinstance(value, str) else str(value)

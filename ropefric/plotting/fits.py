@@ -1,29 +1,35 @@
 """Fitted laws against what was measured: average coefficients, the capstan plot, bands over a quantity, residuals."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import colormaps
+import numpy.typing as npt
 from scipy.special import ndtri
 
-from ropefric.arrays import FloatArray, IntArray
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, levels
+from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, levels, same_setting
 from ropefric.glossary import counted
-from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure, say_instead
-from ropefric.plotting.labels import figure_label, regressor_label, shown, shown_regressor, typeset
-from ropefric.plotting.points import (
-    ConditionPoints,
-    answered,
-    condition_points,
-    same_settings,
-    settings_of,
-    swept,
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, say_instead
+from ropefric.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
+    MARKERS,
+    ORANGE,
+    figure_label,
+    line_look,
+    regressor_label,
+    shades,
+    shown,
+    shown_regressor,
+    typeset,
 )
-from ropefric.plotting.style import BLUE, GREY, INK, MARKERS, ORANGE, TRACE_COLORS, house_style, line_look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,14 +38,13 @@ if TYPE_CHECKING:
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """What the average coefficient is drawn against."""
 
-_COVERAGE = 2.0
 _FACET_STEPS, _CAPSTAN_STEPS, _BAND_STEPS = 61, 81, 121
 _BEYOND = 0.25
 """How far beyond the tested range a law is drawn, as a part of that range."""
 _BAND = ("lift_force_N", "low_N", "high_N", "new_rope_low_N", "new_rope_high_N")
 _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
-_BARS: dict[str, Any] = {"elinewidth": 1.0, "capsize": 2.0}
+_BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
 _OTHERS = {"label": "other conditions", "color": GREY, "markerfacecolor": "white", "markersize": 3.5}
 _CHOSEN: dict[str, Any] = {
     "label": "conditions as in the heading",
@@ -49,12 +54,112 @@ _CHOSEN: dict[str, Any] = {
 }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConditionPoints:
+    """The measured conditions behind a fit: how many trials, mean ln F_A and its standard uncertainty."""
+
+    conditions: Conditions
+    n: IntArray
+    log_lift: FloatArray
+    std_log: FloatArray
+
+    @property
+    def settings(self) -> dict[str, FloatArray]:
+        """Return the settings as columns of a table, and how many trials rest on each."""
+        return {name: getattr(self.conditions, name) for name in SETTINGS} | {"n": self.n}
+
+    @property
+    def log_rise(self) -> FloatArray:
+        """Return ln(F_A/F_B), shape (k,)."""
+        return self.log_lift - self.conditions.log_end_tension
+
+
+def condition_points(fit: FitResult) -> ConditionPoints:
+    """Return the conditions a fit rests on, from the summary that a stored fit carries too."""
+
+    def column(name: str) -> FloatArray:
+        return np.asarray(fit.trials.get(name, ()), dtype=np.float64)
+
+    n, log_lift = column("n").astype(np.int64), column("mean_log_lift")
+    within = fit.statistics.scatter_within
+    repeats = np.full(n.size, within) if math.isfinite(within) else column("std_log_lift")
+    parts = np.stack([repeats / np.sqrt(n), column("peak_std_N") * np.exp(-log_lift)])
+    std = np.where(np.isnan(parts).all(axis=0), np.nan, np.hypot(*np.nan_to_num(parts)))
+    conditions = Conditions(**{name: column(name) for name in SETTINGS})
+    return ConditionPoints(conditions=conditions, n=n, log_lift=log_lift, std_log=std)
+
+
+def _have(conditions: Conditions, settings: Mapping[str, float]) -> BoolArray:
+    """Return which conditions have the given settings, shape (n,)."""
+    chosen = np.ones(len(conditions), dtype=np.bool_)
+    for name, value in settings.items():
+        chosen &= same_setting(getattr(conditions, name), value)
+    return chosen
+
+
+def _settings_of(fit: FitResult, over: str, given: Mapping[str, float] | None = None) -> dict[str, float]:
+    """Return the settings to hold while one regressor is swept: those given, else those that most conditions share."""
+    for name in (over, *(given or ())):
+        if name not in SETTINGS:
+            fix = f"one of {', '.join(SETTINGS)}"
+            raise InputError(f"{name!r} is no setting of a pull", key=name, fix=fix)
+    others = [name for name in SETTINGS if name != over]
+    known = {name: math.sqrt(max(low, 0.0) * high) for name, (low, high) in fit.validity.items()}
+    conditions = condition_points(fit).conditions
+    if len(conditions):
+        held = [getattr(conditions, name) for name in others]
+        group, along = condition_groups(*held), levels(getattr(conditions, over))
+        sizes = [np.unique(along[group == number]).size for number in range(int(group.max()) + 1)]
+        first = int(np.argmax(group == int(np.argmax(sizes))))  # the first of equals
+        known |= {name: float(values[first]) for name, values in zip(others, held, strict=True)}
+    known |= dict(given or {})
+    return {name: known[name] for name in others}
+
+
+def _swept(settings: Mapping[str, float], over: str, values: npt.ArrayLike) -> Conditions:
+    """Return conditions that differ in one regressor only."""
+    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in settings.items()}
+    return Conditions(**arrays | {over: np.asarray(values, dtype=np.float64)})
+
+
+def _answered(fit: FitResult, conditions: Conditions) -> BoolArray:
+    """Return for which conditions a fitted law has an answer that a float can hold, shape (n,)."""
+    if not len(conditions):
+        return np.zeros(0, dtype=np.bool_)
+    try:
+        lifts = fit.friction_law.log_lift(fit.theta, conditions)
+        return np.asarray(lifts < math.log(np.finfo(np.float64).max))
+    except InputError:
+        if len(conditions) == 1:
+            return np.zeros(1, dtype=np.bool_)
+        halves = np.array_split(np.arange(len(conditions)), 2)
+        return np.concatenate([_answered(fit, conditions.select(half)) for half in halves])
+
+
+def _evaluated(
+    fit: FitResult, conditions: Conditions, law: Callable[[Conditions], npt.ArrayLike], rows: int = 1
+) -> FloatArray:
+    """Return what a law says of each condition, shape (rows, n), NaN where it has no answer."""
+    values = np.full((rows, len(conditions)), np.nan)
+    good = _answered(fit, conditions)
+    if good.any():
+        values[:, good] = law(conditions.select(good))
+    values[~np.isfinite(values)] = np.nan
+    return values
+
+
 def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
     """Return the fit whose trials are drawn, its conditions, and how many they are in words."""
     if not fits:
         raise InputError("there is no fit to draw", key="fits", fix="give at least one")
     points = condition_points(fits[0])
-    return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(len(points), 'condition')}"
+    return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(points.n.size, 'condition')}"
+
+
+def _plain_log(axes: "Axes", axis: str) -> None:
+    """Make an axis logarithmic, with plain numbers at its ticks."""
+    axes.set(**{f"{axis}scale": "log"})
+    getattr(axes, f"{axis}axis").set_major_formatter("{x:g}")
 
 
 def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
@@ -65,26 +170,29 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     uncertainties of the mean.
     """
     first, points, counts = _first(fits)
-    mu, mu_std = points.over_wrap(points.log_rise), points.over_wrap(points.std_log)
+    wrap_rad = points.conditions.wrap_angle_rad
+    # μ̄ = ln(F_A/F_B)/φ has no value at a wrap of zero.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mu, mu_std = (
+            np.where(wrap_rad > 0.0, y / wrap_rad, np.nan) for y in (points.log_rise, points.std_log)
+        )
     rows: list[tuple[object, ...]] = []
-    with house_style():
-        figure = new_figure(10.0, 4.6)
+    with drawing(10.0, 4.6) as figure:
         for axes, over in zip(figure.subplots(1, 3, sharey=True), FACETS, strict=True):
-            settings = settings_of(first, over)
+            settings = _settings_of(first, over)
             held = ",  ".join(shown_regressor(name, settings[name]) for name in FACETS if name != over)
             axes.set_xlabel(regressor_label(over))
             axes.set_title(typeset(held), fontsize=9)
             if over == "end_tension_N":
-                axes.set_xscale("log")
-                axes.xaxis.set_major_formatter("{x:g}")
+                _plain_log(axes, "x")
             factor = REGRESSORS[over][2]
             for place, fit in enumerate(fits):
                 x, values = _average_mu(fit, settings, over)
                 axes.plot(factor * x, values, linewidth=1.6, label=fit.law, **line_look(place))
                 rows += [(over, fit.law, *pair) for pair in zip(x.tolist(), values.tolist(), strict=True)]
-            if not len(points):
+            if not mu.size:
                 say_instead(axes, _NO_TRIALS)
-            chosen = same_settings(points.conditions, settings)
+            chosen = _have(points.conditions, settings)
             x = factor * getattr(points.conditions, over)
             for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN)):
                 _draw_means(axes, x[mask], mu[mask], mu_std[mask], **look)
@@ -95,7 +203,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     alt = f"Average friction coefficient of the laws {laws}; no trials are stored with the fit."
     if known.size:
         alt = (
-            f"Average friction coefficient of {counted(len(points), 'condition')} against end tension, wrap angle and "
+            f"Average friction coefficient of {counted(mu.size, 'condition')} against end tension, wrap angle and "
             f"wheel radius, with the laws {laws}. It lies between {known.min():.4g} and {known.max():.4g}, "
             f"mean {known.mean():.4g}."
         )
@@ -109,20 +217,17 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
 def _draw_means(axes: "Axes", x: FloatArray, y: FloatArray, std: FloatArray, **look: Any) -> None:
     """Draw conditions with bars of ±2 standard uncertainties."""
     if x.size:
-        axes.errorbar(x, y, yerr=_COVERAGE * np.nan_to_num(std), **({"fmt": "o"} | _BARS | look))
+        axes.errorbar(x, y, yerr=2.0 * np.nan_to_num(std), **_BARS | look)
 
 
 def _average_mu(fit: FitResult, settings: dict[str, float], over: str) -> tuple[FloatArray, FloatArray]:
-    low, high = fit.validity[over]
     space = np.geomspace if over == "end_tension_N" else np.linspace
-    grid = space(low, high, _FACET_STEPS)
+    grid = space(*fit.validity[over], _FACET_STEPS)
     grid = grid[grid > 0.0]
-    conditions = swept(settings, over, grid)
-    mu = np.full(grid.size, np.nan)
-    good = answered(fit, conditions) & (conditions.wrap_angle_rad > 0.0)
-    if good.any():
-        mu[good] = fit.friction_law.average_mu(fit.theta, conditions.select(good))
-    return grid, mu
+    conditions = _swept(settings, over, grid)
+    if not conditions.wrap_angle_rad.all():
+        return grid, np.full(grid.size, np.nan)
+    return grid, _evaluated(fit, conditions, lambda at: fit.friction_law.average_mu(fit.theta, at))[0]
 
 
 def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
@@ -133,27 +238,29 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
     The laws are drawn for the settings that most conditions share.
     """
     first, points, counts = _first(fits)
-    settings = settings_of(first, "wrap_angle_rad")
+    settings = _settings_of(first, "wrap_angle_rad")
     wrap_rad, rise = points.conditions.wrap_angle_rad, points.log_rise
     constant = next((fit for fit in fits if fit.law == "constant"), None)
     # Through the origin, each condition once: Σ φ ln(F_A/F_B) / Σ φ².
-    slope = float(wrap_rad @ rise) / total if (total := float(wrap_rad @ wrap_rad)) > 0.0 else float("nan")
+    slope = float(wrap_rad @ rise) / total if (total := float(wrap_rad @ wrap_rad)) > 0.0 else math.nan
     if constant is not None:
         slope = constant["mu"].value
     farthest = max(first.validity["wrap_angle_rad"][1], float(wrap_rad.max(initial=0.0)))
     grid = np.linspace(0.0, 1.05 * farthest, _CAPSTAN_STEPS)
-    curves = {"straight line": slope * grid} if np.isfinite(slope) else {}
-    curves |= {fit.law: _log_rise(fit, settings, grid) for fit in fits if fit is not constant}
-    with house_style():
-        figure = new_figure(10.0, 5.6)
+    along = _swept(settings, "wrap_angle_rad", grid)
+    curves = {"straight line": slope * grid} if math.isfinite(slope) else {}
+    for fit in fits:
+        if fit is not constant:
+            lift = _evaluated(fit, along, lambda at, fit=fit: fit.friction_law.log_lift(fit.theta, at))  # type: ignore[misc]
+            curves[fit.law] = lift[0] - along.log_end_tension
+    with drawing(10.0, 5.6) as figure:
         axes = figure.subplots()
         for place, (law, curve) in enumerate(curves.items(), start=1 - ("straight line" in curves)):
             straight = law == "straight line"
             look = {"color": INK, "linewidth": 1.2} if straight else line_look(place) | {"linewidth": 1.8}
-            axes.plot(
-                np.degrees(grid), curve, label=f"straight line, μ = {slope:.3g}" if straight else law, **look
-            )
-        if len(points):
+            label = f"straight line, μ = {slope:.3g}" if straight else law
+            axes.plot(np.degrees(grid), curve, label=label, **look)
+        if rise.size:
             _draw_wheels(axes, points)
         else:
             say_instead(axes, _NO_TRIALS)
@@ -167,52 +274,33 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
         legend_of_figure(figure)
     laws = ", ".join(fit.law for fit in fits)
     alt = f"ln(F_A/F_B) against the wrap angle by the laws {laws}; no trials are stored with the fit."
-    if len(points):
+    if rise.size:
         worst = float(np.abs(rise - slope * wrap_rad).max())
         alt = (
-            f"ln(F_A/F_B) of {counted(len(points), 'condition')} against the wrap angle, with the laws {laws}. The "
+            f"ln(F_A/F_B) of {counted(rise.size, 'condition')} against the wrap angle, with the laws {laws}. The "
             f"straight line through the origin has slope {slope:.4g}; points lie up to {worst:.3g} off it, a factor of "
-            f"{np.exp(worst):.3g} in force."
+            f"{math.exp(worst):.3g} in force."
         )
     drawn = {
-        "law": [law for law in curves for _ in grid],
-        "wrap_angle_rad": grid.tolist() * len(curves),
-        "log_ratio": [float(value) for curve in curves.values() for value in curve],
+        "law": np.repeat([*curves], grid.size),
+        "wrap_angle_rad": np.tile(grid, len(curves)),
+        "log_ratio": np.ravel([*curves.values()]),
     }
     conditions = points.settings | {"log_ratio": rise, "log_ratio_std": points.std_log}
     tables = DataTable.of_columns(conditions), DataTable.of_columns(drawn, "laws")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _log_rise(fit: FitResult, settings: dict[str, float], wrap_rad: FloatArray) -> FloatArray:
-    conditions = swept(settings, "wrap_angle_rad", wrap_rad)
-    rise = np.full(wrap_rad.size, np.nan)
-    good = answered(fit, conditions)
-    if good.any():
-        chosen = conditions.select(good)
-        rise[good] = fit.friction_law.log_lift(fit.theta, chosen) - chosen.log_end_tension
-    return rise
-
-
 def _draw_wheels(axes: "Axes", points: ConditionPoints) -> None:
     radii_m = points.conditions.wheel_radius_m
     wheel = levels(radii_m)
-    scale, last = colormaps[TRACE_COLORS], int(wheel.max())
-    for place in range(last + 1):
+    for place, color in enumerate(shades(int(wheel.max()) + 1)):
         mask = wheel == place
-        _draw_means(
-            axes,
-            np.degrees(points.conditions.wrap_angle_rad[mask]),
-            points.log_rise[mask],
-            points.std_log[mask],
-            label=typeset(shown_regressor("wheel_radius_m", float(radii_m[mask][0]))),
-            color=scale(0.85 * place / max(last, 1)),
-            fmt=MARKERS[place % len(MARKERS)],
-            markersize=6,
-            markeredgecolor="black",
-            markeredgewidth=0.6,
-            zorder=4,
-        )
+        x, rise, std = np.degrees(points.conditions.wrap_angle_rad), points.log_rise, points.std_log
+        label = typeset(shown_regressor("wheel_radius_m", float(radii_m[mask][0])))
+        look = {"color": color, "fmt": MARKERS[place % len(MARKERS)], "label": label, "zorder": 4}
+        edge = {"markersize": 6, "markeredgecolor": "black", "markeredgewidth": 0.6}
+        _draw_means(axes, x[mask], rise[mask], std[mask], **look | edge)
 
 
 def draw_fit_band(
@@ -228,32 +316,35 @@ def draw_fit_band(
     inner band holds the mean law, the outer one a single pull with a new rope. Points are the means of the measured
     conditions that have the settings drawn, crosses their trials where the fit still has them.
     """
-    settings = settings_of(fit, over, at)
+    settings = _settings_of(fit, over, at)
     x, columns = _band(fit, settings, over, level)
     low, high = fit.validity[over]
     points = condition_points(fit)
-    chosen = same_settings(points.conditions, settings)
+    chosen = _have(points.conditions, settings)
     n = int(points.n[chosen].sum())
     title, unit, factor = REGRESSORS[over]
-    with house_style():
-        figure = new_figure(10.0, 7.0)
+    with drawing(10.0, 7.0) as figure:
         axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+        hatch: dict[str, Any] = {
+            "facecolor": "none",
+            "edgecolor": "#9A9A9A",
+            "hatch": "///",
+            "linewidth": 0.0,
+        }
         for panel in (axes, below):
-            off = panel is below
-            lines = 100.0 * (columns / columns[0] - 1.0) if off else columns
+            lines = 100.0 * (columns / columns[0] - 1.0) if panel is below else columns
             _draw_band(panel, factor * x, lines, f"{100 * level:g} %")
             for start, stop in ((x[0], low), (high, x[-1])):
                 if stop > start:
-                    panel.axvspan(factor * start, factor * stop, facecolor="none", edgecolor="#9A9A9A", hatch="///",
-                                  linewidth=0.0, zorder=0.5, label="not tested: extrapolated")  # fmt: skip
-            _draw_measured(panel, fit, points, settings, over, off=off)
-        axes.set(ylabel=figure_label("lift_force_N"), yscale="log")
-        axes.yaxis.set_major_formatter("{x:g}")
+                    ends, label = (factor * start, factor * stop), "not tested: extrapolated"
+                    panel.axvspan(*ends, **hatch, zorder=0.5, label=label)
+            _draw_measured(panel, fit, points, settings, over, off=panel is below)
+        axes.set_ylabel(figure_label("lift_force_N"))
+        _plain_log(axes, "y")
         axes.yaxis.set_minor_formatter("")
         below.set(xlabel=regressor_label(over), ylabel="Off the mean law [%]")
         if over == "end_tension_N":
-            below.set_xscale("log")
-            below.xaxis.set_major_formatter("{x:g}")
+            _plain_log(below, "x")
         axes.set_xlim(factor * x[0], factor * x[-1])
         held = ",  ".join(shown_regressor(name, value) for name, value in settings.items())
         shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
@@ -285,14 +376,12 @@ def _band(
     low, high = fit.validity[over]
     beyond = _BEYOND * (high - low) or _BEYOND * high
     x = np.union1d(np.linspace(max(low - beyond, 0.5 * low), high + beyond, _BAND_STEPS), [low, high])
-    conditions = swept(settings, over, x)
-    columns = np.full((len(_BAND), x.size), np.nan)
-    good = answered(fit, conditions)
-    if good.any():
-        found = predict(fit, conditions.select(good), level=level, check=False)
-        columns[:, good] = np.vstack([found.lift_force_N, found.interval_N.T, found.prediction_interval_N.T])
-    columns[~np.isfinite(columns)] = np.nan
-    return x, columns
+
+    def law(at: Conditions) -> FloatArray:
+        found = predict(fit, at, level=level, check=False)
+        return np.vstack([found.lift_force_N, found.interval_N.T, found.prediction_interval_N.T])
+
+    return x, _evaluated(fit, _swept(settings, over, x), law, len(_BAND))
 
 
 def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, level: str) -> None:
@@ -321,17 +410,17 @@ def _draw_measured(
 
     factor = REGRESSORS[over][2]
     if fit.problem is not None:
-        mine = same_settings(fit.problem.conditions, settings)
+        mine = _have(fit.problem.conditions, settings)
         trials = fit.problem.conditions.select(mine)
         forces = placed(trials, np.exp(fit.problem.log_lift[mine]))
         axes.plot(factor * getattr(trials, over), forces, "x", color=GREY, markersize=4, label="one trial")
-    chosen = same_settings(points.conditions, settings)
+    chosen = _have(points.conditions, settings)
     means, mean_N = points.conditions.select(chosen), np.exp(points.log_lift[chosen])
-    spread = _COVERAGE * np.nan_to_num(points.std_log[chosen])
+    spread = 2.0 * np.nan_to_num(points.std_log[chosen])
     low, middle, high = (placed(means, mean_N * np.exp(side * spread)) for side in (-1.0, 0.0, 1.0))
     bars = np.stack([middle - low, high - middle])
     look = _CHOSEN | _BARS | {"label": "mean of a condition, ±2 u (k = 2)", "zorder": 5}
-    axes.errorbar(factor * getattr(means, over), middle, yerr=bars, fmt="o", **look)
+    axes.errorbar(factor * getattr(means, over), middle, yerr=bars, **look)
 
 
 def draw_residuals(fit: FitResult) -> FigureWithData:
@@ -349,8 +438,7 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
     order = np.arange(1, z.size + 1, dtype=np.int64)
     beyond = int((np.abs(z) > _LIMIT).sum())
     what = counted(z.size, "trial" if by_trial else "condition mean")
-    with house_style():
-        figure = new_figure(10.0, 4.2)
+    with drawing(10.0, 4.2) as figure:
         panels = figure.subplots(1, 3 if by_trial else 2, sharey=True)
         panels[0].set(xlabel=figure_label("lift_force_N").replace(" [", ", fitted ["), xscale="log")
         panels[0].xaxis.set_major_formatter("{x:g}")

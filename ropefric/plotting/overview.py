@@ -1,14 +1,13 @@
 """A whole campaign at a glance: every trial against every check."""
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
-from enum import IntEnum
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ropefric.glossary import counted
-from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure, say_instead
-from ropefric.plotting.style import house_style
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, say_instead
 from ropefric.traces.breakaway import Status
 from ropefric.trials.result import count_trials, outcome_words
 
@@ -18,73 +17,51 @@ if TYPE_CHECKING:
     from ropefric.trials.result import Extraction, TrialResult
 
 
-class Level(IntEnum):
-    """What a check says of a trial."""
-
-    NOT_JUDGED = 0
-    OK = 1
-    FLAG = 2
-    FAIL = 3
-
-
-_WORDS = {Level.NOT_JUDGED: "not judged", Level.OK: "ok", Level.FLAG: "flag", Level.FAIL: "fail"}
+OK, NOT_JUDGED, FLAG, FAIL = "ok", "not judged", "flag", "fail"
+"""What a check says of a trial."""
 # Four steps of lightness, and a hatch for the flag: the levels hold on grey paper.
-_LOOKS: dict[Level, dict[str, str]] = {
-    Level.OK: {"facecolor": "#B9D7EA"},
-    Level.NOT_JUDGED: {"facecolor": "#F3F3F3"},
-    Level.FLAG: {"facecolor": "#E69F00", "hatch": "////", "edgecolor": "#5A3E00"},
-    Level.FAIL: {"facecolor": "#4A0A12"},
+_LOOKS: dict[str, Any] = {
+    OK: {"facecolor": "#B9D7EA"},
+    NOT_JUDGED: {"facecolor": "#F3F3F3"},
+    FLAG: {"facecolor": "#E69F00", "hatch": "////", "edgecolor": "#5A3E00"},
+    FAIL: {"facecolor": "#4A0A12"},
 }
-_OPPOSITE = {
-    "file could be read": "unreadable",
-    "long enough": "too short",
-    "below the converter's ceiling": "at the converter's ceiling",
-    "rope slipped": "without a slip",
-    "static peak found": "without a static peak",
-    "no warning": "with a warning",
-    "not excluded by the user": "excluded by the user",
-    "not rejected by the rule": "rejected by the rule",
-}
-_ONE_BAND = 40
-_BAND = 100
-_MANY = 600
+_ONE_BAND, _BAND, _MANY = 40, 100, 600
 
 
-def _status(*failing: Status) -> "Callable[[TrialResult], Level]":
-    return lambda trial: Level.FAIL if trial.breakaway.status in failing else Level.OK
+def _status(*failing: Status) -> "Callable[[TrialResult], str]":
+    return lambda trial: FAIL if trial.breakaway.status in failing else OK
 
 
-def _saturation(trial: "TrialResult") -> Level:
+def _saturation(trial: "TrialResult") -> str:
     if trial.breakaway.status is Status.SATURATED:
-        return Level.FAIL
-    return Level.FLAG if trial.saturated_samples > 0 else Level.OK
+        return FAIL
+    return FLAG if trial.saturated_samples > 0 else OK
 
 
-def _warned(trial: "TrialResult") -> Level:
-    usable = trial.breakaway.status is Status.OK
-    return Level.FLAG if usable and trial.problems else Level.OK
+def _warned(trial: "TrialResult") -> str:
+    return FLAG if trial.breakaway.status is Status.OK and trial.problems else OK
 
 
-CHECKS: dict[str, "Callable[[TrialResult], Level]"] = {
-    "file could be read": _status(Status.UNREADABLE),
-    "long enough": _status(Status.TOO_SHORT),
-    "below the converter's ceiling": _saturation,
-    "rope slipped": _status(Status.NO_BREAKAWAY),
-    "static peak found": _status(Status.NO_PEAK, Status.DOUBTFUL),
-    "no warning": _warned,
-    "not excluded by the user": lambda trial: Level.FLAG if trial.excluded else Level.OK,
-    "not rejected by the rule": lambda trial: Level.FLAG if trial.rejected_by else Level.OK,
+CHECKS: "dict[str, tuple[str, Callable[[TrialResult], str]]]" = {
+    "file could be read": ("unreadable", _status(Status.UNREADABLE)),
+    "long enough": ("too short", _status(Status.TOO_SHORT)),
+    "below the converter's ceiling": ("at the converter's ceiling", _saturation),
+    "rope slipped": ("without a slip", _status(Status.NO_BREAKAWAY)),
+    "static peak found": ("without a static peak", _status(Status.NO_PEAK, Status.DOUBTFUL)),
+    "no warning": ("with a warning", _warned),
+    "not excluded by the user": ("excluded by the user", lambda trial: FLAG if trial.excluded else OK),
+    "not rejected by the rule": ("rejected by the rule", lambda trial: FLAG if trial.rejected_by else OK),
 }
-"""What is looked at, in the order in which a recording goes through it."""
+"""What is looked at, in the order in which a recording goes through it; its opposite, and what it says of a trial."""
 
 
-def check_trial(trial: "TrialResult") -> tuple[Level, ...]:
+def check_trial(trial: "TrialResult") -> tuple[str, ...]:
     """Return what each of `CHECKS` says of a trial; after a failure nothing more is judged."""
-    levels: list[Level] = []
-    for check in CHECKS.values():
-        failed = Level.FAIL in levels
-        levels.append(Level.NOT_JUDGED if failed else check(trial))
-    return tuple(levels)
+    said: list[str] = []
+    for _, check in CHECKS.values():
+        said.append(NOT_JUDGED if FAIL in said else check(trial))
+    return tuple(said)
 
 
 def draw_overview(extraction: "Extraction") -> FigureWithData:
@@ -93,80 +70,57 @@ def draw_overview(extraction: "Extraction") -> FigureWithData:
     Up to 40 trials stand in one band, each with its name; more are broken into bands of about 100, in the order of
     the trial list, with every tenth name.
     """
-    trials = extraction.trials
-    levels = [check_trial(trial) for trial in trials]
-    bands = _bands(len(trials))
-    names = [trial.trial for trial in trials]
-    longest = max((len(name) for name in names), default=0)
-    counts = f"{counted(len(trials), 'trial')}: {outcome_words(count_trials(extraction))}"
-    with house_style():
-        band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
-        figure = new_figure(10.0, 1.1 + band_inch * max(len(bands), 1))
-        panels = figure.subplots(max(len(bands), 1), 1, squeeze=False)[:, 0]
-        if not trials:
+    rows = tuple((trial.trial, *check_trial(trial)) for trial in extraction.trials)
+    n = len(rows)
+    widest = n if n <= _ONE_BAND else _BAND if n <= _MANY else 2 * _BAND
+    width = math.ceil(n / math.ceil(n / widest)) if n else 1
+    bands = [rows[start : start + width] for start in range(0, n, width)] or [()]
+    longest = max((len(name) for name, *_ in rows), default=0)
+    counts = f"{counted(n, 'trial')}: {outcome_words(count_trials(extraction))}"
+    band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
+    with drawing(10.0, 1.1 + band_inch * len(bands)) as figure:
+        panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
+        if not rows:
             say_instead(panels[0], "there is no trial")
-        for axes, (start, stop) in zip(panels, bands, strict=False):
-            _draw_band(axes, names[start:stop], levels[start:stop], width=bands[0][1])
+        for axes, band in zip(panels, bands if rows else (), strict=False):
+            _draw_band(axes, band, width)
         figure.suptitle(f"{extraction.name}, {counts}")
         legend_of_figure(figure)
-    rows = tuple((name, *(_WORDS[level] for level in row)) for name, row in zip(names, levels, strict=True))
-    return FigureWithData(
-        figure=figure,
-        tables=(DataTable(header=("trial", *CHECKS), rows=rows),),
-        alt=_alt(extraction.name, levels, counts),
+    alt = (
+        f"Campaign {extraction.name}, {counts}."
+        if rows
+        else f"Campaign {extraction.name}: there is no trial."
     )
+    told = Counter(
+        check for _, *said in rows for check, one in zip(CHECKS, said, strict=True) if one in {FLAG, FAIL}
+    )
+    if told:
+        alt += (
+            f" By check: {', '.join(f'{told[check]} {CHECKS[check][0]}' for check in CHECKS if told[check])}."
+        )
+    return FigureWithData(figure=figure, tables=(DataTable(header=("trial", *CHECKS), rows=rows),), alt=alt)
 
 
-def _bands(n: int) -> list[tuple[int, int]]:
-    """Return the ranges of trials that stand in one band, of nearly equal length."""
-    if n == 0:
-        return []
-    widest = n if n <= _ONE_BAND else _BAND if n <= _MANY else 2 * _BAND
-    size = math.ceil(n / math.ceil(n / widest))
-    return [(start, min(start + size, n)) for start in range(0, n, size)]
-
-
-def _draw_band(
-    axes: "Axes", names: Sequence[str], levels: Sequence[tuple[Level, ...]], *, width: int
-) -> None:
-    for row in range(len(CHECKS)):
-        for level, look in _LOOKS.items():
-            spans = _spans([found[row] for found in levels], level)
+def _draw_band(axes: "Axes", band: Sequence[tuple[str, ...]], width: int) -> None:
+    names, *columns = zip(*band, strict=True)
+    crowded = width > _ONE_BAND
+    for row, column in enumerate(columns):
+        for said, look in _LOOKS.items():
+            spans, place = [], 0
+            for found, run in groupby(column):
+                length = len(list(run))
+                spans += [(float(place), float(length))] if found == said else []
+                place += length
             if spans:
-                axes.broken_barh(spans, (row - 0.42, 0.84), linewidth=0, label=_WORDS[level], **look)  # type: ignore[arg-type]
+                axes.broken_barh(spans, (row - 0.42, 0.84), linewidth=0, label=said, **look)
     edges = range(1, len(names))
-    axes.vlines(edges, -0.5, len(CHECKS) - 0.5, color="white", linewidth=1.5 if width <= _ONE_BAND else 0.5)
+    axes.vlines(edges, -0.5, len(CHECKS) - 0.5, color="white", linewidth=0.5 if crowded else 1.5)
     axes.set(xlim=(0, width), ylim=(len(CHECKS) - 0.5, -0.5))
-    step = 1 if width <= _ONE_BAND else 10
-    places = range(0, len(names), step)
-    axes.set_xticks(
-        [place + 0.5 for place in places], [names[place][:20] for place in places], rotation=90, fontsize=7
-    )
+    places = range(0, len(names), 10 if crowded else 1)
+    words = [names[place][:20] for place in places]
+    axes.set_xticks([place + 0.5 for place in places], words, rotation=90, fontsize=7)
     axes.set_yticks(range(len(CHECKS)), list(CHECKS), fontsize=8)
     axes.tick_params(length=0)
     axes.grid(visible=False)
     for spine in axes.spines.values():
         spine.set_visible(False)
-
-
-def _spans(column: Sequence[Level], level: Level) -> list[tuple[float, float]]:
-    """Return start and width of every run of a level."""
-    spans, place = [], 0
-    for found, run in groupby(column):
-        length = len(list(run))
-        if found is level:
-            spans.append((float(place), float(length)))
-        place += length
-    return spans
-
-
-def _alt(name: str, levels: Sequence[tuple[Level, ...]], counts: str) -> str:
-    if not levels:
-        return f"Campaign {name}: there is no trial."
-    text = f"Campaign {name}, {counts}."
-    found = []
-    for place, check in enumerate(CHECKS):
-        n = sum(row[place] in {Level.FLAG, Level.FAIL} for row in levels)
-        if n:
-            found.append(f"{n} {_OPPOSITE[check]}")
-    return f"{text} By check: {', '.join(found)}." if found else text

@@ -2,27 +2,32 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.glossary import counted
-from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure, say_instead
-from ropefric.plotting.labels import figure_label, plain_text, shown, typeset
-from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, house_style
+from ropefric.plotting.figure import (
+    DataTable,
+    FigureWithData,
+    drawing,
+    legend_of_figure,
+    note_at,
+    say_instead,
+)
+from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, figure_label, plain_text, shown, typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from ropefric.arrays import FloatArray
 
 
 _LADDER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")
 _EVEN = 2.0
 _CLEAR = 10.0
-
-Contribution = tuple[str, float, float, float]
-"""Quantity, |c u|, its share of the variance, and the share of all so far."""
-Swing = tuple[str, float, float, float, float]
-"""Quantity, force at its low and its high value, force of the base case, width."""
 
 
 def draw_ladder(comparison: Comparison) -> FigureWithData:
@@ -34,8 +39,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
     entries = comparison.ranking
     conditions = counted(comparison.n, comparison.unit.removesuffix("s"))
     laws = f"{counted(len(entries), 'law')} on {counted(comparison.n_trials, 'trial')}"
-    with house_style():
-        figure = new_figure(10.0, 1.7 + 0.36 * max(len(entries), 2))
+    with drawing(10.0, 1.7 + 0.36 * max(len(entries), 2)) as figure:
         axes = figure.subplots()
         axes.axvspan(-0.4, _EVEN, color=BLUE, alpha=0.12, linewidth=0)
         axes.axvline(_CLEAR, color=GREY, linewidth=1.0, linestyle=":")
@@ -55,10 +59,8 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
         axes.set_title(f"{laws}, {conditions}", loc="left")
         for x, text in ((1.02, "weight"), (1.12, "error,\nunseen")):
             axes.text(x, 1.0, text, transform=axes.transAxes, fontsize=9, va="bottom")
-    rows = tuple(tuple(getattr(entry, name) for name in _LADDER) for entry in entries)
-    return FigureWithData(
-        figure=figure, tables=(DataTable(header=_LADDER, rows=rows),), alt=_ladder_in_words(comparison, laws)
-    )
+    table = DataTable.of_columns({name: [getattr(entry, name) for entry in entries] for name in _LADDER})
+    return FigureWithData(figure=figure, tables=(table,), alt=_ladder_in_words(comparison, laws))
 
 
 def _name_rows(axes: "Axes", names: Sequence[str]) -> None:
@@ -108,58 +110,55 @@ def draw_budget(
     """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum."""
     for name, value in (*rows, ("combined", combined or 0.0)):
         if math.isinf(value):
-            raise InputError(
-                f"the contribution of {name} is infinite", key=name, fix="leave it out or bound it"
-            )
-    ranked = sorted(
-        ((name, abs(value)) for name, value in rows),
-        key=lambda row: math.inf if math.isnan(row[1]) else -row[1],
+            fix = "leave it out or bound it"
+            raise InputError(f"the contribution of {name} is infinite", key=name, fix=fix)
+    known = sorted(
+        ((name, abs(value)) for name, value in rows if not math.isnan(value)), key=lambda row: -row[1]
     )
-    total = math.fsum(value**2 for _, value in ranked if not math.isnan(value))
+    names = [*(name for name, _ in known), *(name for name, value in rows if math.isnan(value))]
+    total = math.fsum(value**2 for _, value in known)
     root = math.sqrt(total) if combined is None else combined
-    table: list[Contribution] = []
-    summed = 0.0
-    for name, value in ranked:
-        share = value**2 / total if total > 0.0 and not math.isnan(value) else math.nan
-        summed += 0.0 if math.isnan(share) else share
-        table.append((name, value, share, math.nan if math.isnan(share) else summed))
-    known = [(place, row) for place, row in enumerate(table) if not math.isnan(row[2])]
-    with house_style():
-        figure = new_figure(10.0, 1.9 + 0.38 * max(len(table), 2))
+    parts = np.full((3, len(names)), math.nan)
+    parts[0, : len(known)] = [value for _, value in known]
+    if total > 0.0:
+        parts[1] = [value**2 / total for value in parts[0].tolist()]
+        parts[2] = np.cumsum(parts[1])
+    columns = dict(zip(("contribution", "share", "cumulative_share"), parts, strict=True))
+    with drawing(10.0, 1.9 + 0.38 * max(len(names), 2)) as figure:
         axes = figure.subplots()
         axes.set_xlabel(f"Contribution to the standard uncertainty [{unit or '-'}]")
-        if known:
-            _draw_contributions(axes, table, known)
+        if total > 0.0:
+            _draw_contributions(axes, names, parts)
         else:
             say_instead(axes, "no contribution is known")
         head = f"{title}: " if title else ""
-        axes.set_title(typeset(f"{head}u = {shown(root, unit)} (k = 1), n = {len(table)} quantities"))
-    what = f"Uncertainty budget{' of ' + title if title else ''}"
-    parts = ", ".join(f"{row[0]} {shown(row[1], unit, 3)} ({100 * row[2]:.3g} %)" for _, row in known[:3])
-    told = f"combined standard uncertainty {shown(root, unit)}; the largest contributions are {parts}."
-    header = ("quantity", "contribution", "share", "cumulative_share")
-    return FigureWithData(
-        figure=figure,
-        tables=(DataTable(header=header, rows=tuple(table)),),
-        alt=f"{what}: {told if known else 'no contribution is known.'}",
-    )
+        axes.set_title(typeset(f"{head}u = {shown(root, unit)} (k = 1), n = {len(names)} quantities"))
+    alt = f"Uncertainty budget{' of ' + title if title else ''}: no contribution is known."
+    if total > 0.0:
+        largest = zip(known[:3], parts[1], strict=False)
+        told = ", ".join(f"{name} {shown(u, unit, 3)} ({100 * share:.3g} %)" for (name, u), share in largest)
+        alt = alt.replace(
+            "no contribution is known",
+            f"combined standard uncertainty {shown(root, unit)}; the largest contributions are {told}",
+        )
+    table = DataTable.of_columns({"quantity": names, **columns})
+    return FigureWithData(figure=figure, tables=(table,), alt=alt)
 
 
-def _draw_contributions(
-    axes: "Axes", table: Sequence[Contribution], known: Sequence[tuple[int, Contribution]]
-) -> None:
-    widths = [0.0 if math.isnan(value) else value for _, value, _, _ in table]
-    axes.barh(range(len(table)), widths, height=0.62, color=BLUE, alpha=0.75, edgecolor=INK, linewidth=0.6)
+def _draw_contributions(axes: "Axes", names: Sequence[str], parts: "FloatArray") -> None:
+    widths = np.nan_to_num(parts[0])
+    places = range(len(names))
+    axes.barh(places, widths, height=0.62, color=BLUE, alpha=0.75, edgecolor=INK, linewidth=0.6)
     # Beside the axes, where the line of the sum cannot cross them.
     beside = axes.get_yaxis_transform()
-    for place, (_, value, share, _) in enumerate(table):
+    for place, value, share in zip(places, *parts[:2], strict=True):
         words = "unknown" if math.isnan(value) else f"{value:.3g}  ({100 * share:.3g} %)"
         axes.text(1.01, place, words, transform=beside, va="center", fontsize=9)
-    _name_rows(axes, [typeset(name) for name, *_ in table])
+    _name_rows(axes, [typeset(name) for name in names])
     axes.set_xlim(0.0, 1.04 * max(widths))
     above = axes.twiny()
-    places, shares = [place for place, _ in known], [100 * row[3] for _, row in known]
-    above.plot(shares, places, "o--", color=ORANGE, markersize=4)
+    n = int(np.isfinite(parts[2]).sum())
+    above.plot(100 * parts[2, :n], places[:n], "o--", color=ORANGE, markersize=4)
     above.set_xlim(0.0, 104.0)
     above.set_xticks([0, 20, 40, 60, 80, 100])
     above.set_xlabel("Cumulative share of the variance [%] (dashed)")
@@ -178,10 +177,12 @@ def draw_tornado(
             key="base_N",
             fix="give every row the force of one and the same base case, a finite number",
         )
-    ranked = sorted(((*row, _width(row)) for row in rows), key=lambda row: -row[4])
+    widths = [np.nanmax(row[1:]) - np.nanmin(row[1:]) for row in rows]
+    ranked = sorted(
+        ((*row, float(width)) for row, width in zip(rows, widths, strict=True)), key=lambda row: -row[4]
+    )
     alt = "No input was changed."
-    with house_style():
-        figure = new_figure(10.0, 1.7 + 0.42 * max(len(ranked), 2))
+    with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as figure:
         axes = figure.subplots()
         axes.set_xlabel(figure_label(quantity))
         if ranked:
@@ -198,45 +199,25 @@ def draw_tornado(
     return FigureWithData(figure=figure, tables=(DataTable(header=header, rows=tuple(ranked)),), alt=alt)
 
 
-def _width(row: tuple[str, float, float, float]) -> float:
-    reached = [value for value in row[1:] if not math.isnan(value)]
-    return max(reached) - min(reached)
-
-
-def _draw_swings(axes: "Axes", ranked: Sequence[Swing], base_N: float) -> None:
-    for column, color, hatch, label in (
-        (1, ORANGE, "///", "input at its low value"),
-        (2, BLUE, "", "input at its high value"),
-    ):
-        ends = [
-            (place, float(row[column]))
+def _draw_swings(
+    axes: "Axes", ranked: Sequence[tuple[str, float, float, float, float]], base_N: float
+) -> None:
+    """Draw rows of name, force at the low and the high value, in the base case, and their width."""
+    low, high = "input at its low value", "input at its high value"
+    for column, color, hatch, label in ((1, ORANGE, "///", low), (2, BLUE, "", high)):
+        ends: dict[int, float] = {
+            place: force_N
             for place, row in enumerate(ranked)
-            if not math.isnan(float(row[column]))
-        ]
-        axes.barh(
-            [place for place, _ in ends],
-            [value_N - base_N for _, value_N in ends],
-            left=base_N,
-            height=0.6,
-            edgecolor=INK,
-            linewidth=0.6,
-            facecolor=color,
-            hatch=hatch,
-            label=label if ends else "",
-        )
-        for place, value_N in ends:
-            side = 1.0 if value_N >= base_N else -1.0
-            axes.annotate(
-                f"{value_N:.4g}",
-                (value_N, place),
-                xytext=(4.0 * side, 0.0),
-                textcoords="offset points",
-                ha="left" if side > 0 else "right",
-                va="center",
-                fontsize=9,
-            )
+            if not math.isnan(force_N := float(row[column]))
+        }
+        widths = [value_N - base_N for value_N in ends.values()]
+        look: dict[str, Any] = {"edgecolor": INK, "linewidth": 0.6, "facecolor": color, "hatch": hatch}
+        axes.barh([*ends], widths, left=base_N, height=0.6, label=label if ends else "", **look)
+        for place, value_N in ends.items():
+            side, ha = (4.0, "left") if value_N >= base_N else (-4.0, "right")
+            note_at(axes, f"{value_N:.4g}", (value_N, place), side, ha=ha, va="center", fontsize=9)
     axes.axvline(base_N, color=INK, linewidth=1.2)
-    widest = max(row[4] for row in ranked) or 1.0
+    widest = ranked[0][4] or 1.0
     reached = [value for row in ranked for value in row[1:4] if not math.isnan(value)]
     axes.set_xlim(min(reached) - 0.12 * widest, max(reached) + 0.12 * widest)
     _name_rows(axes, [typeset(row[0]) for row in ranked])

@@ -2,22 +2,21 @@
 
 import math
 from itertools import cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropefric.plotting.figure import DataTable, FigureWithData, legend_below, new_figure
-from ropefric.plotting.style import BLUE, GREY, ORANGE, house_style
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_below, note_at
+from ropefric.plotting.style import BLUE, GREY, ORANGE
 from ropefric.systems.bandsaw.saw import Side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropefric.systems.bandsaw.resonance import Crossing, Excitation, SawChart
+    from ropefric.systems.bandsaw.resonance import Excitation, SawChart
 
 
-MODE_HEADER = ("side", "mode", "speed_m_s", "frequency_Hz")
-CROSSING_HEADER = ("side", "mode", "excitation", "harmonic", "speed_m_s", "frequency_Hz", "speed_margin")
+_CROSSING = ("side", "mode", "excitation", "harmonic", "speed_m_s", "frequency_Hz", "speed_margin")
 
 _LOOK = {Side.TIGHT: (BLUE, "-"), Side.SLACK: (ORANGE, "--")}
 _DASHES = ((0, (1, 1)), (0, (4, 2, 1, 2)), (0, (6, 2)), (0, (3, 1, 1, 1, 1, 1)))
@@ -37,8 +36,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
     """
     top_Hz = 1.08 * max(float(found.max()) for found in chart.mode_Hz.values())
     fastest_m_s = float(chart.speed_m_s[-1])
-    with house_style():
-        figure = new_figure(9.0, 6.5)
+    with drawing(9.0, 6.5) as figure:
         axes = figure.subplots()
         axes.set(xlim=(float(chart.speed_m_s[0]), fastest_m_s), ylim=(0.0, top_Hz))
         axes.set(xlabel="Blade speed v [m/s]", ylabel="Frequency f [Hz]")
@@ -52,7 +50,18 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
             axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
         _draw_crossings(axes, chart, top_Hz)
         legend_below(axes, columns=4)
-    return FigureWithData(figure=figure, tables=(_modes_table(chart), _crossings_table(chart)))
+    speeds, n_modes = chart.speed_m_s, chart.mode_Hz[Side.TIGHT].shape[1]
+    modes: dict[str, Any] = {
+        "side": [str(side) for side in chart.mode_Hz for _ in range(n_modes * speeds.size)],
+        "mode": [*np.repeat(np.arange(1, n_modes + 1), speeds.size).tolist()] * len(chart.mode_Hz),
+        "speed_m_s": np.tile(speeds, n_modes * len(chart.mode_Hz)),
+        "frequency_Hz": np.concatenate([found.T.ravel() for found in chart.mode_Hz.values()]),
+    }
+    crossings = {name: [getattr(one, name) for one in chart.crossings] for name in _CROSSING}
+    crossings["side"] = [str(side) for side in crossings["side"]]
+    crossings["speed_margin"] = [x if math.isfinite(x) else math.nan for x in crossings["speed_margin"]]
+    tables = DataTable.of_columns(modes), DataTable.of_columns(crossings, "crossings")
+    return FigureWithData(figure=figure, tables=tables)
 
 
 def _draw_modes(axes: "Axes", chart: "SawChart") -> None:
@@ -62,17 +71,8 @@ def _draw_modes(axes: "Axes", chart: "SawChart") -> None:
             axes.plot(chart.speed_m_s, values, style, color=color, linewidth=1.6, label=f"{side} side")
             if side is Side.SLACK:
                 case = int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))
-                axes.annotate(
-                    f"mode {mode}",
-                    (float(chart.speed_m_s[case]), float(values[case])),
-                    xytext=(0, -6),
-                    textcoords="offset points",
-                    fontsize=8.0,
-                    ha="center",
-                    va="top",
-                    bbox=_BACKGROUND,
-                    zorder=5,
-                )
+                point = (float(chart.speed_m_s[case]), float(values[case]))
+                note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
 
 
 def _mode_label_place(chart: "SawChart") -> float:
@@ -94,17 +94,9 @@ def _draw_excitation(
         if not at_right and values[0] >= top_Hz:
             continue
         leaves_m_s = float(np.interp(top_Hz, values, chart.speed_m_s)) if not at_right else fastest_m_s
-        axes.annotate(
-            f"{harmonic}×",
-            (leaves_m_s, min(float(values[-1]), top_Hz)),
-            xytext=(4, 0) if at_right else (0, 3),
-            textcoords="offset points",
-            fontsize=8.0,
-            color=GREY,
-            ha="left" if at_right else "center",
-            va="center" if at_right else "bottom",
-            annotation_clip=False,
-        )
+        where = {"right": 4.0, "ha": "left", "va": "center"} if at_right else {"up": 3.0}
+        point = (leaves_m_s, min(float(values[-1]), top_Hz))
+        note_at(axes, f"{harmonic}×", point, color=GREY, annotation_clip=False, **where)
 
 
 def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
@@ -112,15 +104,9 @@ def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
     slack = chart.mode_Hz[Side.SLACK][int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))]
     written = [(_MODE_LABELS_AT, float(value) / top_Hz - _LABEL_OFFSET) for value in slack]
     for crossing in sorted(chart.crossings, key=lambda crossing: abs(crossing.speed_margin)):
-        axes.plot(
-            crossing.speed_m_s,
-            crossing.frequency_Hz,
-            "o",
-            markersize=6.0,
-            markerfacecolor="none",
-            markeredgecolor=_LOOK[crossing.side][0],
-            markeredgewidth=1.3,
-        )
+        color, point = _LOOK[crossing.side][0], (crossing.speed_m_s, crossing.frequency_Hz)
+        ring: dict[str, Any] = {"markersize": 6.0, "markerfacecolor": "none", "markeredgewidth": 1.3}
+        axes.plot(*point, "o", markeredgecolor=color, **ring)
         up = 1.0 if crossing.side is Side.TIGHT else -1.0
         x = (crossing.speed_m_s - slowest_m_s) / span_m_s
         y = crossing.frequency_Hz / top_Hz + up * _LABEL_OFFSET
@@ -130,38 +116,6 @@ def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
         outside = y < 0.5 * _LABEL_HEIGHT or x < 0.5 * _LABEL_WIDTH
         if not (crowded or outside) and math.isfinite(crossing.speed_margin):
             written.append((x, y))
-            _write_margin(axes, crossing, up)
-
-
-def _write_margin(axes: "Axes", crossing: "Crossing", up: float) -> None:
-    axes.annotate(
-        f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}"),
-        (crossing.speed_m_s, crossing.frequency_Hz),
-        xytext=(0, 6.0 * up),
-        textcoords="offset points",
-        fontsize=8.0,
-        color=_LOOK[crossing.side][0],
-        ha="center",
-        va="bottom" if up > 0.0 else "top",
-        bbox=_BACKGROUND,
-        zorder=5,
-    )
-
-
-def _modes_table(chart: "SawChart") -> DataTable:
-    rows = tuple(
-        (str(side), mode, speed, frequency_Hz)
-        for side, frequencies in chart.mode_Hz.items()
-        for mode, line in enumerate(frequencies.T.tolist(), start=1)
-        for speed, frequency_Hz in zip(chart.speed_m_s.tolist(), line, strict=True)
-    )
-    return DataTable(header=MODE_HEADER, rows=rows)
-
-
-def _crossings_table(chart: "SawChart") -> DataTable:
-    rows = tuple(
-        (str(one.side), one.mode, one.excitation, one.harmonic, one.speed_m_s, one.frequency_Hz, margin)
-        for one in chart.crossings
-        for margin in (one.speed_margin if math.isfinite(one.speed_margin) else math.nan,)
-    )
-    return DataTable(name="crossings", header=CROSSING_HEADER, rows=rows)
+            words = f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}")
+            look: dict[str, Any] = {"va": "bottom" if up > 0.0 else "top", "bbox": _BACKGROUND, "zorder": 5}
+            note_at(axes, words, point, up=6.0 * up, color=color, **look)

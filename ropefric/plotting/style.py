@@ -1,11 +1,18 @@
-"""How all figures look: readable at A4 width, by colour-blind eyes and on a grey printer, same bytes each time."""
+"""How all figures look and the words on them: readable at A4 width, by colour-blind eyes and on a grey printer."""
 
+import math
+import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib.style
+from matplotlib import colormaps
+
+from ropefric.files.plain_text import visible
+from ropefric.fitting.predict import REGRESSORS
+from ropefric.glossary import axis_label
 
 # Okabe and Ito's palette, chosen so that the three also differ in lightness; the darker orange is for words.
 BLUE = "#0072B2"
@@ -13,13 +20,10 @@ ORANGE = "#D55E00"
 DARK_ORANGE = "#A34700"
 GREY = "#6E6E6E"
 INK = "#1A1A1A"
-_GREEN = "#009E73"
-_PURPLE = "#AA4499"
+_COLORS = (BLUE, ORANGE, INK, "#009E73", "#AA4499")
 LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (8, 3)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 """What tells lines and points apart where colour does not: on grey paper and for colour-blind eyes."""
-TRACE_COLORS = "viridis"
-"""Colour map for things in an order; its lightness rises steadily, so grey prints keep the order."""
 
 _STYLE = {
     "figure.dpi": 110.0,
@@ -46,11 +50,12 @@ _STYLE = {
 }
 _ONE_AT_A_TIME = threading.RLock()
 
-
-def line_look(place: int) -> dict[str, Any]:
-    """Return colour and line style of the nth line of a figure; no two of the first seven share a style."""
-    colors = (BLUE, ORANGE, INK, _GREEN, _PURPLE)
-    return {"color": colors[place % len(colors)], "linestyle": LINE_STYLES[place % len(LINE_STYLES)]}
+_SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")
+_OWN_MATHEMATICS = re.compile(r"(\$(?:[A-Za-zφμρσ']++_\{\\mathrm\{[A-Za-z0-9,]++\}\}/?)++\$)")
+_LONGEST_WORD = 60  # beyond, nothing else has room
+_DOLLAR = re.compile(r"(?<!\\)\$")
+TYPESET = re.compile(r"\$([A-Za-zφμρσ]++)_\{\\mathrm\{([A-Za-z0-9,]++)\}\}\$")
+"""A symbol with its index, as `typeset` sets it."""
 
 
 @contextmanager
@@ -61,3 +66,60 @@ def house_style() -> Iterator[None]:
     """
     with _ONE_AT_A_TIME, matplotlib.style.context(["default", _STYLE]):
         yield
+
+
+def line_look(place: int) -> dict[str, Any]:
+    """Return colour and line style of the nth line of a figure; no two of the first seven share a style."""
+    return {"color": _COLORS[place % len(_COLORS)], "linestyle": LINE_STYLES[place % len(LINE_STYLES)]}
+
+
+def shades(n: int) -> list[tuple[float, ...]]:
+    """Return colours for n things in an order; lightness rises steadily, so grey prints keep the order."""
+    # The palest end of the map is left out, it drowns on white paper.
+    return [colormaps["viridis"](0.85 * place / max(n - 1, 1)) for place in range(n)]
+
+
+def typeset(text: str) -> str:
+    r"""Return text with plain symbols such as F_A set as mathematics."""
+    return _SUBSCRIPT.sub(r"$\1_{\\mathrm{\2}}$", text)
+
+
+def plain_text(text: str) -> str:
+    r"""Return typeset text as it was before, for readers who cannot see it."""
+    return TYPESET.sub(r"\1_\2", text)
+
+
+def figure_text(text: str) -> str:
+    r"""Return text as it may stand in a figure: what is not our own mathematics is none, and all of it shows."""
+    for word in set(text.split()):
+        if len(word) > _LONGEST_WORD:
+            text = text.replace(word, f"{word[: _LONGEST_WORD - 1]}…")
+    parts = _OWN_MATHEMATICS.split(visible(text))
+    return "".join(part if place % 2 else _DOLLAR.sub(r"\$", part) for place, part in enumerate(parts))
+
+
+def figure_label(name: str) -> str:
+    """Return a quantity's axis label with typeset symbol and unit."""
+    return typeset(axis_label(name))
+
+
+def regressor_label(name: str) -> str:
+    r"""Return the axis label of a regressor in the unit people set it in."""
+    return typeset(f"{axis_label(name).rsplit(' [', 1)[0]} [{REGRESSORS[name][1]}]")
+
+
+def shown_regressor(name: str, value: float) -> str:
+    """Return a regressor's symbol and value in the unit people set it in."""
+    _title, unit, factor = REGRESSORS[name]
+    symbol = axis_label(name).rsplit(" [", 1)[0].rsplit(" ", 1)[1]
+    return f"{symbol} = {factor * value:.4g} {unit}"
+
+
+def shown(value: float, unit: str = "", digits: int = 4) -> str:
+    """Return a number with its unit, or "unknown" where there is none."""
+    return "unknown" if math.isnan(value) else f"{value:.{digits}g} {unit}".rstrip()
+
+
+def span_of(values: Any) -> str:
+    """Return the range of some numbers in words."""
+    return f"{values.min():.4g} to {values.max():.4g}"

@@ -7,21 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 from ropefric.accuracy.measure import StudyResult
 from ropefric.accuracy.study import ROUNDING, Measured, in_case, time_text
-from ropefric.plotting.figure import DataTable, FigureWithData, legend_of_figure, new_figure
-from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, house_style, line_look
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, note_at
+from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, line_look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
-HEADER = ("case", "method", "setting", "error", "seconds", "spread_s", "evaluations", "lower_s", "upper_s", "repeats",
-          "loops", "bias", "noise", "on_front")  # fmt: skip
-"""Columns of the table behind a figure."""
-
-_FRONT = "fastest for its error"
+_COLUMNS = (
+    *("case", "method", "setting", "error", "seconds", "spread_s", "evaluations"),
+    *("lower_s", "upper_s", "repeats", "loops", "bias", "noise"),
+)
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S)")
-_FRONT_COLOR = "#B9B9B9"
 
 
 def draw_work_precision(result: StudyResult) -> FigureWithData:
@@ -36,8 +33,8 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
     n_columns = 1 if len(cases) == 1 else 2
     n_rows = math.ceil(len(cases) / n_columns)
     columns = 3 if n_columns == 2 else 2
-    with house_style():
-        figure = _sized_figure(n_rows, n_columns, legend_lines=math.ceil((len(methods) + 1) / columns))
+    width, height, margins = _frame(n_rows, n_columns, math.ceil((len(methods) + 1) / columns))
+    with drawing(width, height, margins=margins) as figure:
         panels = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
         for axes, case in zip(panels, cases, strict=False):
             _draw_case(axes, in_case(result.points, case.name), result.front(case.name), looks)
@@ -49,24 +46,15 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
     return FigureWithData(figure=figure, tables=(_table(result),), alt=_alt(result))
 
 
-def _sized_figure(n_rows: int, n_columns: int, *, legend_lines: int) -> "Figure":
-    """Return a figure whose margins are known: panels of one size, two lines of title over each, the legend below."""
+def _frame(n_rows: int, n_columns: int, legend_lines: int) -> tuple[float, float, dict[str, float]]:
+    """Return width, height and margins: panels of one size, two lines of title over each, the legend below."""
     wide, high, between_columns, between_rows = 4.7, 2.8, 0.95, 1.1
     left, right, top, bottom = 0.85, 0.15, 0.75, 0.75 + 0.21 * legend_lines
     width = left + right + n_columns * wide + (n_columns - 1) * between_columns
     height = top + bottom + n_rows * high + (n_rows - 1) * between_rows
-    return new_figure(
-        width,
-        height,
-        margins={
-            "left": left / width,
-            "right": 1.0 - right / width,
-            "top": 1.0 - top / height,
-            "bottom": bottom / height,
-            "wspace": between_columns / wide,
-            "hspace": between_rows / high,
-        },
-    )
+    ends = {"left": left / width, "right": 1.0 - right / width, "top": 1.0 - top / height}
+    between = {"wspace": between_columns / wide, "hspace": between_rows / high}
+    return width, height, ends | between | {"bottom": bottom / height}
 
 
 def _look(place: int) -> dict[str, Any]:
@@ -82,20 +70,20 @@ def _draw_case(
     shown = [point for point in points if math.isfinite(point.error)]
     axes.set_xscale("log")
     axes.set_yscale("log")
-    if len(front) > 1:
-        axes.plot([p.shown_error for p in front], [p.seconds for p in front], color=_FRONT_COLOR, linewidth=7,
-                  alpha=0.6, solid_capstyle="round", solid_joinstyle="round", zorder=1, label=_FRONT)  # fmt: skip
-    elif front:
-        axes.plot([front[0].shown_error], [front[0].seconds], "o", color=_FRONT_COLOR, markersize=14, alpha=0.6,
-                  zorder=1, label=_FRONT)  # fmt: skip
+    if front:
+        thick: dict[str, Any] = {"linewidth": 7, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        look = thick if len(front) > 1 else {"marker": "o", "linestyle": "none", "markersize": 14}
+        place = [p.shown_error for p in front], [p.seconds for p in front]
+        axes.plot(*place, color="#B9B9B9", alpha=0.6, zorder=1, label="fastest for its error", **look)
+    bar: dict[str, Any] = {"linewidth": 1.3, "markersize": 5, "elinewidth": 0.8, "capsize": 1.5, "zorder": 2}
     for method, look in looks.items():
         mine = [point for point in shown if point.method == method]
         if not mine:
             continue
         times = [point.seconds for point in mine]
         bars = [[p.seconds - p.lower_s for p in mine], [p.upper_s - p.seconds for p in mine]]
-        axes.errorbar([point.shown_error for point in mine], times, yerr=bars, **look, linewidth=1.3, markersize=5,
-                      elinewidth=0.8, capsize=1.5, markerfacecolor="white", zorder=2, label=method)  # fmt: skip
+        errors = [point.shown_error for point in mine]
+        axes.errorbar(errors, times, yerr=bars, markerfacecolor="white", label=method, **look | bar)
     axes.invert_xaxis()
     _few_decades(axes, shown)
     axes.set(xlabel="Relative error [-], more accurate to the right", ylabel="Time of one call [s]")
@@ -112,8 +100,8 @@ def _few_decades(axes: "Axes", points: list[Measured]) -> None:
     axes.set_xticks([], minor=True)
     if min(errors) < 10 * ROUNDING:
         axes.axvline(ROUNDING, color="#8A8A8A", linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
-        axes.annotate("rounding", (ROUNDING, 1.0), xycoords=("data", "axes fraction"), xytext=(-3, -2), ha="right",
-                      va="top", textcoords="offset points", fontsize=8, color=GREY, rotation=90)  # fmt: skip
+        corner: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "ha": "right", "va": "top"}
+        note_at(axes, "rounding", (ROUNDING, 1.0), -3.0, -2.0, color=GREY, rotation=90, **corner)
 
 
 def _folded(title: str, width: int = 62) -> str:
@@ -123,12 +111,8 @@ def _folded(title: str, width: int = 62) -> str:
 
 def _table(result: StudyResult) -> DataTable:
     fronts = {case.name: set(result.front(case.name)) for case in result.study.cases}
-    rows = tuple(
-        (p.case, p.method, p.setting, p.error, p.seconds, p.spread_s, p.evaluations, p.lower_s, p.upper_s, p.repeats,
-         p.loops, p.bias, p.noise, p in fronts[p.case])
-        for p in result.points
-    )  # fmt: skip
-    return DataTable(header=HEADER, rows=rows)
+    columns = {name: [getattr(point, name) for point in result.points] for name in _COLUMNS}
+    return DataTable.of_columns(columns | {"on_front": [p in fronts[p.case] for p in result.points]})
 
 
 def _alt(result: StudyResult) -> str:

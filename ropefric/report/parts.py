@@ -13,9 +13,8 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.verdict import Verdict
 from ropefric.glossary import counted
 from ropefric.report.section import Section, Table, interval, percent, plain, shorthand
-from ropefric.uncertainty.budget import BudgetLine
+from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement, numerical_tolerance
 from ropefric.uncertainty.quantity import Quantity
-from ropefric.uncertainty.statement import DISAGREEMENT, Statement, numerical_tolerance
 
 _VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 

@@ -8,7 +8,7 @@ from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignAnswer, CampaignRun
-from ropefric.plotting.conditions import conditions_of, draw_repeatability
+from ropefric.plotting.conditions import conditions_of, draw_condition
 from ropefric.plotting.design_chart import draw_design_chart
 from ropefric.plotting.figure import FigureWithData, save_figure
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
@@ -60,11 +60,11 @@ def _of_trials(extraction: Extraction) -> Iterator[Drawing]:
     """Give the overview of a campaign, and the repeatability of the conditions that are worth a look."""
     caption = "Every trial against every check: where a column has a mark, the recording wants a look."
     yield Drawing("trials", "overview", partial(draw_overview, extraction), caption)
-    conditions = conditions_of(extraction)
+    conditions = list(conditions_of(extraction).items())
     for place, why in chosen_conditions(extraction):
-        stem, summary, trials = conditions[place]
+        stem, (summary, trials) = conditions[place]
         caption = f"Repeatability of condition {place + 1}: {why}."
-        yield Drawing("trials", stem, partial(draw_repeatability, summary, trials), caption)
+        yield Drawing("trials", stem, partial(draw_condition, summary, trials, traces=False), caption)
 
 
 def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:

@@ -1,6 +1,5 @@
 """A simulated campaign: its plan, its trials, and its files: campaign.toml, trials.csv, truth.toml, recordings."""
 
-import csv
 import gzip
 import io
 import json
@@ -13,7 +12,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.files.plain_text import to_spreadsheet
+from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.files.write import write_file
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
@@ -335,9 +334,7 @@ def _trials_text(plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: l
         dwell = "" if math.isnan(truth.dwell_s) else f"{truth.dwell_s:.3f}"
         rope = f"sim-rope-{trial.index + 1:03d}"
         rows.append([trial.name, trial.file, condition.wheel, wrap_deg, force, truth.cell, rope, dwell, ""])
-    buffer = io.StringIO()
-    csv.writer(buffer, lineterminator="\n").writerows([to_spreadsheet(cell) for cell in row] for row in rows)
-    return buffer.getvalue()
+    return csv_text(map(to_spreadsheet, row) for row in rows)
 
 
 def _truth_lines(

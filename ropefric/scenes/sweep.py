@@ -4,12 +4,10 @@ An axis is a key of the scene and the values it is to take; the answers are a ta
 may have a million rows.
 """
 
-import csv
-import io
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import prod
@@ -21,7 +19,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError, UnknownNameError
 from ropefric.files.folder import Folder
-from ropefric.files.plain_text import to_spreadsheet
+from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.plan import make_plan
@@ -327,7 +325,7 @@ def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
     lines = [word + cells for word in words[-1]]
     values = np.stack(list(sweep.columns.values()), axis=-1)
     with folder.stream(name) as stream:
-        stream.write(_header(header_of(sweep)).encode())
+        stream.write(csv_text([map(csv_cell, header_of(sweep))]).encode())
         for place, outer in enumerate(product(*words[:-1])):
             for start in range(0, len(lines), _BLOCK):
                 rows = lines[start : start + _BLOCK]
@@ -340,13 +338,7 @@ def columns_text(columns: Mapping[str, FloatArray]) -> str:
     """Return columns of one length as CSV."""
     values = np.stack(list(columns.values()), axis=-1)
     row = ",".join(["%.9g"] * len(columns)) + "\n"
-    return _header(columns) + _rows("", [row] * len(values), values)
-
-
-def _header(names: Iterable[str]) -> str:
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerow(map(to_spreadsheet, names))
-    return stream.getvalue()
+    return csv_text([map(csv_cell, columns)]) + _rows("", [row] * len(values), values)
 
 
 def _rows(outer: str, rows: list[str], values: FloatArray) -> str:

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.quantities import si_unit_of, unit_factor
 from ropefric.registry import did_you_mean
-from ropefric.traces.calibration import Calibration, as_counts
+from ropefric.traces.calibration import Calibration
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
@@ -45,9 +45,16 @@ def si_factor(channel: str, unit: str, *, path: str = "") -> float:
 
 
 def assemble_trace(
-    raw: RawRecording, profile: ImportProfile, *, calibration: Calibration | None = None
+    raw: RawRecording,
+    profile: ImportProfile,
+    *,
+    calibration: Calibration | None = None,
+    tared: Callable[[FloatArray, IntArray, Calibration], Calibration] | None = None,
 ) -> ForceTrace:
-    """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated."""
+    """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated.
+
+    `tared` finds the tare from time and counts, before they are turned into forces, once.
+    """
 
     def refuse(message: str, code: str, key: str, fix: str) -> DataError:
         return DataError(message, code=code, path=raw.source, key=key, fix=fix)
@@ -67,6 +74,7 @@ def assemble_trace(
         source=raw.source,
         first_line=raw.first_line,
     )
+    notes = (*raw.notes, *notes)
     if "force" in channels:
         force_N = channels["force"][keep]
         return ForceTrace(time_s=time_s, force_N=force_N, name=raw.name, source=raw.source, notes=notes)
@@ -74,7 +82,9 @@ def assemble_trace(
         message = f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons"
         raise refuse(message, "RF210", "counts", "name the cell in trials.csv and [adc] in campaign.toml")
     try:
-        counts = as_counts(channels["counts"][keep])
+        counts = calibration.checked(channels["counts"][keep])
+        if tared is not None:
+            calibration = tared(time_s, counts, calibration)
         force_N, saturation = calibration.apply(counts)
     except RopefricError as error:
         problem = error.problem

@@ -1,18 +1,17 @@
 """The measuring chain, counts -> volts -> newtons: force cell, converter, tare, and where it sat at its limits."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import MISSING, asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import pairwise
 from numbers import Integral, Real
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.errors import DataError, InputError, Problem, UnknownNameError
-from ropefric.registry import did_you_mean
+from ropefric.errors import DataError, InputError, Problem
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std, remove_spikes, runs_of
 
 SCHEMA = "ropefric.calibration/1"
@@ -25,8 +24,6 @@ _DITHERED = 0.5  # in counts: noise this strong leaves less than 0.01 count of q
 
 _LARGEST_FRACTION = 0.1  # no force cell is sold with 10 % of error: such a number is a percentage by mistake
 _OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyond it is a slip of the unit
-
-T = TypeVar("T")
 
 
 def _refused(message: str, key: str, fix: str = "") -> InputError:
@@ -288,24 +285,31 @@ class Calibration:
         line = self.cell.line
         return self.adc.lsb_V * line.gain_N_V, (self.adc.low_V - line.zero_V) * line.gain_N_V - self.tare_N
 
-    def apply(self, counts: Any) -> tuple[FloatArray, Saturation]:
-        """Return the forces of raw counts, and where the converter sat at its limits."""
-        counts = as_counts(counts)
-        gain_N, offset_N = self._gain_and_offset()
-        max_count = self.adc.max_count
-        top = int(counts.max(initial=0))
-        if top > max_count:
-            index = int(np.argmax(counts > max_count))
-            most = f"the {max_count} of a {self.adc.bits}-bit converter; the largest count is {top}"
-            why = f"sample {index} (the first is 0) has count {counts[index]}, above {most}"
+    def checked(self, values: Any) -> IntArray:
+        """Return raw counts as integers, -1 where one is missing, after making sure that the converter can give them."""
+        counts = as_counts(values)
+        top, most = int(counts.max(initial=0)), self.adc.max_count
+        if top > most:
+            index = int(np.argmax(counts > most))
+            why = (
+                f"sample {index} (the first is 0) has count {counts[index]}, above the {most} of a "
+                f"{self.adc.bits}-bit converter; the largest count is {top}"
+            )
             fix = f"set bits = {top.bit_length()} or more, or check which column holds the counts"
             raise DataError(why, code="RF211", key="bits", fix=fix)
-        force_N = counts * gain_N
+        return counts
+
+    def apply(self, values: Any) -> tuple[FloatArray, Saturation]:
+        """Return the forces of raw counts, and where the converter sat at its limits."""
+        counts = self.checked(values)
+        gain_N, offset_N = self._gain_and_offset()
+        force_N = np.asarray(counts * gain_N, dtype=np.float64)
         force_N += offset_N
         missing = counts < 0
         if missing.any():
             force_N[missing] = np.nan
-        return force_N, Saturation(high_runs=runs_of(counts == max_count), low_runs=runs_of(counts == 0))
+        at_top = counts == self.adc.max_count
+        return force_N, Saturation(high_runs=runs_of(at_top), low_runs=runs_of(counts == 0))
 
     def with_tare(self, counts: Any) -> tuple["Calibration", tuple[Problem, ...]]:
         """Return this calibration with the tare that makes the mean force of an idle stretch zero, and its doubts.
@@ -354,17 +358,6 @@ class Calibration:
             "tare_std_N": self.tare_std_N,
         }
 
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> "Calibration":
-        """Return the calibration that `to_dict` described."""
-        rest = dict(data)
-        schema = rest.pop("schema", None)
-        if schema != SCHEMA:
-            raise DataError(f"schema {schema!r} is not {SCHEMA!r}", code="RF210", key="schema")
-        for key, kind in (("adc", Adc), ("cell", ForceCell)):
-            rest[key] = _build(kind, rest.get(key, {}), key)
-        return _build(cls, rest, "calibration")
-
 
 def tare_from_interval(
     time_s: FloatArray, counts: Any, calibration: Calibration, start_s: float, end_s: float
@@ -405,20 +398,3 @@ def _doubts_of_tare(
             f"be seen, and the tare of {float(present_N.mean()):.3g} N may be too high"
         )
         yield message, "set the transmitter's zero a few counts above the floor"
-
-
-def _build(kind: type[T], values: Any, key: str) -> T:
-    """Make a dataclass from a mapping, with messages instead of a TypeError."""
-    if not isinstance(values, Mapping):
-        raise _refused(f"{key}: {values!r} is not a table of values", key)
-    items = fields(kind)  # type: ignore[arg-type]  # only dataclasses come here
-    known = [item.name for item in items]
-    for name in values:
-        if name not in known:
-            fix = did_you_mean(name, known)
-            raise UnknownNameError(f"{key}: unknown key '{name}'", code="RF120", fix=fix)
-    needed = [item.name for item in items if item.default is item.default_factory is MISSING]
-    missing = [name for name in needed if name not in values]
-    if missing:
-        raise _refused(f"{key}: {', '.join(missing)} is missing", key)
-    return kind(**values)

@@ -1,11 +1,11 @@
 """A force recording: what every reader hands over and every later step works on."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, frozen_array
-from ropefric.errors import DataError, InputError
+from ropefric.errors import DataError
 from ropefric.traces.calibration import Calibration, Saturation
 
 _LARGEST = 1e100
@@ -27,8 +27,7 @@ class ForceTrace:
     source : str
         The file it came from, as its owner wrote it.
     counts : ndarray of int64, shape (n,), optional
-        Raw ADC counts, where the force was computed from them; kept so that a better calibration can be
-        applied later.
+        Raw ADC counts, where the force was computed from them.
     calibration : Calibration, optional
         How `force_N` came from `counts`.
     saturation : Saturation, optional
@@ -95,13 +94,3 @@ class ForceTrace:
         if float(steps_s.max()) > 1.5 * step_s:
             step_s = float(np.median(steps_s))
         return float(f"{1.0 / step_s:.12g}")
-
-
-def recalibrate(trace: ForceTrace, calibration: Calibration) -> ForceTrace:
-    """Return the recording with its forces computed anew from the raw counts it kept."""
-    if trace.counts is None:
-        why = f"{trace.name} holds forces only, no raw counts, so no other calibration can be applied"
-        fix = "import the column of raw counts as channel `counts`"
-        raise InputError(why, code="RF213", path=trace.source, fix=fix)
-    force_N, saturation = calibration.apply(trace.counts)
-    return replace(trace, force_N=force_N, calibration=calibration, saturation=saturation)

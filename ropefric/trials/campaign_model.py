@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
+from zoneinfo import available_timezones
 
 from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
 from ropefric.errors import InputError, Problem
+from ropefric.files.stamps import ORDERS
 from ropefric.files.toml_model import (
     StrictTable,
     Table,
@@ -285,7 +287,11 @@ _IMPORT = Table(
         "decimal": choice(lambda: ("", ".", ",")),
         "encoding": _encoding,
         "header_row": whole_number(-1),
-        **dict.fromkeys(("units_row", "data_row", "block_columns", "block_names_row"), whole_number(0)),
+        **dict.fromkeys(
+            ("units_row", "data_row", "block_columns", "block_names_row", "skip_footer"), whole_number(0)
+        ),
+        "date_order": choice(lambda: ("", *ORDERS)),
+        "time_zone": choice(available_timezones),
         "sampling_rate_Hz": ("sampling_rate", _RATE),
         "missing": tuple[Text, ...],
         "table": text,

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
@@ -22,7 +22,7 @@ from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
 from ropefric.traces.segments import MIN_SAMPLES
-from ropefric.traces.trace import ForceTrace, recalibrate
+from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign, TrialRow, TrialSpec
 from ropefric.trials.result import Outline, TrialResult
 
@@ -236,17 +236,24 @@ def tared_trace(
     calibration = None
     if spec.cell and campaign.adc is not None:
         calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)
-    trace = assemble_trace(raw, campaign.profile, calibration=calibration)
+    interval_s, problems = campaign.tare_interval_s, list[Problem]()
+
+    def tared(time_s: FloatArray, counts: IntArray, untared: Calibration) -> Calibration:
+        if interval_s is None or np.count_nonzero(counts >= 0) < MIN_SAMPLES:
+            return untared
+        found, doubts = tare_from_interval(time_s, counts, untared, *interval_s)
+        problems.extend(replace(doubt, path=spec.file) for doubt in doubts)
+        return found
+
+    trace = assemble_trace(raw, campaign.profile, calibration=calibration, tared=tared)
     _check_size(spec, trace)
-    if campaign.tare_interval_s is None:
+    if interval_s is None:
         return (trace, 0.0, ())
-    start_s, stop_s = campaign.tare_interval_s
+    start_s, stop_s = interval_s
     if np.count_nonzero(np.isfinite(trace.force_N)) < MIN_SAMPLES:
         return (trace, nan, ())  # picking says that it is too short
-    if trace.counts is not None and trace.calibration is not None:
-        tared, problems = tare_from_interval(trace.time_s, trace.counts, trace.calibration, start_s, stop_s)
-        placed = tuple(replace(p, path=spec.file) for p in problems)
-        return (recalibrate(trace, tared), tared.tare_N, placed)
+    if trace.calibration is not None:
+        return (trace, trace.calibration.tare_N, tuple(problems))
     inside = (trace.time_s >= start_s) & (trace.time_s <= stop_s) & np.isfinite(trace.force_N)
     if not inside.any():
         raise DataError(

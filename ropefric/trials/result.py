@@ -1,7 +1,5 @@
 """What an extraction hands on: trials, conditions, problems; and the three CSV files of them."""
 
-import csv
-import io
 import math
 import os
 import re
@@ -19,7 +17,7 @@ from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import Problem
 from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
-from ropefric.files.plain_text import to_spreadsheet
+from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
@@ -327,16 +325,9 @@ def _rounded(row: Mapping[str, Any], *, known: str = "") -> dict[str, Any]:
 
 
 def _text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> str:
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, columns or list(rows[0] if rows else ()), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
-    return stream.getvalue()
+    heads = columns or list(rows[0] if rows else ())
+    return csv_text([heads, *([_cell(row[head]) for head in heads] for row in rows)])
 
 
 def _cell(value: Any) -> Any:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, list):
-        value = _NAME_SEPARATOR.join(value)
-    return to_spreadsheet(value) if isinstance(value, str) else value
+    return csv_cell(_NAME_SEPARATOR.join(value) if isinstance(value, list) else value)

@@ -1,8 +1,13 @@
-"""The law of propagation of uncertainty (JCGM 100): one line a source, their sum, and the expanded uncertainty."""
+"""From a measurement equation to the statement of its uncertainty.
+
+A budget by the law of propagation of uncertainty (JCGM 100): one line a source, their sum, and the expanded
+uncertainty; its check by draws (JCGM 101); and what would make it smaller.
+"""
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -10,6 +15,21 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, check_level, directions, quantile
+
+SCHEMA = "ropefric.uncertainty/1"
+
+# Sources with a smaller part of u_c² change U by less than 4 % even if they vanish.
+_WORTH_A_WORD = 0.08
+# Less than half a per cent of U is no help to anybody.
+_NOTICED = 0.005
+
+_FEWEST, _MOST = 10_000, 10_000_000
+# The end of a 95 % interval from N draws scatters by about 2.7 σ/√N; U is about 2 σ.
+_END_NOISE = 2.7 / 1.96
+DISAGREEMENT = 0.1
+"""Part of U by which an end of y ± U may differ from that of the draws [-]."""
+_UNANSWERED = 0.01
+_ONE_SIGMA = 0.8413447460685429
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -174,3 +194,237 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
         level=level,
         coverage_factor=quantile(0.5 + 0.5 * level, dof),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrawnAnswer:
+    """What draws of the inputs say about the answer."""
+
+    draws: int
+    seed: int
+    unanswered: int
+    median: float
+    half_68: float
+    symmetric: tuple[float, float]
+    shortest: tuple[float, float]
+    low_gap: float
+    high_gap: float
+    digits: int
+    agrees: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer as JSON-able values."""
+        names = ("draws", "seed", "unanswered", "median", "half_68", "agrees")
+        return {name: getattr(self, name) for name in names} | {
+            "symmetric_interval": list(self.symmetric),
+            "shortest_interval": list(self.shortest),
+            "gaps": [self.low_gap, self.high_gap],
+            "validated_digits": self.digits,
+        }
+
+
+def numerical_tolerance(std: float, digits: int) -> float:
+    """Return δ = ½·10^l for u = c·10^l with c a whole number of `digits` digits, section 7.9.2 of JCGM 101."""
+    # Rounding may carry into the next decade (0.996 -> 1.0), so the exponent is read off the rounded number.
+    exponent = int(f"{std:.{digits - 1}e}".partition("e")[2]) - (digits - 1)
+    return 0.5 * 10.0**exponent
+
+
+def shortest_interval(values: FloatArray, level: float) -> tuple[float, float]:
+    """Return the shortest interval that holds a share `level` of sorted values, section 7.7.4 of JCGM 101."""
+    span = min(max(math.floor(level * values.size + 0.5), 1), values.size)
+    widths = values[span - 1 :] - values[: values.size - span + 1]
+    first = int(np.argmin(widths))
+    return float(values[first]), float(values[first + span - 1])
+
+
+def propagate(
+    model: MeasurementModel, budget: LinearBudget, *, draws: int = 200_000, seed: int = 0
+) -> DrawnAnswer:
+    """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
+    if not _FEWEST <= draws <= _MOST or seed < 0:
+        raise InputError(
+            f"{draws} draws with seed {seed}",
+            key="draws",
+            fix=f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more",
+        )
+    values = model.draw(np.random.default_rng(seed), draws)
+    values = np.sort(values[np.isfinite(values)])
+    unanswered = draws - values.size
+    if 2 * unanswered > draws:
+        raise InputError(
+            f"{model.name} has no answer for {unanswered} of {draws} draws of its inputs",
+            code="RF420",
+            key="draws",
+            fix="the inputs are too uncertain for any budget; measure them better",
+        )
+    tail = 0.5 * (1.0 - budget.level)
+    at = [tail, 1.0 - tail, 1.0 - _ONE_SIGMA, 0.5, _ONE_SIGMA]
+    low, high, below, median, above = (float(end) for end in np.quantile(values, at))
+    low_gap, high_gap = abs(low - budget.interval[0]), abs(high - budget.interval[1])
+    wider = max(low_gap, high_gap)
+    room = (DISAGREEMENT + 3.0 * _END_NOISE / math.sqrt(draws)) * budget.expanded
+    return DrawnAnswer(
+        draws=draws,
+        seed=seed,
+        unanswered=unanswered,
+        median=median,
+        half_68=0.5 * (above - below),
+        symmetric=(low, high),
+        shortest=shortest_interval(values, budget.level),
+        low_gap=low_gap,
+        high_gap=high_gap,
+        digits=next((d for d in (2, 1) if wider <= numerical_tolerance(budget.combined, d)), 0),
+        agrees=wider <= room and unanswered <= _UNANSWERED * draws,
+    )
+
+
+class BudgetStatus(StrEnum):
+    """What a budget is worth, from good to bad."""
+
+    OK = "ok"
+    DRAWS_DISAGREE = "draws-disagree"
+    NO_REPEATS = "no-repeats"
+    FIT_NOT_TRUSTED = "fit-not-trusted"
+
+    @property
+    def advice(self) -> str:
+        """Return what the status means and what to do."""
+        return _ADVICE[self]
+
+
+_ADVICE = {
+    BudgetStatus.OK: "The draws agree with the budget.",
+    BudgetStatus.DRAWS_DISAGREE: (
+        "The draws disagree with the budget: the inputs are so uncertain that the answer bends within them, or one "
+        "with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
+    ),
+    BudgetStatus.NO_REPEATS: (
+        "There is one trial and nothing tells its scatter, which is usually the largest part: the budget leaves it "
+        "out. Repeat the condition."
+    ),
+    BudgetStatus.FIT_NOT_TRUSTED: "The fit is not to be trusted, and so neither is what it adds to the budget.",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Improvement:
+    """What one change would do to the expanded uncertainty."""
+
+    source: str
+    action: str
+    expanded: float
+    saving: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Statement:
+    """The uncertainty of one answer.
+
+    Attributes
+    ----------
+    model : MeasurementModel
+        The measurement equation.
+    budget : LinearBudget
+        Its budget.
+    drawn : DrawnAnswer
+        The check by draws.
+    improvements : tuple of Improvement
+        What would help, most first.
+    status : BudgetStatus
+        Whether to trust it.
+    notes : tuple of str
+        What is not in the budget, and why.
+    """
+
+    model: MeasurementModel
+    budget: LinearBudget
+    drawn: DrawnAnswer
+    improvements: tuple[Improvement, ...]
+    status: BudgetStatus
+    notes: tuple[str, ...] = ()
+
+    @property
+    def trustworthy(self) -> bool:
+        """Return whether y ± U may be used as it stands."""
+        return self.status is BudgetStatus.OK
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON tree of schema `ropefric.uncertainty/1`; infinite degrees of freedom are None."""
+        found = self.budget
+        names = ("estimate", "combined", "coverage_factor", "level", "expanded")
+        return {name: getattr(found, name) for name in names} | {
+            "schema": SCHEMA,
+            "quantity": self.model.name,
+            "symbol": self.model.symbol,
+            "unit": self.model.unit,
+            "lines": [line.to_dict() for line in found.lines],
+            "effective_dof": found.effective_dof if math.isfinite(found.effective_dof) else None,
+            "interval": list(found.interval),
+            "monte_carlo": self.drawn.to_dict(),
+            "improvements": [asdict(item) for item in self.improvements],
+            "status": self.status.value,
+            "trustworthy": self.trustworthy,
+            "advice": self.status.advice,
+            "notes": list(self.notes),
+        }
+
+
+def state_uncertainty(
+    model: MeasurementModel,
+    *,
+    level: float = 0.95,
+    draws: int = 200_000,
+    seed: int = 0,
+    status: BudgetStatus = BudgetStatus.OK,
+    notes: tuple[str, ...] = (),
+) -> Statement:
+    """Return the budget of a measurement equation, checked by draws."""
+    budget = linear_budget(model, level=level)
+    drawn = propagate(model, budget, draws=draws, seed=seed)
+    if status is BudgetStatus.OK and not drawn.agrees:
+        status = BudgetStatus.DRAWS_DISAGREE
+    exact = [item.name for item in model.quantities if not item.std]
+    assumed = [
+        f"{item.name} is assumed, nobody stated it: state {item.assumed}"
+        for item in model.quantities
+        if item.assumed and item.std
+    ]
+    return Statement(
+        model=model,
+        budget=budget,
+        drawn=drawn,
+        improvements=improvements(budget),
+        status=status,
+        notes=(*notes, *([f"taken as exact: {', '.join(exact)}"] if exact else []), *assumed),
+    )
+
+
+def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
+    """Return what halving each large source would do to U, and what twice the repeats or conditions would.
+
+    u_c, ν_eff and k are made anew for each. Twice the repeats shrink s/√n by √2 and more than double its degrees of
+    freedom; twice the conditions behind a fit are taken to shrink its part by √2 too, which they do if they lie like
+    those there are.
+    """
+    found: list[Improvement] = []
+    for place, line in enumerate(budget.lines):
+        if line.share < _WORTH_A_WORD:
+            continue
+        contributions, dof = ([getattr(one, key) for one in budget.lines] for key in ("contribution", "dof"))
+        if isinstance(line.source, Block):
+            # k − q degrees of freedom become 2k − q.
+            action, factor = f"twice the conditions behind the {line.name}", math.sqrt(0.5)
+            dof[place] += dof[place] + len(line.source.symbols)
+        elif n := line.source.repeats:
+            action, factor = f"{2 * n} instead of {n} repeats", math.sqrt(0.5)
+            dof[place] += n
+        else:
+            action, factor = f"halve the uncertainty of {line.name}", 0.5
+        contributions[place] *= factor
+        coverage_factor = quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof))
+        expanded = coverage_factor * math.hypot(*contributions)
+        saving = 1.0 - expanded / budget.expanded
+        if saving >= _NOTICED:
+            found.append(Improvement(source=line.name, action=action, expanded=expanded, saving=saving))
+    return tuple(sorted(found, key=lambda item: -item.saving))

@@ -1,8 +1,8 @@
 """What goes into a budget: single quantities, quantities known together with their covariance, and their draws."""
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, Literal
 
 import numpy as np
 from scipy.special import ndtri, stdtrit
@@ -68,15 +68,16 @@ def joint_draws(
     return np.asarray(estimates + changes)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Quantity:
-    """An input quantity, independent of all others."""
+    """An input quantity, independent of all others; unless told otherwise normal, type B, a correction of zero."""
 
     name: str
     symbol: str
     unit: str
-    estimate: float
     stated: float
+    _: KW_ONLY
+    estimate: float = 0.0
     divisor: float = 1.0
     distribution: Distribution = "normal"
     type: Evaluation = "B"
@@ -85,18 +86,11 @@ class Quantity:
     assumed: str = ""
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.estimate):
-            raise InputError(f"{self.name}: the estimate {self.estimate} is not finite", key=self.name)
-        if not (math.isfinite(self.stated) and self.stated >= 0.0 and self.divisor > 0.0):
+        if not (math.isfinite(self.estimate) and math.isfinite(self.stated) and self.stated >= 0.0):
             raise InputError(
-                f"{self.name}: {self.stated:g}/{self.divisor:g} is no standard uncertainty",
+                f"{self.name}: {self.estimate:g} with {self.stated:g}/{self.divisor:g} is no standard uncertainty",
                 key=self.name,
                 fix="give a finite number from 0",
-            )
-        if not self.dof > 0.0:
-            raise InputError(
-                f"{self.name}: {self.dof:g} degrees of freedom say nothing about its uncertainty",
-                key=self.name,
             )
 
     @property
@@ -127,11 +121,6 @@ class Block:
     type: Evaluation = "A"
 
     def __post_init__(self) -> None:
-        q = len(self.symbols)
-        if self.estimates.shape != (q,) or self.covariance.shape != (q, q):
-            raise InputError(
-                f"{self.name}: {q} symbols, but covariance {self.covariance.shape}", key=self.name
-            )
         if not (np.isfinite(self.estimates).all() and np.isfinite(self.covariance).all()):
             raise InputError(
                 f"{self.name}: the covariance is not finite, so the data do not show all of {self.symbols}",
@@ -148,23 +137,8 @@ def limit_of_error(
     name: str, symbol: str, unit: str, half_width: float, *, estimate: float = 0.0, assumed: str = ""
 ) -> Quantity:
     """Return a quantity that lies anywhere within ± a limit of error: rectangular, divisor √3, type B."""
-    return Quantity(
-        name=name,
-        symbol=symbol,
-        unit=unit,
-        estimate=estimate,
-        stated=half_width,
-        divisor=RECTANGULAR,
-        distribution="rectangular",
-        assumed=assumed,
-    )
-
-
-def normal(
-    name: str, symbol: str, unit: str, std: float, *, estimate: float = 0.0, dof: float = math.inf
-) -> Quantity:
-    """Return a quantity with a known standard uncertainty: normal, type B."""
-    return Quantity(name=name, symbol=symbol, unit=unit, estimate=estimate, stated=std, dof=dof)
+    flat: dict[str, Any] = {"divisor": RECTANGULAR, "distribution": "rectangular"}
+    return Quantity(name, symbol, unit, half_width, estimate=estimate, assumed=assumed, **flat)
 
 
 def repeats(
@@ -174,18 +148,5 @@ def repeats(
 
     With `dof`, s is a pooled one with that many degrees of freedom (GUM 4.2.4).
     """
-    if n < 1 or (n < 2 and dof is None):
-        raise InputError(
-            f"{name}: {n} readings have no scatter", key=name, fix="repeat, or give a pooled scatter"
-        )
-    return Quantity(
-        name=name,
-        symbol=symbol,
-        unit=unit,
-        estimate=mean,
-        stated=std,
-        divisor=math.sqrt(n),
-        type="A",
-        dof=float(n - 1) if dof is None else float(dof),
-        repeats=n,
-    )
+    known: dict[str, Any] = {"divisor": math.sqrt(n), "type": "A", "repeats": n}
+    return Quantity(name, symbol, unit, std, estimate=mean, dof=n - 1.0 if dof is None else dof, **known)

@@ -112,7 +112,7 @@ def test_bootstrap_refits(benchmark, problem):
     data = LAW.log_lift(best, problem.conditions) + STD * rng.standard_normal((LOOP, 216))
     ours = batched_fit(problem, data, best).theta
     theirs = np.array([lmfit_fit(problem, one, best) for one in data])
-    assert np.allclose(ours, theirs, atol=1e-3 * found.std)
+    assert np.allclose(ours, theirs, atol=1e-3 * found.theta.std(axis=0))
     fast = seconds(lambda: bootstrap(problem, best, n=RESAMPLES, scatter=(STD, 0.0)), times=3)
     slow = seconds(lambda: [lmfit_fit(problem, one, best) for one in data], times=2) * RESAMPLES / LOOP
     say(f"{RESAMPLES} bootstrap refits", fast, slow)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from ropefric.errors import FitError, InputError, UnknownNameError
+from ropefric.errors import FitError, InputError
 from ropefric.fitting.intervals import bootstrap
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.statistics import TwoLevelScatter, two_level_scatter
+from ropefric.fitting.statistics import two_level_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 
@@ -17,15 +17,20 @@ def solved(problem):
     return batched_fit(problem).theta[0]
 
 
+def spread(found):
+    return found.theta.std(axis=0, ddof=1)
+
+
 def test_parametric_spread_is_the_covariance_of_a_linear_law(bench_problem):
     problem = bench_problem(LAWS["constant-offset"])
     found = bootstrap(problem, solved(problem), n=4000, scatter=(0.01, 0.0), seed=3)
-    J = problem.law.jacobian(found.best, problem.conditions)
+    best = solved(problem)
+    J = problem.law.jacobian(best, problem.conditions)
     exact = 0.01 * np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
-    assert np.allclose(found.std, exact, rtol=0.05)  # 4000 draws know a standard deviation to 1.1 %
-    expected = found.best[:, None] + 1.96 * exact[:, None] * [-1, 1]
+    assert np.allclose(spread(found), exact, rtol=0.05)  # 4000 draws know a standard deviation to 1.1 %
+    expected = best[:, None] + 1.96 * exact[:, None] * [-1, 1]
     assert np.allclose(found.interval(), expected, atol=0.25 * exact.max())
-    assert found.n_failed == 0
+    assert len(found.theta) == 4000
     assert found.notes == ()
 
 
@@ -34,7 +39,7 @@ def test_scatter_between_conditions_does_not_average_out_over_repeats(bench_prob
     problem = bench_problem(LAWS["constant"], repeats=6)
     found = bootstrap(problem, [0.2], n=4000, scatter=(0.01, 0.03), seed=1)
     phi = problem.conditions.wrap_angle_rad[::6]
-    assert found.std[0] == pytest.approx(np.sqrt((0.03**2 + 0.01**2 / 6) / (phi**2).sum()), rel=0.05)
+    assert spread(found)[0] == pytest.approx(np.sqrt((0.03**2 + 0.01**2 / 6) / (phi**2).sum()), rel=0.05)
 
 
 def test_two_level_scatter_is_recovered_and_used(bench_problem):
@@ -45,8 +50,9 @@ def test_two_level_scatter_is_recovered_and_used(bench_problem):
     assert np.mean([level.within for level in levels]) == pytest.approx(0.01, rel=0.03)
     assert np.mean([level.between**2 for level in levels]) == pytest.approx(0.02**2, rel=0.08)
     problem = bench_problem(LAWS["constant"], between=0.02, repeats=5)
-    found = bootstrap(problem, solved(problem), n=50)
-    assert found.scatter == two_level_scatter(problem, solved(problem))
+    own = two_level_scatter(problem, solved(problem))
+    found, given = (bootstrap(problem, solved(problem), n=50, scatter=scatter) for scatter in (None, own))
+    assert found.theta.tobytes() == given.theta.tobytes()
 
 
 def test_without_repeats_all_scatter_is_within(bench_problem):
@@ -62,13 +68,14 @@ def test_clustered_is_honest_where_the_plain_covariance_is_not(bench_problem):
     truth = [0.2, -0.4, 0.1]
     campaigns = [bench_problem(law, truth, std=0.01, between=0.02, repeats=6, seed=s) for s in range(200)]
     fits = batched_fit(campaigns[0], np.stack([one.log_lift for one in campaigns]), truth).theta
-    spread = fits.std(axis=0)
+    truly = fits.std(axis=0)
     clustered = np.mean(
-        [bootstrap(one, solved(one), kind="clustered", n=300, seed=1).std for one in campaigns[:20]], axis=0
+        [spread(bootstrap(one, solved(one), kind="clustered", n=300, seed=1)) for one in campaigns[:20]],
+        axis=0,
     )
-    assert np.allclose(clustered, spread, rtol=0.25)
-    parametric = bootstrap(campaigns[0], fits[0], n=500).std
-    assert np.allclose(parametric, spread, rtol=0.35)
+    assert np.allclose(clustered, truly, rtol=0.25)
+    parametric = spread(bootstrap(campaigns[0], fits[0], n=500))
+    assert np.allclose(parametric, truly, rtol=0.35)
     J = campaigns[0].jacobian(np.array(truth))
     plain = np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
     assert (clustered > 1.8 * plain).all()
@@ -80,11 +87,10 @@ def test_every_law_is_bootstrapped_without_a_failure(bench_problem, law):
     theta = solved(problem)
     for kind in ("parametric", "clustered"):
         found = bootstrap(problem, theta, kind=kind, n=200)
-        assert found.n_failed <= 2
-        assert found.theta.shape == (200 - found.n_failed, len(theta))
+        assert found.theta.shape[0] >= 198
         assert np.isfinite(found.theta).all()
-        assert (found.std[problem.vary] > 0).all()
-        assert (found.std[~problem.vary] == 0).all()
+        assert (spread(found)[problem.vary] > 0).all()
+        assert (np.ptp(found.theta[:, ~problem.vary], axis=0) == 0).all()
         assert (found.interval()[:, 0] <= found.interval()[:, 1]).all()
         assert (found.interval() >= problem.lower[:, None])[problem.vary].all()
 
@@ -116,7 +122,7 @@ def test_resamples_that_cannot_hold_the_parameters_are_counted(bench_problem):
     problem = bench_problem(LAWS["wrap-power"], plan=plan)
     found = bootstrap(problem, problem.start, kind="clustered", n=300)
     # four draws from four have fewer than three distinct ones in (4 + 6·14)/256 = 34 %
-    assert found.n_failed == pytest.approx(0.344 * 300, abs=35)
+    assert 300 - len(found.theta) == pytest.approx(0.344 * 300, abs=35)
     assert "could not be refitted" in found.notes[0]
 
 
@@ -132,30 +138,11 @@ def test_levels(bench_problem):
     found = bootstrap(problem, solved(problem), n=500)
     assert found.interval(0.95).tolist() == found.interval().tolist()
     assert np.ptp(found.interval(0.5)) < np.ptp(found.interval())
-    with pytest.raises(InputError, match="level is 95"):
-        found.interval(95)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "error", "message"),
-    [
-        ({"n": 1}, InputError, "no spread"),
-        ({"kind": "cluster"}, UnknownNameError, "did you mean 'clustered'"),
-        ({"scatter": (-0.1, 0.0)}, InputError, "zero or more"),
-        ({"scatter": TwoLevelScatter(within=float("nan"), between=0.0)}, InputError, "zero or more"),
-        ({"theta": [0.2, 0.1]}, InputError, "law constant needs"),
-    ],
-)
-def test_bad_input(bench_problem, arguments, error, message):
-    with pytest.raises(error, match=message):
-        bootstrap(bench_problem(LAWS["constant"]), **({"theta": [0.2], "n": 10} | arguments))
-
-
-def test_too_few_conditions(bench_problem):
-    plan = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[2.0, 4], end_tension_N=20)
-    problem = bench_problem(LAWS["constant-offset"], plan=plan)
-    with pytest.raises(InputError, match="2 conditions cannot be resampled for the 2 fitted parameters"):
-        bootstrap(problem, [0.2, 0.0], kind="clustered")
+def test_one_resample_is_none(bench_problem):
+    with pytest.raises(InputError, match="no spread"):
+        bootstrap(bench_problem(LAWS["constant"]), [0.2], n=1)
 
 
 def test_no_refit_at_all_is_an_error(bench_problem):

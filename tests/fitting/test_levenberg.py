@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from ropefric.errors import InputError
+from ropefric.fitting.fit import guess
 from ropefric.fitting.levenberg import batched_fit, bounded_steps
 from ropefric.fitting.problem import reduced
-from ropefric.fitting.start import guess
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 

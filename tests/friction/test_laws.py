@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.fitting.start import guess
+from ropefric.fitting.fit import guess
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 

@@ -5,8 +5,7 @@ import pytest
 from hard_hoist import lifted
 from hard_regime import Regime, once, worst_law_error
 
-from ropefric.fitting.fit import fit_law
-from ropefric.fitting.start import guess
+from ropefric.fitting.fit import fit_law, guess
 from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel

@@ -9,16 +9,14 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.plotting.conditions import (
-    condition_stem,
-    condition_title,
+    conditions_of,
     draw_condition,
-    draw_repeatability,
-    write_condition_figures,
+    start_condition_figures,
 )
 from ropefric.plotting.figure import save_figure
-from ropefric.plotting.labels import typeset
+from ropefric.plotting.style import typeset
 from ropefric.traces.breakaway import Status
 
 
@@ -125,7 +123,7 @@ def test_the_words_for_it_carry_the_numbers(drawn, draw, make_trial):
 def test_the_strip_alone_is_the_same_strip(extraction_of, trials):
     extraction = extraction_of(trials)
     (summary,) = extraction.conditions
-    both, alone = draw_condition(summary, extraction.trials), draw_repeatability(summary, extraction.trials)
+    both, alone = (draw_condition(summary, extraction.trials, traces=with_) for with_ in (True, False))
     (axes,) = alone.figure.axes
     assert words(axes) == words(both.figure.axes[1])
     assert (alone.tables, alone.alt) == (both.tables[:1], both.alt)
@@ -206,13 +204,6 @@ def test_where_the_slack_side_is_measured_the_end_tension_is_what_repeats(draw, 
     assert any("plateau" in text for text in legend(left))
 
 
-def test_trials_of_other_conditions_are_passed_over_and_missing_ones_refused(extraction_of, trials):
-    (summary,) = extraction_of(trials[:3]).conditions
-    assert len(draw_condition(summary, trials).tables[0].rows) == 3
-    with pytest.raises(UnknownNameError, match="t2"):
-        draw_condition(summary, trials[:2])
-
-
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_the_same_input_gives_the_same_bytes(draw, trials, tmp_path, suffix):
     contents = []
@@ -262,13 +253,13 @@ def test_a_campaign_in_parallel_is_the_same_as_one_after_the_other(
     ]
     extraction = extraction_of([*trials, *other, *thin])
     seen = []
-    alone = write_condition_figures(extraction, tmp_path / "a", progress=lambda *call: seen.append(call))
+    alone = start_condition_figures(extraction, tmp_path / "a")(lambda *call: seen.append(call))
     # Conditions that differ in the rope alone would share a file name.
     names = ["Rw40mm_phi360deg_FB80N", "Rw40mm_phi360deg_FB80N_2", "Rw40mm_phi540deg_FB80N"]
     assert sorted(seen) == sorted((seen[i][0], 3, seen[i][2]) for i in range(3))
     assert sorted(item for _, _, item in seen) == names
     with ThreadPoolExecutor(1) as executor:
-        together = write_condition_figures(extraction, tmp_path / "b", executor=executor)
+        together = start_condition_figures(extraction, tmp_path / "b", executor=executor)(None)
     assert [path.name for path in alone] == [path.name for path in together]
     assert [path.read_bytes() for path in alone] == [path.read_bytes() for path in together]
 
@@ -277,9 +268,9 @@ def test_a_campaign_in_parallel_is_the_same_as_one_after_the_other(
     ("slack", "stem"), [(False, "Rw40mm_phi540deg_FB80N"), (True, "Rw40mm_phi540deg_FA900N")]
 )
 def test_a_condition_is_named_by_the_tension_that_is_known(extraction_of, make_trial, slack, stem):
-    (summary,) = extraction_of([make_trial("a", 30.0, slack=slack)]).conditions
-    assert condition_stem(summary, measures_slack=slack) == stem
-    assert "nan" not in condition_title(summary, measures_slack=slack)
+    extraction = extraction_of([make_trial("a", 30.0, slack=slack)])
+    assert list(conditions_of(extraction)) == [stem]
+    assert "nan" not in draw_condition(*conditions_of(extraction)[stem]).figure.get_suptitle()
 
 
 def test_typesetting_leaves_plain_words_alone():

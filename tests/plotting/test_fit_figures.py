@@ -11,8 +11,14 @@ from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions
-from ropefric.plotting.fits import FACETS, draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
-from ropefric.plotting.points import condition_points
+from ropefric.plotting.fits import (
+    FACETS,
+    condition_points,
+    draw_capstan,
+    draw_fit_band,
+    draw_mu_facets,
+    draw_residuals,
+)
 from ropefric.trials.table import TrialTable
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import Problem
-from ropefric.plotting.overview import CHECKS, Level, check_trial, draw_overview
+from ropefric.plotting.overview import CHECKS, FAIL, FLAG, NOT_JUDGED, OK, check_trial, draw_overview
 from ropefric.traces.breakaway import Status
 from ropefric.trials.result import Extraction
 
@@ -28,17 +28,17 @@ def test_each_status_fails_its_own_check_and_ends_the_judging(make_trial):
     failed = {}
     for status in list(Status)[1:]:
         levels = check_trial(make_trial("a", 320.0, status))
-        place = levels.index(Level.FAIL)
+        place = levels.index(FAIL)
         failed[status] = list(CHECKS)[place]
-        assert set(levels[place + 1 :]) <= {Level.NOT_JUDGED}
-        assert set(levels[:place]) <= {Level.OK}
+        assert set(levels[place + 1 :]) <= {NOT_JUDGED}
+        assert set(levels[:place]) <= {OK}
     assert len(set(failed.values())) == 5
     assert failed[Status.SATURATED] == "below the converter's ceiling"
 
 
 def test_what_was_set_aside_or_warned_of_is_flagged(make_trial):
     trial = make_trial("a", 320.0)
-    assert set(check_trial(trial)) == {Level.OK}
+    assert set(check_trial(trial)) == {OK}
     problem = Problem(code="RF000", message="doubtful", severity="warning")
     cases = {
         "not excluded by the user": {"excluded": "knot"},
@@ -48,8 +48,8 @@ def test_what_was_set_aside_or_warned_of_is_flagged(make_trial):
     }
     for check, change in cases.items():
         levels = dict(zip(CHECKS, check_trial(dataclasses.replace(trial, **change)), strict=True))
-        assert levels.pop(check) is Level.FLAG
-        assert set(levels.values()) == {Level.OK}
+        assert levels.pop(check) is FLAG
+        assert set(levels.values()) == {OK}
 
 
 def test_the_table_and_the_drawing_agree(extraction_of, trials, assert_repeats, assert_readable):

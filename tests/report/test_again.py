@@ -8,7 +8,7 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.files.folder import OutputFolder
-from ropefric.fitting.choice import choose_law
+from ropefric.fitting.compare import choose_law
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline.run import run_campaign

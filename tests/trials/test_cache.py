@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ropefric.plotting.conditions import write_condition_figures
+from ropefric.plotting.conditions import start_condition_figures
 from ropefric.trials import cache as cache_module
 from ropefric.trials.cache import ResultCache
 from ropefric.trials.campaign import load_campaign
@@ -72,7 +72,7 @@ def test_a_second_run_extracts_nothing_and_says_the_same(campaign, store, tmp_pa
 
 def test_figures_of_a_cached_run_show_the_same_data(campaign, store, tmp_path):
     for name in ("fresh", "cached"):
-        write_condition_figures(run(campaign, store), tmp_path / name)
+        start_condition_figures(run(campaign, store), tmp_path / name)(None)
     fresh = {path.name: path.read_bytes() for path in (tmp_path / "fresh").iterdir()}
     cached = {path.name: path.read_bytes() for path in (tmp_path / "cached").iterdir()}
     assert any(name.endswith(".csv") for name in fresh)

@@ -5,9 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from ropefric.uncertainty.budget import MeasurementModel, effective_dof, linear_budget
-from ropefric.uncertainty.quantity import Block, Quantity, limit_of_error, normal, quantile
-from ropefric.uncertainty.statement import numerical_tolerance, propagate
+from ropefric.uncertainty.budget import (
+    MeasurementModel,
+    effective_dof,
+    linear_budget,
+    numerical_tolerance,
+    propagate,
+)
+from ropefric.uncertainty.quantity import Block, Quantity, limit_of_error, quantile
 
 
 def test_effective_degrees_of_freedom_of_g_4():
@@ -89,7 +94,7 @@ def test_the_additive_examples_of_the_supplement(widths, std, linear_end, drawn_
     """JCGM 101, 9.2: the sum of four inputs of unit standard deviation."""
     names = "abcd"
     if widths is None:
-        quantities = [normal(name, name, "-", 1.0) for name in names]
+        quantities = [Quantity(name, name, "-", 1.0) for name in names]
     else:
         quantities = [
             limit_of_error(name, name, "-", width * math.sqrt(3.0))

@@ -119,8 +119,7 @@ def _settings(law: str) -> tuple[Setting, ...]:
 
         return Setting(method, f"n = {n}", partial(solve, n, 0), assess, n in _QUICK_COUNTS)
 
-    curves = profile_intervals(problem, theta, level=LEVEL, absolute_std=True).curves
-    n_profile = sum(curve.value.size for curve in curves)
+    n_profile = profile_intervals(problem, theta, level=LEVEL, absolute_std=True).n_fits
     return (
         against(exact, "covariance", "", by_covariance, work=1.0),
         against(exact, "profile", "", by_profile, work=n_profile),

@@ -19,7 +19,7 @@ from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 
 if TYPE_CHECKING:
-    from ropefric.fitting.measured_budget import MeasuredCondition
+    from ropefric.fitting.budgets import MeasuredCondition
 
 
 @command(
@@ -81,7 +81,7 @@ def budget(
             "end_tension_N": u_end_tension or 0.0,
         }
         return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
-    from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting import budgets as measured  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.report.parts import budgets_section, uncertainty_sections  # noqa: PLC0415
 
     if quantity not in {"force", "mu"}:
@@ -118,7 +118,7 @@ def budget(
 
 def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[MeasuredCondition, ...]":
     """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
-    from ropefric.fitting import measured_budget as measured  # noqa: PLC0415  (all of these: quick start-up)
+    from ropefric.fitting import budgets as measured  # noqa: PLC0415  (all of these: quick start-up)
 
     limit = measured.GRAVITY_LIMIT if gravity is None else gravity
     file = campaign_file(path)
@@ -143,7 +143,7 @@ def _of_fit(
     out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
     uncertainty: dict[str, float], *, check: dict[str, Any],
 ) -> Answer:  # fmt: skip
-    from ropefric.fitting.lift_budget import WheelUncertainty, state_lift  # noqa: PLC0415  (all: quick start-up)
+    from ropefric.fitting.budgets import state_lift  # noqa: PLC0415  (all: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.report.parts import uncertainty_sections  # noqa: PLC0415
 
@@ -155,7 +155,7 @@ def _of_fit(
     known = {name: float(value or 0.0) for name, value in wheel.items()}
     stored = read_fit(path, out)
     at = one_condition(rope_radius_m=rope_radius(stored, rope_m), **known)
-    stated = state_lift(stored, at, WheelUncertainty(**uncertainty), **check)
+    stated = state_lift(stored, at, uncertainty, **check)
     more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
     title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
     return Answer(

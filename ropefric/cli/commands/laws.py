@@ -114,8 +114,7 @@ def compare(
     The two constant laws always stand in the comparison. Exits with 4 unless the best law is supported: when the
     data leave two laws undecided, or no choice at all.
     """
-    from ropefric.fitting.choice import choose_law  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.compare import compare_laws  # noqa: PLC0415
+    from ropefric.fitting.compare import choose_law, compare_laws  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.report.parts import comparison_section, verdict_section  # noqa: PLC0415
 
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]

@@ -132,8 +132,8 @@ def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> Se
 
     files = [write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
+        from ropefric.plotting.chart import draw_sweep  # noqa: PLC0415
         from ropefric.plotting.figure import save_figure  # noqa: PLC0415
-        from ropefric.plotting.sweep import draw_sweep  # noqa: PLC0415
 
         files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")
     return publish(out, folder, "answer", files)

@@ -246,9 +246,13 @@ def plan_tests(
     radii_m = read_levels(wheels, "m", "--wheels", levels)
     wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
     loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
-    from ropefric.fitting.next_tests import MeanScatter, planned_fit, planned_guess  # noqa: PLC0415
+    from ropefric.fitting.next_tests import (  # noqa: PLC0415
+        MeanScatter,
+        RigLimits,
+        planned_fit,
+        planned_guess,
+    )
     from ropefric.fitting.next_tests import plan_tests as find_plan  # noqa: PLC0415
-    from ropefric.fitting.plan_search import RigLimits  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415
     from ropefric.report.parts import plan_sections  # noqa: PLC0415
@@ -320,7 +324,7 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
         return tuple(read_quantity(part, unit, option) for part in parts if part)
     low, _, high = text.partition("..")
     ends = [read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
-    from ropefric.fitting.plan_search import geometric_levels, linear_levels  # noqa: PLC0415  (quick start-up)
+    from ropefric.fitting.next_tests import geometric_levels, linear_levels  # noqa: PLC0415  (quick start-up)
 
     if unit != "rad":
         return geometric_levels(ends[0], ends[1], n)

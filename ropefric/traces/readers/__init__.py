@@ -1,7 +1,8 @@
 """Recording files: one reader a format, found by name or by the file's ending.
 
 In: a file and an `ImportProfile` (profile.py). Out: `RawRecording`s, columns as they are in the file. A reader opens the
-file as tables (table.py says how their columns become channels): delimited.py, excel.py, matlab.py, tdms.py.
+file as tables (table.py says how their columns become channels): delimited.py, and texts that it is told the layout of
+by labview.py (.lvm), ni_csv.py and mitsubishi.py; vernier.py (.cmbl), excel.py, matlab.py, hdf5.py, tdms.py.
 inspection.py looks at an unknown file and suggests a profile.
 """
 
@@ -9,9 +10,9 @@ from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
 from ropefric.files.read import InputFile, use_file
-from ropefric.files.text import Source
+from ropefric.files.text import Source, first_lines
 from ropefric.registry import Registry
-from ropefric.traces.readers import excel, matlab, tdms
+from ropefric.traces.readers import excel, hdf5, labview, matlab, mitsubishi, ni_csv, tdms, vernier
 from ropefric.traces.readers.delimited import DELIMITED, WIDE
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.table import Reader
@@ -19,13 +20,19 @@ from ropefric.traces.readers.table import Reader
 TEXT_FORMATS = (DELIMITED.name, WIDE.name)
 
 READERS: Registry[Reader] = Registry(
-    "file format", [DELIMITED, WIDE, matlab.READER, tdms.READER, excel.READER]
+    "file format",
+    [
+        *(DELIMITED, WIDE, labview.READER, ni_csv.READER, mitsubishi.READER),
+        *(vernier.READER, matlab.READER, hdf5.READER, tdms.READER, excel.READER),
+    ],
 )
 """Every reader by name."""
 
 
-def find_reader(path: str | PurePath, profile: ImportProfile, *, shown_as: str = "") -> Reader:
-    """Return the reader of a file: the profile's format, else by the end of the file's name."""
+def find_reader(
+    path: str | PurePath, profile: ImportProfile, *, shown_as: str = "", source: Source | None = None
+) -> Reader:
+    """Return the reader of a file: the profile's format, else by the end of its name, and among texts by its head."""
     if profile.format != "auto":
         reader = READERS[profile.format]
     else:
@@ -38,6 +45,10 @@ def find_reader(path: str | PurePath, profile: ImportProfile, *, shown_as: str =
             shown = shown_as or str(path)
             raise DataError(f"{why}; known endings: {endings}", path=shown, key="[import] format", fix=fix)
         reader = fitting[0]
+        if reader is DELIMITED and source is not None:
+            head = first_lines(source)
+            knowing = (other for other in READERS.values() if other.recognises and other.recognises(head))
+            reader = next(knowing, reader)
     return WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
 
 
@@ -49,6 +60,6 @@ def read_recordings(
 
     def read(opened: InputFile) -> tuple[RawRecording, ...]:
         source = Source(path=Path(path), shown=shown, file=opened)
-        return find_reader(path, profile, shown_as=shown).read(source, profile)
+        return find_reader(path, profile, shown_as=shown, source=source).read(source, profile)
 
     return use_file(path, read, shown=shown) if file is None else read(file)

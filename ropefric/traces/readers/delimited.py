@@ -9,6 +9,7 @@ import io
 import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,55 +17,108 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.read import FileChangedError
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
 from ropefric.files.text_table import Dialect, find_dialect, is_number
+from ropefric.glossary import counted
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table, bad_cell
+from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
 
 _NEWLINE = 10
 _PIECE = 65536
+_MOST_FOOTER = 20
 _BLANKS = (9, 32)
 
 
-def open_text(source: Source, profile: ImportProfile) -> tuple[Text, Dialect]:
-    """Return a text file and its layout."""
+def open_text(source: Source, profile: ImportProfile) -> tuple[Text, Dialect, list[str]]:
+    """Return a text file, its layout, and what is said of it when it is read."""
     text = load_text(source, profile.encoding)
     numbers = [channel.column for channel in profile.channels.values() if isinstance(channel.column, int)]
     dialect = find_dialect(text, profile, last_column=max(numbers, default=0))
-    return text.without_cut_number(dialect.separator, dialect.rows.data_row), dialect
+    notes: list[str] = []
+    cut = partial(_cut_end, dialect=dialect, n_footer=profile.skip_footer, notes=notes)
+    return text.without_end(dialect.rows.data_row, cut), dialect, notes
+
+
+def _cut_end(data: bytes, is_ended: bool, *, dialect: Dialect, n_footer: int, notes: list[str]) -> bytes:  # noqa: FBT001
+    """Return the end of a text without its footer, and without a last row that breaks off within a number.
+
+    Where no number of lines is told, a footer is lines of words, in another number of cells than the data have.
+    """
+    ends = [len(data)]  # of the last lines, backwards
+    while ends[-1] and len(ends) <= max(n_footer, _MOST_FOOTER) + 2:
+        ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
+    lines = [data[start:stop].decode(errors="replace").strip() for stop, start in pairwise(ends)]
+    rows = [split_line(line, dialect.separator) for line in lines]
+    footer: list[int] = []
+    for place, cells in enumerate(rows[:-1]):
+        is_word = any(c.isalpha() for c in cells[0]) and len(cells) != dialect.n_cells
+        if lines[place] and (len(footer) == n_footer if n_footer else not is_word):
+            break
+        footer += [place] if lines[place] else []
+    if 0 < len(footer) <= max(n_footer, _MOST_FOOTER):
+        said = "; ".join(lines[place] for place in reversed(footer))
+        notes.append(f"the last {counted(len(footer), 'line')} hold no data and were left out: {said[:100]}")
+        return data[: ends[footer[-1] + 1]]
+    if is_ended or len(rows) < 2 or len(rows[0]) != len(rows[1]):
+        return data
+    # 13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
+    # one before, which costs nothing. A row cut to fewer cells is refused later.
+    return data[: ends[1]] if 0 < len(rows[0][-1]) < len(rows[1][-1]) else data
 
 
 def _delimited_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    text, dialect = open_text(source, profile)
-    names, expected = _column_names(text, dialect)
-    n_rows, is_gapless = _check_rows(text, dialect, dialect.n_cells, expected=expected)
-    return (
-        Table(
-            names=names,
-            units=(*dialect.units, *[""] * len(names))[: len(names)],
-            values=lambda indices: _parse_columns(text, dialect, names, indices, n_rows),
-            has_header=any(names),
-            first_line=dialect.rows.data_row if is_gapless else 0,
-        ),
+    return (text_table(*open_text(source, profile), profile),)
+
+
+def text_table(text: Text, dialect: Dialect, notes: list[str], profile: ImportProfile) -> Table:
+    """Return the one table of a text."""
+    names, expected, n_optional = _column_names(text, dialect)
+    n_cells = max(dialect.n_cells, len(names))
+    n_rows, is_gapless = _check_rows(text, dialect, n_cells, expected=expected, n_optional=n_optional)
+    units = (*dialect.units, *[""] * len(names))[: len(names)]
+
+    def values(indices: Sequence[int]) -> list[FloatArray]:
+        stamps = {index: read_column(index) for index in {*indices} & dialect.stamps}
+        numbers = iter(_parse_columns(text, dialect, names, [i for i in indices if i not in stamps], n_rows))
+        return [stamps[index] if index in stamps else next(numbers) for index in indices]
+
+    def read_column(index: int) -> FloatArray:
+        lines = (
+            (number, line)
+            for number, line in text.lines_from(dialect.rows.data_row)
+            if not is_blank_line(line, dialect.separator)
+        )
+        cells = ((number, split_line(line, dialect.separator)[index]) for number, line in lines)
+        return stamp_column(cells, names[index] or f"column {index + 1}", profile, text.source, notes)
+
+    return Table(
+        names=names,
+        units=tuple("s" if index in dialect.stamps else unit for index, unit in enumerate(units)),
+        values=values,
+        has_header=any(names),
+        first_line=dialect.rows.data_row if is_gapless else 0,
+        stamps=dialect.stamps,
+        notes=notes,
     )
 
 
-def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str]:
-    """Return the names of the data's columns, and where their number comes from.
+def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str, int]:
+    """Return the names of the data's columns, where their number comes from, and how many a row may lack.
 
     A header without its trailing separators may be shorter than the rows only if the surplus cells are empty
-    throughout (trailing separators), and longer only by LabVIEW's `Comment`, which stays empty.
+    throughout (trailing separators). The last column may be LabVIEW's `Comment`, which few rows have.
     """
     n_cells, names = dialect.n_cells, list(dialect.header)
     while names and not names[-1]:
         names.pop()
     in_data = f"line {dialect.rows.data_row} has {n_cells}"
     if not names:
-        return ("",) * n_cells, in_data
+        return ("",) * n_cells, in_data, 0
     expected = f"the header (line {dialect.rows.header_row}) names {len(names)} columns"
     surplus = n_cells - len(names)
-    is_comment = surplus == -1 and names[-1].lower() == "comment"
-    if (surplus > 0 and not _ends_empty(text, dialect, surplus)) or (surplus < 0 and not is_comment):
+    if names[-1].lower() == "comment" and surplus in (-1, 0):
+        return tuple(names), expected, 1
+    if surplus < 0 or (surplus > 0 and not _ends_empty(text, dialect, surplus)):
         _check_rows(text, dialect, len(names), expected=expected)
-    return tuple([*names, *[""] * surplus][:n_cells]), in_data if is_comment or surplus > 0 else expected
+    return (*names, *[""] * surplus), in_data if surplus > 0 else expected, 0
 
 
 def _ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
@@ -83,7 +137,7 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         why = "format 'wide' needs the number of columns of one recording"
         fix = "set [import] block_columns, for example block_columns = 4"
         raise source.error(why, code="RF105", key="[import] block_columns", fix=fix)
-    text, dialect = open_text(source, profile)
+    text, dialect, notes = open_text(source, profile)
     data_row, n_cells = dialect.rows.data_row, dialect.n_cells
     n_blocks, surplus = divmod(n_cells, width)  # a trailing separator makes no column
     if n_blocks == 0 or surplus > 1 or (surplus and not _ends_empty(text, dialect, 1)):
@@ -115,6 +169,7 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             has_header=any(names[block]),
             sample=sample,
             first_line=data_row if is_gapless else 0,
+            notes=notes,
         )
         for block, sample in enumerate(_block_names(text, dialect, profile, n_blocks))
     )
@@ -143,7 +198,7 @@ def _block_names(text: Text, dialect: Dialect, profile: ImportProfile, n_blocks:
 
 
 def _check_rows(
-    text: Text, dialect: Dialect, n_cells: int, *, expected: str, block_columns: int = 0
+    text: Text, dialect: Dialect, n_cells: int, *, expected: str, block_columns: int = 0, n_optional: int = 0
 ) -> tuple[int, bool]:
     """Return the number of data rows, all of them as wide as they must be, and whether no blank line is among them."""
     n_rows, is_gapless, ends_blank = 0, True, False
@@ -152,7 +207,7 @@ def _check_rows(
         if n_regular is None:
             counts = _cells_per_line(block, dialect.separator, text)
             full = counts > 0
-            wrong = full & (counts != n_cells)
+            wrong = full & ((counts > n_cells) | (counts < n_cells - n_optional))
             if block_columns:
                 wrong &= (counts > n_cells) | (counts % block_columns != 0)  # a row may end with a block
             if wrong.any():
@@ -232,7 +287,7 @@ def _refuse_row(text: Text, line: int, n_found: int, *, n_cells: int, expected: 
     if n_found == 2 * n_cells and all(cell.lstrip("+-").isdigit() for cell in cells):
         fix = 'it looks like a decimal comma between comma-separated columns; export with ";" between columns'
     elif n_found < n_cells and is_last:
-        fix = "the last line looks cut off; remove it or copy the file again"
+        fix = "the last line looks cut off; remove it, copy the file again, or set [import] skip_footer = 1"
     else:
         fix = (
             "mend the line; or, where the names are wrong, set [import] header_row = 0 and "
@@ -332,7 +387,9 @@ def _parse_rows(
 
 DELIMITED = Reader(
     name="delimited",
-    suffixes=tuple(f"{kind}{gz}" for gz in ("", ".gz") for kind in (".csv", ".txt", ".tsv", ".dat", ".asc")),
+    suffixes=tuple(
+        f".{kind}{gz}" for gz in ("", ".gz") for kind in ("csv", "txt", "tsv", "dat", "asc", "lvm")
+    ),
     description="text with columns: CSV, TAB, semicolon or blanks; plain or gzip",
     tables=_delimited_tables,
 )

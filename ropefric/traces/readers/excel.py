@@ -9,10 +9,19 @@ from typing import Any
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.files.stamps import is_stamp
 from ropefric.files.text import Source
 from ropefric.files.text_table import find_head_rows, is_number
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table, bad_cell, check_choice, foreign, needs_package
+from ropefric.traces.readers.table import (
+    Reader,
+    Table,
+    bad_cell,
+    check_choice,
+    foreign,
+    needs_package,
+    stamp_column,
+)
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 """Cells whose formula failed; they hold no value, and python-calamine shows them empty."""
@@ -29,6 +38,9 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     names, units = (
         tuple([*(texts[row - 1] if row else []), *[""] * n_columns][:n_columns]) for row in rows[:2]
     )
+
+    first = next((row for row in texts[rows.data_row - 1 :] if any(row)), [])
+    stamps, notes = frozenset(index for index, cell in enumerate(first) if is_stamp(cell)), list[str]()
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         body = list(enumerate(grid[rows.data_row - 1 :], start=rows.data_row))
@@ -53,10 +65,26 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
                 return value
             raise bad_cell(text, names[index] or f"column {index + 1}", decimal, source, line=line)
 
-        columns = ([(row[i] if i < len(row) else None, i, line) for line, row in body] for i in indices)
-        return [np.array([number(*cell) for cell in column], dtype=np.float64) for column in columns]
+        def column(i: int) -> FloatArray:
+            cells = [(line, row[i] if i < len(row) else None) for line, row in body]
+            if i not in stamps:
+                return np.array([number(cell, i, line) for line, cell in cells], dtype=np.float64)
+            written = ((line, _text(cell)) for line, cell in cells)
+            return stamp_column(written, names[i] or f"column {i + 1}", profile, source, notes)
 
-    return (Table(names=names, units=units, values=values, has_header=any(names), first_line=rows.data_row),)
+        return [column(index) for index in indices]
+
+    return (
+        Table(
+            names=names,
+            units=tuple("s" if i in stamps else unit for i, unit in enumerate(units)),
+            values=values,
+            has_header=any(names),
+            first_line=rows.data_row,
+            stamps=stamps,
+            notes=notes,
+        ),
+    )
 
 
 def _text(cell: Any) -> str:

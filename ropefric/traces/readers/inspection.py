@@ -69,12 +69,13 @@ class Inspection:
     saturation: tuple[str, ...] = ()
     first_rows: tuple[tuple[str, ...], ...] = ()
     profile: ImportProfile = field(default_factory=ImportProfile)
+    notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         r"""Return the inspection for JSON, the profile as its TOML text."""
         result = {name: getattr(self, name) for name in self.__slots__ if name not in ("profile", "columns")}
-        for name in ("samples", "saturation", "first_rows", "doubts"):
+        for name in ("samples", "saturation", "first_rows", "notes", "doubts"):
             result[name] = list(result[name])
         result["first_rows"] = [list(row) for row in self.first_rows]
         result["columns"] = [asdict(column) for column in self.columns]
@@ -94,7 +95,7 @@ def inspect_file(
 
     def look(file: InputFile) -> Inspection:
         source = Source(path=Path(path), shown=shown, file=file)
-        reader = find_reader(source.path, known, shown_as=shown)
+        reader = find_reader(source.path, known, shown_as=shown, source=source)
         if reader.name not in TEXT_FORMATS:
             found = Inspection(file=shown, format=reader.name, profile=replace(known, format=reader.name))
             return _summarise(found, reader.tables(source, known))
@@ -169,14 +170,14 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
     doubts = []
     decimal_is_open = False
     try:
-        text, dialect = open_text(source, profile)
+        text, dialect, _ = open_text(source, profile)
     except DataError as error:
         if error.code != "RF104" or profile.decimal:
             raise
         doubts.append(str(error))
         decimal_is_open = True  # in the profile too, so that reading still refuses until somebody decides
         profile = replace(profile, decimal=",")
-        text, dialect = open_text(source, profile)
+        text, dialect, _ = open_text(source, profile)
     profile = _find_blocks(text, dialect, profile) or replace(profile, **dialect.rows._asdict())
     reader = find_reader(source.path, replace(profile, format="delimited"))
     try:
@@ -186,7 +187,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
             raise
         doubts.append(str(error))
         profile = replace(profile, header_row=0, units_row=0)
-        text, dialect = open_text(source, profile)
+        text, dialect, _ = open_text(source, profile)
         tables = reader.tables(source, profile)
     lines = islice(text.lines_from(dialect.rows.data_row), N_FIRST_ROWS)
     found = Inspection(
@@ -218,7 +219,7 @@ def _find_blocks(text: Text, dialect: Dialect, profile: ImportProfile) -> Import
     the columns of the first recording and leaves the rest blank.
     """
     n, names_row, width = dialect.n_cells, 0, 0
-    if profile.block_columns or n < 4:
+    if profile.block_columns or n < 4 or sum(map(bool, dialect.header)) == n:  # every column has a name
         return None
     head = {}
     for line in range(1, dialect.rows.data_row):
@@ -266,6 +267,7 @@ def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
         sampling_rate_Hz=rate_Hz,
         is_uniform=is_uniform,
         saturation=tuple(hints),
+        notes=tuple(dict.fromkeys(table.notes)),
         profile=replace(found.profile, channels=channels),
         doubts=(*found.doubts, *doubts, *clock_doubts),
     )
@@ -311,9 +313,9 @@ def _channels(
     channels: dict[str, Channel] = dict(found.profile.channels)
     doubts = []
     if not channels:
-        named = guess_channels(table.names, needs_time=False)
+        named = guess_channels(table, needs_time=False)
         channels = {name: by_name(int(channel.column)) for name, channel in named.items()}
-    has_time = "time" in channels or found.profile.sampling_rate_Hz is not None or table.time_s is not None
+    has_time = "time" in channels or found.profile.sampling_rate_Hz is not None or table.clock is not None
     units = [table.unit(index) for index in range(len(names))]
     numeric = [(i, array) for i, array in enumerate(values) if array is not None]
     rising = (
@@ -339,11 +341,14 @@ def _channels(
         for number, name in enumerate(names, start=1)
         if "_".join(split_unit_suffix(name)[0].lower().split()) == "end_tension"
     ]
-    for name, channel in channels.items():
-        if name in {"time", "force"} and not _unit(table, channel):
+    for name in sorted(_EXAMPLE.keys() & channels.keys(), reverse=True):
+        unit = _unit(table, channels[name])
+        if not unit:
             doubts.append(
                 f'the unit of the {name} is not told; add it, for example unit = "{_EXAMPLE[name]}"'
             )
+        elif not _is_of(name, unit):
+            doubts.append(f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]")
     return channels, doubts
 
 
@@ -375,8 +380,8 @@ def _clock(
     table: Table, values: Sequence[FloatArray | None], channels: Mapping[str, Channel]
 ) -> tuple[float | None, bool, tuple[str, ...]]:
     """Return sampling rate, whether the steps are even, and what is wrong with the clock."""
-    time_s = table.time_s
     try:
+        time_s = _clock_s(table, channels)
         if "time" in channels:
             index, unit = _index(table, channels["time"]), _unit(table, channels["time"])
             array = values[index] if index is not None else None
@@ -394,6 +399,15 @@ def _clock(
     step_s = float(steps_s[steps_s <= GAP_STEPS * np.median(steps_s)].mean())
     is_uniform = bool((np.abs(steps_s - step_s) <= _UNIFORM * step_s).all())
     return float(f"{1.0 / step_s:.6g}"), is_uniform, notes
+
+
+def _clock_s(table: Table, channels: Mapping[str, Channel]) -> FloatArray | None:
+    """Return the time that the channels, or else the first column that has one, bring with them."""
+    if table.clock is None:
+        return None
+    chosen = [index for channel in channels.values() if (index := _index(table, channel)) is not None]
+    clocks = (table.clock(index) for index in (*chosen, *range(len(table.names))))
+    return next((time_s for time_s in clocks if time_s is not None), None)
 
 
 def _at_limits(column: ColumnSummary, array: FloatArray | None) -> list[str]:

@@ -9,8 +9,8 @@ from ropefric.arrays import FloatArray
 from ropefric.files.text_table import TableLayout
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+", re.ASCII)
-_TEXTS = ("format", "separator", "decimal", "encoding", "table")
-_ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row")
+_TEXTS = ("format", "separator", "decimal", "encoding", "table", "date_order", "time_zone")
+_ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row", "skip_footer")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +43,7 @@ class RawRecording:
     columns: Mapping[str, FloatArray]
     units: Mapping[str, str]
     first_line: int = 0
+    notes: tuple[str, ...] = ()
 
 
 def profile_to_toml(profile: ImportProfile) -> str:

@@ -4,7 +4,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
+from ropefric.files.stamps import read_stamps
 from ropefric.files.text import Source
 from ropefric.files.text_table import bare_unit, is_number
 from ropefric.quantities import split_unit_suffix
@@ -34,7 +35,11 @@ _NAMED_MISSING = frozenset(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
-    """One table of a file, one recording: its columns' names and units, and a way to their values."""
+    """One table of a file, one recording: its columns' names and units, and a way to their values.
+
+    `stamps` are the columns of text time stamps, whose values are seconds from the first on; `clock` gives the time [s]
+    that a column brings with it; `notes` say what was recognised, some only after the values were read.
+    """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -42,7 +47,9 @@ class Table:
     has_header: bool = True
     sample: str = ""
     first_line: int = 0
-    time_s: FloatArray | None = None
+    stamps: frozenset[int] = frozenset()
+    clock: Callable[[int], FloatArray | None] | None = None
+    notes: list[str] = field(default_factory=list)
 
     def unit(self, index: int) -> str:
         """Return the unit of a column: the file's own, else the suffix of its header."""
@@ -88,12 +95,13 @@ class Table:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reader:
-    """A file format."""
+    """A file format, found by the end of the file's name, or among texts by its first lines."""
 
     name: str
     suffixes: tuple[str, ...]
     description: str
     tables: Callable[[Source, ImportProfile], Sequence[Table]]
+    recognises: Callable[[Sequence[str]], bool] | None = None
 
     def read(self, source: Source, profile: ImportProfile) -> tuple[RawRecording, ...]:
         """Return the file's recordings, columns as they are in the file; raises `DataError` RF101 to RF108."""
@@ -105,8 +113,10 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
     arrays = table.values([index for index, _ in picks.values()])
     columns = dict(zip(picks, arrays, strict=True))
     units = {channel: unit for channel, (_, unit) in picks.items()}
-    if table.time_s is not None and "time" not in columns and profile.sampling_rate_Hz is None:
-        columns["time"], units["time"] = table.time_s, "s"
+    if table.clock is not None and "time" not in columns and profile.sampling_rate_Hz is None:
+        time_s = _common_clock(table, [index for index, _ in picks.values()], source)
+        if time_s is not None:
+            columns["time"], units["time"] = time_s, "s"
     name = PurePath(source.shown).name
     return RawRecording(
         name=f"{name}#{table.sample}" if table.sample else name,
@@ -115,16 +125,37 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
         columns=columns,
         units=units,
         first_line=table.first_line,
+        notes=tuple(dict.fromkeys(table.notes)),
     )
 
 
-def guess_channels(names: Sequence[str], *, needs_time: bool = True) -> dict[str, Channel]:
-    """Return the channels whose headers can mean nothing else, or an empty dict where that is not enough."""
-    bare = [split_unit_suffix(name.strip())[0].lower() for name in names]
+def _common_clock(table: Table, indices: Sequence[int], source: Source) -> FloatArray | None:
+    """Return the time [s] that columns bring with them, which must be one time; None where they bring none."""
+    assert table.clock is not None  # noqa: S101  (whoever asks has looked)
+    clocks = {index: time_s for index in indices if (time_s := table.clock(index)) is not None}
+    first = next(iter(clocks), 0)
+    for index, time_s in clocks.items():
+        if not np.array_equal(time_s, clocks[first], equal_nan=True):
+            why = (
+                f"{table.names[first]!r} and {table.names[index]!r} have clocks of their own, and they differ"
+            )
+            fix = "leave one of them out: a recording has one time"
+            raise source.error(why, code="RF103", key="[import.channels]", fix=fix)
+    return clocks.get(first)
+
+
+def guess_channels(table: Table, *, needs_time: bool = True) -> dict[str, Channel]:
+    """Return the channels whose headers can mean nothing else, or an empty dict where that is not enough.
+
+    A single column of text time stamps is the time, whatever it is called.
+    """
+    bare = [split_unit_suffix(name.strip())[0].lower() for name in table.names]
     found = {
         channel: [number for number, name in enumerate(bare, start=1) if name in meanings]
         for channel, meanings in SAFE_NAMES.items()
     }
+    if not found["time"] and len(table.stamps) == 1:
+        found["time"] = [index + 1 for index in table.stamps]
     n_time, n_signal = len(found["time"]), len(found["force"]) + len(found["counts"])
     if n_signal != 1 or n_time > 1 or (needs_time and n_time == 0):
         return {}
@@ -138,8 +169,7 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
     """
     channels: Mapping[str, Channel] = profile.channels
     if not channels:
-        needs_time = profile.sampling_rate_Hz is None and table.time_s is None
-        channels = guess_channels(table.names, needs_time=needs_time)
+        channels = guess_channels(table, needs_time=profile.sampling_rate_Hz is None and table.clock is None)
         if not channels:
             fix = (
                 'name the columns, for example time = { column = 1, unit = "s" } and force = { column = 2, unit = '
@@ -150,14 +180,18 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
     picks = {}
     for name, channel in channels.items():
         index = table.find(channel.column, source, f"[import.channels] {name}")
-        picks[name] = (index, "" if name == "counts" else channel.unit or table.unit(index))
+        unit = "" if name == "counts" else channel.unit or table.unit(index)
+        picks[name] = (index, "s" if index in table.stamps else unit)
     return picks
 
 
 def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | None) -> DataError:
     """Return the error for a cell that is no number, with a guess at what it is."""
     other = "," if decimal == "." else "."
-    why, fix = "", "mend or remove the cell, or list its text in [import] missing"
+    why, fix = (
+        "",
+        "mend or remove the cell, list its text in [import] missing, or skip_footer the last lines",
+    )
     if is_number(cell, decimal):
         why, fix = "it is too large for a float", "mend the cell"
     elif cell.lower().lstrip("+-") in ("inf", "infinity"):
@@ -175,6 +209,21 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
     shown = cell if len(cell) <= 40 else cell[:37] + "..."
     message = f"cannot read {shown!r} as a number" + (f"; {why}" if why else "")
     return source.error(message, code="RF102", line=line, key=name, fix=fix)
+
+
+def stamp_column(
+    cells: Iterable[tuple[int, str]], name: str, profile: ImportProfile, source: Source, notes: list[str]
+) -> FloatArray:
+    """Return a column of text time stamps in seconds from its first on, and note how they were understood."""
+
+    def refuse(line: int, why: str, fix: str) -> DataError:
+        return source.error(why, code="RF104", line=line, key=name, fix=fix)
+
+    found, said = read_stamps(
+        cells, order=profile.date_order, zone=profile.time_zone, no_value=profile.no_value, refuse=refuse
+    )
+    notes.extend(f"{name}: {text}" for text in said)
+    return found
 
 
 @contextmanager
@@ -209,7 +258,9 @@ def array_table(
     source: Source,
     *,
     units: Mapping[str, str] | None = None,
-    time_s: FloatArray | None = None,
+    sample: str = "",
+    clock: Callable[[int], FloatArray | None] | None = None,
+    notes: Sequence[str] = (),
 ) -> Table:
     """Return a table of named arrays of a binary file; blank names are columns that have numbers only."""
     names = tuple(key.strip() for key in columns)
@@ -234,7 +285,9 @@ def array_table(
         units=tuple((units or {}).get(key, "") for key in columns),
         values=values,
         has_header=any(names),
-        time_s=time_s,
+        sample=sample,
+        clock=clock,
+        notes=[*notes],
     )
 
 

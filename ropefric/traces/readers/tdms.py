@@ -29,7 +29,9 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             columns[channel.name] = np.asarray(channel[:])
         found = (channel.properties.get(key) for key in _UNIT_KEYS)
         units[channel.name] = next((str(unit) for unit in found if unit), "")
-    return (array_table(columns, source, units=units, time_s=_waveform_time(channels)),)
+    clocks = [_waveform_time(channel) for channel in channels]
+    has_clock = any(clock is not None for clock in clocks)
+    return (array_table(columns, source, units=units, clock=clocks.__getitem__ if has_clock else None),)
 
 
 def _load(source: Source) -> Any:
@@ -43,20 +45,15 @@ def _load(source: Source) -> Any:
         return TdmsFile.read(io.BytesIO(source.raw_bytes()))
 
 
-def _waveform_time(channels: Any) -> FloatArray | None:
-    """Return the waveform's own time from its first sample on, where all channels share one clock.
+def _waveform_time(channel: Any) -> FloatArray | None:
+    """Return a waveform's own time from its first sample on.
 
     Relative on purpose: absolute starts carry time zones that writers and readers disagree about.
     """
-    clocks = {
-        (len(c), c.properties.get("wf_increment"), c.properties.get("wf_start_offset", 0.0)) for c in channels
-    }
-    if len(clocks) != 1:
-        return None
-    n, step_s, offset_s = clocks.pop()
+    step_s, offset_s = (channel.properties.get(f"wf_{key}", 0.0) for key in ("increment", "start_offset"))
     if not isinstance(step_s, float) or not isinstance(offset_s, float) or not 0 < step_s < np.inf:
         return None
-    return np.asarray(offset_s + step_s * np.arange(n), dtype=np.float64)
+    return np.asarray(offset_s + step_s * np.arange(len(channel)), dtype=np.float64)
 
 
 READER = Reader(

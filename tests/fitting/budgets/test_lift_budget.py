@@ -7,18 +7,17 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
+from ropefric.fitting.budgets import lift_model
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.lift_budget import WheelUncertainty, lift_model
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.budget import linear_budget
+from ropefric.uncertainty.budget import linear_budget, propagate, state_uncertainty
 from ropefric.uncertainty.quantity import directions
-from ropefric.uncertainty.statement import propagate, state_uncertainty
 
 WHEEL = one_condition(0.04, 0.005, 8.0, 60.0)
-UNSURE = WheelUncertainty(wheel_radius_m=2e-4, rope_radius_m=5e-5, wrap_angle_rad=0.03, end_tension_N=0.5)
+UNSURE = {"wheel_radius_m": 2e-4, "rope_radius_m": 5e-5, "wrap_angle_rad": 0.03, "end_tension_N": 0.5}
 
 
 @pytest.mark.parametrize("law", ALL_LAWS.values(), ids=lambda law: law.name)
@@ -48,7 +47,7 @@ def test_sensitivities_are_the_derivatives(slopes_of, wrap_fit, one_pull):
 
 
 def test_of_an_exact_wheel_the_budget_is_the_prediction(wrap_fit):
-    budget = linear_budget(lift_model(wrap_fit, WHEEL, WheelUncertainty()))
+    budget = linear_budget(lift_model(wrap_fit, WHEEL, {}))
     found = predict(wrap_fit, WHEEL)
     assert budget.estimate == pytest.approx(found.lift_force_N[0], rel=1e-12)
     assert budget.combined == pytest.approx(found.std_N[0], rel=1e-9)
@@ -58,7 +57,7 @@ def test_of_an_exact_wheel_the_budget_is_the_prediction(wrap_fit):
 
 
 def test_of_an_exact_wheel_the_draws_are_the_drawn_prediction(wrap_fit):
-    model = lift_model(wrap_fit, WHEEL, WheelUncertainty())
+    model = lift_model(wrap_fit, WHEEL, {})
     budget = linear_budget(model)
     drawn = propagate(model, budget, draws=100_000)
     found = predict(wrap_fit, WHEEL, method="monte-carlo", n=100_000)
@@ -68,7 +67,7 @@ def test_of_an_exact_wheel_the_draws_are_the_drawn_prediction(wrap_fit):
 
 
 def test_one_pull_is_as_uncertain_as_the_prediction_interval(wrap_fit):
-    budget = linear_budget(lift_model(wrap_fit, WHEEL, WheelUncertainty(), one_pull=True))
+    budget = linear_budget(lift_model(wrap_fit, WHEEL, {}, one_pull=True))
     low, high = predict(wrap_fit, WHEEL).prediction_interval_N[0]
     # The one goes up and down alike, by t(ν_eff); the other is exponentiated, by t of the law's degrees of freedom.
     assert budget.interval[1] - budget.interval[0] == pytest.approx(high - low, rel=0.08)
@@ -76,10 +75,10 @@ def test_one_pull_is_as_uncertain_as_the_prediction_interval(wrap_fit):
 
 def test_each_uncertainty_of_the_wheel_adds_its_square(wrap_fit):
     def combined(**parts):
-        return linear_budget(lift_model(wrap_fit, WHEEL, WheelUncertainty(**parts))).combined
+        return linear_budget(lift_model(wrap_fit, WHEEL, parts)).combined
 
-    whole, law = combined(**dataclasses.asdict(UNSURE)), combined()
-    parts = [combined(**{name: value}) ** 2 - law**2 for name, value in dataclasses.asdict(UNSURE).items()]
+    whole, law = combined(**UNSURE), combined()
+    parts = [combined(**{name: value}) ** 2 - law**2 for name, value in UNSURE.items()]
     assert whole**2 == pytest.approx(law**2 + sum(parts), rel=1e-9)
 
 
@@ -92,9 +91,7 @@ def test_directions_of_a_block_rebuild_its_covariance_in_any_unit(wrap_fit):
 
 
 def test_a_wheel_known_too_badly_is_found_out_by_the_draws(wrap_fit):
-    stated = state_uncertainty(
-        lift_model(wrap_fit, WHEEL, WheelUncertainty(wrap_angle_rad=3.0)), draws=50_000, seed=1
-    )
+    stated = state_uncertainty(lift_model(wrap_fit, WHEEL, {"wrap_angle_rad": 3.0}), draws=50_000, seed=1)
     assert str(stated.status) == "draws-disagree"
     assert not stated.trustworthy
     low, high = stated.drawn.symmetric
@@ -140,5 +137,5 @@ def test_a_law_that_was_held_leaves_the_wheel_alone_uncertain():
     )
     fit = fit_law(table, "constant", fixed={"mu": 0.2})
     wheel = one_condition(0.04, 0.005, 4.5, 20.0)
-    budget = linear_budget(lift_model(fit, wheel, WheelUncertainty(wrap_angle_rad=0.03)))
+    budget = linear_budget(lift_model(fit, wheel, {"wrap_angle_rad": 0.03}))
     assert budget.combined == pytest.approx(20.0 * math.exp(0.9) * 0.2 * 0.03, rel=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.fitting.measured_budget import (
+from ropefric.fitting.budgets import (
     ForceSide,
     coefficient_model,
     condition_numbered,
@@ -18,20 +18,25 @@ from ropefric.fitting.measured_budget import (
 )
 from ropefric.traces.calibration import ForceCell
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.budget import linear_budget
-from ropefric.uncertainty.quantity import limit_of_error, normal, repeats
-from ropefric.uncertainty.statement import BudgetStatus, improvements, propagate, state_uncertainty
+from ropefric.uncertainty.budget import (
+    BudgetStatus,
+    improvements,
+    linear_budget,
+    propagate,
+    state_uncertainty,
+)
+from ropefric.uncertainty.quantity import Quantity, limit_of_error, repeats
 
 FORCES = (318.0, 322.0, 325.0, 317.0, 321.0)
-WRAP = normal("wrap angle", "φ", "rad", 0.03, estimate=7.0)
+WRAP = Quantity("wrap angle", "φ", "rad", 0.03, estimate=7.0)
 
 
 def reading(symbol, force_N, offset_N=0.0):
     return ForceSide(
         symbol=symbol,
         quantities=(
-            normal("reading", symbol, "N", 1.0, estimate=force_N),
-            normal("tare", "δ_0", "N", offset_N),
+            Quantity("reading", symbol, "N", 1.0, estimate=force_N),
+            Quantity("tare", "δ_0", "N", offset_N),
         ),
     )
 

@@ -8,8 +8,7 @@ import pytest
 
 import ropefric
 from ropefric.cli.app import main
-from ropefric.fitting.choice import choose_law
-from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.compare import choose_law, compare_laws
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS

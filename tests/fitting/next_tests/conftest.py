@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import MeanScatter, allowed_conditions, planned_guess
-from ropefric.fitting.plan_search import (
+from ropefric.fitting.next_tests import (
+    MeanScatter,
     RigLimits,
+    allowed_conditions,
     geometric_levels,
     linear_levels,
-    middle_of,
+    nearest_to,
     one_factor_plan,
+    planned_guess,
 )
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
@@ -74,7 +76,7 @@ def usual(bench):
     def make(planned, n=12):
         allowed, _ = allowed_conditions(planned, bench, bench.conditions())
         allowed = allowed.reshape(bench.shape)
-        return bench.conditions().select(one_factor_plan(allowed, middle_of(allowed), n))
+        return bench.conditions().select(one_factor_plan(allowed, nearest_to(allowed), n))
 
     return make
 

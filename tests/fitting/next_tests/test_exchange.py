@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ropefric.fitting.plan_search import Exchange, best_plan, middle_of, nearest_to, one_factor_plan
+from ropefric.fitting.next_tests import Exchange, best_plan, nearest_to, one_factor_plan
 
 NOTHING = np.zeros((0, 2))
 
@@ -111,7 +111,7 @@ def test_one_prediction_alone_leaves_parameters_undetermined_unless_balanced():
 
 def test_one_factor_at_a_time_varies_one_factor_at_a_time():
     allowed = np.ones((5, 12, 10), dtype=bool)
-    centre = middle_of(allowed)
+    centre = nearest_to(allowed)
     plan = one_factor_plan(allowed, centre, 12)
     spots = np.stack(np.unravel_index(plan, allowed.shape), axis=1)
     assert len(set(map(tuple, spots.tolist()))) == 12

@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, reject, settings
 from hypothesis import strategies as st
+from promise import check_promise
 from scipy.integrate import solve_ivp
 
 import ropefric as rf
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import DataError, InputError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
@@ -176,16 +176,9 @@ def drives(draw):
     )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=40, derandomize=True)
-@given(problem=drives(), accuracy=st.sampled_from([0.3, 0.05, 0.01, 1e-6]))
-def test_the_promise_holds_for_random_drives(problem, accuracy):
-    plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
-    full_plan, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
-    try:
-        everything = SYSTEM.solve(full, full_plan.method)
-    except RopefricError:  # a slack side below the law's reference tension: there is nothing to promise
-        reject()
-    assert SYSTEM.distance(SYSTEM.solve(model, plan.method), everything) <= min(accuracy, plan.error_bound)
+def test_the_promise_holds_for_random_drives():
+    counts = check_promise(SYSTEM, drives(), 40, may_refuse=True)  # a slack side below the law's reference
+    assert counts["spared"] > 3
 
 
 def test_what_is_left_out_is_small():

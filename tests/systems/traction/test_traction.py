@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from promise import check_promise
 
 import ropefric as rf
 from ropefric.errors import DataError, InputError
@@ -128,14 +129,15 @@ def lifts(draw):
     )  # fmt: skip
 
 
+def test_the_promise_holds_for_random_lifts():
+    counts = check_promise(SYSTEM, lifts(), 40)
+    assert counts["spared"] > 3
+
+
+@given(problem=lifts())
 @settings(deadline=None, max_examples=40, derandomize=True)
-@given(problem=lifts(), accuracy=st.sampled_from([0.3, 0.05, 0.01, 1e-6]))
-def test_the_promise_holds_for_random_lifts(problem, accuracy):
+def test_every_random_lift_is_answerable(problem):
     assert answerable(problem).all()
-    plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
-    full_plan, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
-    found, everything = SYSTEM.solve(model, plan.method), SYSTEM.solve(full, full_plan.method)
-    assert SYSTEM.distance(found, everything) <= min(accuracy, plan.error_bound)
 
 
 def scene(tmp_path, old="", new=""):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from ropefric.errors import DataError, RopefricError
 from ropefric.traces.assemble import assemble_trace, si_factor
+from ropefric.traces.calibration import as_counts
 from ropefric.traces.derived import FUNCTIONS, evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 
@@ -22,6 +23,9 @@ def raw(units=None, first_line=0, **columns):
 
 @dataclass
 class Doubling:
+    def checked(self, counts):
+        return as_counts(counts)
+
     def apply(self, counts):
         return np.where(counts < 0, np.nan, counts * 2.0), None
 

@@ -1,11 +1,12 @@
-"""The uncertainty of what was measured at a condition: of its force, or of the coefficient that two forces give.
+"""What a measured force, a coefficient, or a predicted lift force is worth: their uncertainty after the GUM.
 
-In: the conditions of an extraction, the measuring chain taken apart, or of a trial table. Out: a `Statement` each. A
-force is the mean of its trials with what they share; the other side hangs from dead weights.
+Of a condition: of an extraction, the measuring chain taken apart, or of a trial table. A force is the mean of its
+trials with what they share; the other side hangs from dead weights. Of a wheel known only so well: what its settings,
+and the parameters of a fitted law with their covariance, leave open of the lift force. Out: a `Statement` each.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,13 +14,22 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
+from ropefric.fitting.result import FitResult
+from ropefric.friction.condition import Conditions
+from ropefric.friction.law import FrictionLaw
 from ropefric.traces.budget import chain_quantities
 from ropefric.trials.conditions import trimming_bias
-from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
+from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.budget import MeasurementModel
-from ropefric.uncertainty.quantity import RECTANGULAR, Quantity, limit_of_error, normal, repeats
-from ropefric.uncertainty.statement import BudgetStatus, Statement, state_uncertainty
+from ropefric.uncertainty.budget import (
+    BudgetStatus,
+    MeasurementModel,
+    Statement,
+    effective_dof,
+    state_uncertainty,
+)
+from ropefric.uncertainty.quantity import RECTANGULAR, Block, Quantity, limit_of_error, repeats
 
 MeasuredQuantity = Literal["force", "mu"]
 """The force that was measured, or μ̄ = ln(F_A/F_B)/φ."""
@@ -28,6 +38,17 @@ GRAVITY_LIMIT = 0.0027
 """Half the range of the acceleration of gravity at sea level, 9.780 to 9.832 m/s², over its mean [-]."""
 
 _STANDARD_GRAVITY_M_S2 = 9.80665
+_PLACE = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
+_STEP = 1e-5
+_SETTINGS = {
+    "wheel_radius_m": ("wheel radius", "R_w", "m"),
+    "rope_radius_m": ("rope radius", "R_r", "m"),
+    "wrap_angle_rad": ("wrap angle", "φ", "rad"),
+    "end_tension_N": ("end tension", "F_B", "N"),
+}
+
+
+# ---- of a measured condition ----
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,16 +80,18 @@ def weights(
     """Return the force of dead weights, m g: its uncertainty is that of mass and gravity, not of a converter."""
     if not (math.isfinite(force_N) and force_N > 0.0):
         raise InputError(f"{symbol} = {force_N:g} N is not positive", key=symbol)
-    mass_kg = force_N / _STANDARD_GRAVITY_M_S2
-    mass = limit_of_error(
-        f"mass of the weights of {symbol}", "m", "kg", tolerance * mass_kg, estimate=mass_kg
+    g = _STANDARD_GRAVITY_M_S2
+    known = gravity_limit != GRAVITY_LIMIT
+    assumed = "" if known else "how well the local g is known (--gravity, gravity_limit)"
+    limits = (
+        (f"mass of the weights of {symbol}", "m", "kg", tolerance, force_N / g, ""),
+        ("acceleration of gravity", "g", "m/s2", gravity_limit, g, assumed),
     )
-    g, assumed = _STANDARD_GRAVITY_M_S2, "how well the local g is known (--gravity, gravity_limit)"
-    gravity = limit_of_error(
-        "acceleration of gravity", "g", "m/s2", gravity_limit * g, estimate=g,
-        assumed=assumed if gravity_limit == GRAVITY_LIMIT else "",
-    )  # fmt: skip
-    return ForceSide(symbol=symbol, quantities=(mass, gravity), is_product=True)
+    factors = (
+        limit_of_error(name, sign, unit, part * value, estimate=value, assumed=why)
+        for name, sign, unit, part, value, why in limits
+    )
+    return ForceSide(symbol=symbol, quantities=tuple(factors), is_product=True)
 
 
 def force_model(side: ForceSide) -> MeasurementModel:
@@ -100,13 +123,11 @@ def coefficient_model(
             key="lift_force_N",
             fix="check which side is which",
         )
-    mu = math.log(F_A / F_B) / phi
     n_A, n_B = len(lift.quantities), len(end.quantities)
-    gain = limit_of_error("gain of the measuring chain", "ε", "-", gain_limit)
-    with_gain = (*lift.quantities, *end.quantities, wrap, *((gain,) if gain_limit > 0.0 else ()))
+    gain = (limit_of_error("gain of the measuring chain", "ε", "-", gain_limit),) if gain_limit > 0.0 else ()
 
     def evaluate(inputs: FloatArray) -> FloatArray:
-        factor = 1.0 + inputs[:, -1] if gain_limit > 0.0 else 1.0
+        factor = 1.0 + inputs[:, n_A + n_B + 1 :].sum(axis=1)
         A = lift.of(inputs[:, :n_A]) * (1.0 if lift.is_product else factor)
         B = end.of(inputs[:, n_A : n_A + n_B]) * (1.0 if end.is_product else factor)
         angle = inputs[:, n_A + n_B]
@@ -114,16 +135,17 @@ def coefficient_model(
         ratio = np.divide(A, B, out=np.ones_like(A), where=answered)
         return np.divide(np.log(ratio), angle, out=np.full_like(angle, np.nan), where=answered)
 
-    by_gain = (0.0 if lift.is_product else 1.0) - (0.0 if end.is_product else 1.0)
-    parts = [lift.slopes() / (phi * F_A), -end.slopes() / (phi * F_B), np.array([-mu / phi])]
-    parts += [np.array([by_gain / phi])] if gain_limit > 0.0 else []
+    by_gain = [(end.is_product - lift.is_product) / phi] * len(gain)
+    by_wrap = -math.log(F_A / F_B) / phi**2
     return MeasurementModel(
         name="average coefficient of friction",
         symbol="μ̄",
         unit="-",
-        quantities=with_gain,
+        quantities=(*lift.quantities, *end.quantities, wrap, *gain),
         evaluate=evaluate,
-        sensitivities=np.concatenate(parts),
+        sensitivities=np.array(
+            [*lift.slopes() / (phi * F_A), *-end.slopes() / (phi * F_B), by_wrap, *by_gain]
+        ),
     )
 
 
@@ -187,7 +209,7 @@ def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) 
             key="u_end_tension",
             fix='give it, such as --u-end-tension "0.3 N"',
         )
-    reading = normal("reading of the slack side", "F̂_B", "N", std_N, estimate=known_N)
+    reading = Quantity("reading of the slack side", "F̂_B", "N", std_N, estimate=known_N)
     return replace(condition, known=ForceSide(symbol="F_B", quantities=(reading,)))
 
 
@@ -202,40 +224,35 @@ def conditions_of_extraction(
     bias of the smoothing) does not average out and is.
     """
     by_name = {trial.trial: trial for trial in extraction.trials}
-    scatters = [
-        (one.std_kept_N / one.mean_kept_N / _left_of_scatter(one), one.n_kept - 1)
-        for one in extraction.conditions
-        if one.n_kept > 1
-    ]
-    pooled = _pooled_scatter(scatters)
     found = []
-    for number, summary in enumerate(extraction.conditions, start=1):
-        kept = [by_name[name] for name in summary.trials if by_name[name].kept]
+    for number, one in enumerate(extraction.conditions, start=1):
+        kept = [by_name[name] for name in one.trials if by_name[name].kept]
         if not kept:
             continue
-        slack = kept[0].measures_slack
-        symbol, other = ("F_B", "F_A") if slack else ("F_A", "F_B")
-        ratio = _left_of_scatter(summary) if len(kept) > 1 else 1.0
-        mean, notes = _mean_force(symbol, np.array([trial.measured_N for trial in kept]), pooled, ratio)
-        chain, more = _instrument(kept)
+        slack, (chain, notes), ratio = kept[0].measures_slack, _instrument(kept), 1.0
         if not weights_tolerance:
-            notes += ("the mass of the weights is assumed to be exact: state weights.tolerance",)
-        known_N = summary.lift_force_N if slack else summary.end_tension_N
+            notes.insert(0, "the mass of the weights is assumed to be exact: state weights.tolerance")
+        if len(kept) > 1 and (ratio := 1.0 + trimming_bias(one.n, one.rule).bias) < 1.0:
+            notes.insert(0, f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average")
+        values_N = np.array([trial.measured_N for trial in kept])
         found.append(
             MeasuredCondition(
                 number=number,
-                wheel_radius_m=summary.wheel_radius_m,
-                rope_radius_m=summary.rope_radius_m,
-                wrap_angle_rad=summary.wrap_angle_rad,
+                **{name: getattr(one, name) for name in _PLACE},
                 wrap_std_rad=0.0,
-                measured=ForceSide(symbol=symbol, quantities=(mean, *chain)),
-                known=weights(other, known_N, tolerance=weights_tolerance, gravity_limit=gravity_limit),
+                measured=_mean_force("F_B" if slack else "F_A", values_N, chain, ratio),
+                known=weights(
+                    "F_A" if slack else "F_B",
+                    one.lift_force_N if slack else one.end_tension_N,
+                    tolerance=weights_tolerance,
+                    gravity_limit=gravity_limit,
+                ),
                 measures_slack=slack,
                 n=len(kept),
-                notes=(*notes, *more),
+                notes=tuple(notes),
             )
         )
-    return tuple(found)
+    return _with_scatter_of_others(found)
 
 
 def conditions_of_table(
@@ -245,43 +262,70 @@ def conditions_of_table(
     used, group, slack = table.used, table.group(), table.measures_slack
     pulls, wrap_std_rad = table.conditions(), table.wrap_std_rad[used]
     sides = [
-        (table.peak_N[used], np.nan_to_num(table.peak_std_N)[used]),
-        (table.end_tension_N[used], table.end_tension_std_N[used]),
+        ("F_A", table.peak_N[used], np.nan_to_num(table.peak_std_N)[used]),
+        ("F_B", table.end_tension_N[used], table.end_tension_std_N[used]),
     ]
-    (measured_N, chain_N), (other_N, other_std_N) = reversed(sides) if slack else sides
-    symbol, other = ("F_B", "F_A") if slack else ("F_A", "F_B")
-    rows = [np.flatnonzero(group == label) for label in range(int(group.max(initial=-1)) + 1)]
-    several = [measured_N[row] for row in rows if row.size > 1]
-    pooled = _pooled_scatter([(float(N.std(ddof=1) / N.mean()), N.size - 1) for N in several])
+    (symbol, measured_N, chain_N), (other, other_N, other_std_N) = reversed(sides) if slack else sides
     found = []
-    for number, row in enumerate(rows, start=1):
+    for label in range(int(group.max(initial=-1)) + 1):
+        row, notes = np.flatnonzero(group == label), []
         u_N = float(np.sqrt((chain_N[row] ** 2).mean()))
         known_N, known_std_N = float(other_N[row].mean()), float(other_std_N[row].max())
-        mean, notes = _mean_force(symbol, measured_N[row], pooled)
-        chain = normal("measuring chain, tare and picking", "δ_chain", "N", u_N)
         if not u_N:
-            notes += ("the table gives no uncertainty of the measuring chain: it is taken as exact",)
+            notes.append("the table gives no uncertainty of the measuring chain: it is taken as exact")
         elif row.size > 1:
-            notes += (
-                "tare and picking of each trial are counted with the chain as if shared: on the safe side",
+            notes.append(
+                "tare and picking of each trial are counted with the chain as if shared: on the safe side"
             )
         if not known_std_N:
-            notes += (f"the table gives no uncertainty of {other}: only gravity is counted",)
+            notes.append(f"the table gives no uncertainty of {other}: only gravity is counted")
+        chain = Quantity("measuring chain, tare and picking", "δ_chain", "N", u_N)
         tolerance = RECTANGULAR * known_std_N / known_N
         found.append(
             MeasuredCondition(
-                number=number,
-                wheel_radius_m=float(pulls.wheel_radius_m[row[0]]),
-                rope_radius_m=float(pulls.rope_radius_m[row[0]]),
-                wrap_angle_rad=float(pulls.wrap_angle_rad[row[0]]),
+                number=label + 1,
+                **{name: float(getattr(pulls, name)[row[0]]) for name in _PLACE},
                 wrap_std_rad=float(wrap_std_rad[row].max()),
-                measured=ForceSide(symbol=symbol, quantities=(mean, chain)),
+                measured=_mean_force(symbol, measured_N[row], [chain]),
                 known=weights(other, known_N, tolerance=tolerance, gravity_limit=gravity_limit),
                 measures_slack=slack,
                 n=row.size,
-                notes=notes,
+                notes=tuple(notes),
             )
         )
+    return _with_scatter_of_others(found)
+
+
+def _mean_force(
+    symbol: str, values_N: FloatArray, chain: Iterable[Quantity], ratio: float = 1.0
+) -> ForceSide:
+    """Return a mean force with its s/√n and what its trials share; the scatter of a single trial is not known yet."""
+    n, std_N = values_N.size, float(values_N.std(ddof=1)) / ratio if values_N.size > 1 else 0.0
+    what, dof = ("repeatability", f"mean {symbol}", "N"), None if n > 1 else math.inf
+    mean = repeats(*what, mean=float(values_N.mean()), std=std_N, n=n, dof=dof)
+    return ForceSide(symbol=symbol, quantities=(mean, *chain))
+
+
+def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[MeasuredCondition, ...]:
+    """Return conditions of which those with a single trial have the pooled relative scatter of the others."""
+    means = [item.measured.quantities[0] for item in conditions]
+    several = [mean for mean in means if mean.repeats > 1]
+    dof = math.fsum(mean.dof for mean in several)
+    square = math.fsum(mean.dof * (mean.stated / mean.estimate) ** 2 for mean in several)
+    note, scatter, dof = (
+        "one trial, and no condition is repeated: the repeatability is unknown",
+        0.0,
+        dof or math.inf,
+    )
+    if square:
+        scatter = math.sqrt(square / dof)
+        note = f"one trial: its scatter is that of the other conditions, {100 * scatter:.2g} % of the force"
+    found = list(conditions)
+    for place, (item, mean) in enumerate(zip(conditions, means, strict=True)):
+        if mean.repeats == 1:
+            known = replace(mean, stated=scatter * mean.estimate, dof=dof if square else math.inf)
+            side = replace(item.measured, quantities=(known, *item.measured.quantities[1:]))
+            found[place] = replace(item, measured=side, notes=(note, *item.notes))
     return tuple(found)
 
 
@@ -305,7 +349,7 @@ def state_condition(
             notes += (
                 'the wrap is taken as exact; --u-wrap "2 deg", or u_wrap_angle_rad in Python, says otherwise',
             )
-        wrap = normal("wrap angle", "φ", "rad", u_rad, estimate=condition.wrap_angle_rad)
+        wrap = Quantity("wrap angle", "φ", "rad", u_rad, estimate=condition.wrap_angle_rad)
         model = coefficient_model(condition.lift, condition.end, wrap, gain_limit=gain_limit)
     else:
         raise InputError(
@@ -315,34 +359,6 @@ def state_condition(
     return state_uncertainty(model, level=level, draws=draws, seed=seed, status=status, notes=notes)
 
 
-def _left_of_scatter(summary: ConditionSummary) -> float:
-    """Return what the rejection rule leaves of the scatter on average [-]."""
-    return 1.0 + trimming_bias(summary.n, summary.rule).bias
-
-
-def _pooled_scatter(parts: Sequence[tuple[float, int]]) -> tuple[float, float]:
-    """Return the pooled relative scatter of conditions and its degrees of freedom; 0, 0 if there is none."""
-    dof = sum(count for _, count in parts)
-    square = math.fsum(count * scatter**2 for scatter, count in parts)
-    return (math.sqrt(square / dof), float(dof)) if dof and square else (0.0, 0.0)
-
-
-def _mean_force(
-    symbol: str, values_N: FloatArray, pooled: tuple[float, float], ratio: float = 1.0
-) -> tuple[Quantity, tuple[str, ...]]:
-    """Return a mean force with its s/√n, of a single trial the scatter of the other conditions, and what was assumed."""
-    mean_N, n, (relative, dof) = float(values_N.mean()), int(values_N.size), pooled
-    what = ("repeatability", f"mean {symbol}", "N")
-    if n > 1:
-        note = f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average"
-        std_N = float(values_N.std(ddof=1)) / ratio
-        return repeats(*what, mean=mean_N, std=std_N, n=n), (note,) if ratio < 1.0 else ()
-    note = "one trial, and no condition is repeated: the repeatability is unknown"
-    if dof:
-        note = f"one trial: its scatter is that of the other conditions, {100 * relative:.2g} % of the force"
-    return repeats(*what, mean=mean_N, std=relative * mean_N, n=1, dof=dof or math.inf), (note,)
-
-
 def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str]]:
     """Return the corrections of a mean force that are not made, and what is left out because it is counted already."""
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
@@ -350,7 +366,11 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     notes: list[str] = []
     own = "each trial has its own {} ({:.2g} N): the repeatability holds it already"
     single = len(trials) == 1
-    if chains:
+    if not chains:
+        notes.append(
+            "the recordings come in newtons without their chain: calibration and resolution are unknown"
+        )
+    else:
         worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
         if any(chain.cell != worst.cell for chain in chains):
             notes.append(
@@ -361,7 +381,7 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
         found += [item for item in shared if single or item.name != "cell's repeatability"]
         tare_N = math.sqrt(_mean(chain.tare_std_N**2 for chain in chains))
         if single or len({chain.tare_N for chain in chains}) == 1:
-            found.append(Quantity(name="tare", symbol="δ_0", unit="N", estimate=0.0, stated=tare_N))
+            found.append(Quantity("tare", "δ_0", "N", tare_N))
         else:
             notes.append(own.format("tare", tare_N))
         if not single and worst.cell.repeatability:
@@ -369,15 +389,11 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
             notes.append(
                 f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
             )
-    else:
-        notes.append(
-            "the recordings come in newtons without their chain: calibration and resolution are unknown"
-        )
     bias_N = _mean(trial.breakaway.bias_N for trial in trials)
     found.append(limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N)))
     picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
     if single:
-        found.append(Quantity(name="picking", symbol="δ_pick", unit="N", estimate=0.0, stated=picking_N))
+        found.append(Quantity("picking", "δ_pick", "N", picking_N))
     else:
         notes.append(own.format("peak to pick", picking_N))
     return found, notes
@@ -386,3 +402,104 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
 def _mean(values: Iterable[float]) -> float:
     numbers = [value for value in values if math.isfinite(value)]
     return math.fsum(numbers) / len(numbers) if numbers else 0.0
+
+
+# ---- of a predicted lift force ----
+
+
+def lift_model(
+    fit: FitResult, wheel: Conditions, wheel_std: Mapping[str, float], *, one_pull: bool = False
+) -> MeasurementModel:
+    """Return the measurement equation of the lift force of one wheel, F_A = exp ln F_A(θ; R_w, R_r, φ, F_B) [N].
+
+    What `wheel_std` does not name of the wheel's settings is exact.
+    """
+    if len(wheel) != 1:
+        raise InputError(
+            f"{len(wheel)} wheels; a budget is of one", key="conditions", fix="ask one at a time"
+        )
+    law, theta, free = fit.friction_law, fit.theta, fit.shown
+    F_A = math.exp(float(law.log_lift(theta, wheel)[0]))
+    quantities = [
+        Quantity(*words, wheel_std.get(key, 0.0), estimate=float(getattr(wheel, key)[0]))
+        for key, words in _SETTINGS.items()
+    ]
+    quantities += [_rope(fit)] if one_pull else []
+    k = len(quantities)
+    block = Block(
+        name=f"parameters of {law.name}",
+        symbols=tuple(np.array(law.parameter_names)[free].tolist()),
+        estimates=theta[free],
+        covariance=np.asarray(fit.covariance)[np.ix_(free, free)],
+        dof=degrees_of_freedom(fit),
+    )
+
+    def evaluate(inputs: FloatArray) -> FloatArray:
+        answered = (inputs[:, :4] > 0.0).all(axis=1)
+        found = np.full(len(inputs), np.nan)
+        if answered.any():
+            rows = inputs[answered]
+            sets = np.tile(theta, (len(rows), 1))
+            sets[:, free] = rows[:, k:]
+            # As in every prediction: a draw beyond a bound of the law counts as on it.
+            sets = np.clip(sets, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
+            at = Conditions(**dict(zip(_SETTINGS, rows.T[:4], strict=True)))
+            with np.errstate(over="ignore"):
+                found[answered] = np.exp(law.log_lift_of_pairs(sets, at) + rows[:, 4:k].sum(axis=1))
+        return found
+
+    by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
+    slopes = [by_radius, _by_rope(law, theta, wheel), by_wrap, by_log_tension / wheel.end_tension_N[0]]
+    slopes += [1.0] * (k - 4)
+    return MeasurementModel(
+        name="lift force of one pull" if one_pull else "lift force",
+        symbol="F_A",
+        unit="N",
+        quantities=tuple(quantities),
+        block=block if free.any() else None,
+        evaluate=evaluate,
+        sensitivities=F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]]),
+    )
+
+
+def state_lift(
+    fit: FitResult,
+    at: Conditions,
+    wheel_std: Mapping[str, float],
+    *,
+    one_pull: bool = False,
+    level: float = 0.95,
+    draws: int = 200_000,
+    seed: int = 0,
+) -> Statement:
+    """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
+    return state_uncertainty(
+        lift_model(fit, at, wheel_std, one_pull=one_pull),
+        level=level,
+        draws=draws,
+        seed=seed,
+        status=BudgetStatus.OK if fit.trustworthy else BudgetStatus.FIT_NOT_TRUSTED,
+        notes=outside_words(fit.validity, at),
+    )
+
+
+def _rope(fit: FitResult) -> Quantity:
+    std, found = new_rope_std(fit), fit.statistics
+    if not math.isfinite(std):
+        raise InputError(
+            f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull",
+            key="one_pull",
+            fix="repeat conditions, or ask for the mean law",
+        )
+    parts = np.nan_to_num([found.scatter_within, found.scatter_between])
+    dof = effective_dof(
+        parts.tolist(), [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]
+    )
+    return Quantity("scatter of one new rope", "δ_rope", "-", std, dof=dof, type="A")
+
+
+def _by_rope(law: FrictionLaw, theta: FloatArray, wheel: Conditions) -> float:
+    """Return ∂ ln F_A/∂R_r [1/m] by central differences: no law has it in closed form."""
+    R_r = wheel.rope_radius_m
+    ends = [law.log_lift(theta, replace(wheel, rope_radius_m=R_r * (1.0 + s)))[0] for s in (_STEP, -_STEP)]
+    return float((ends[0] - ends[1]) / (2.0 * _STEP * R_r[0]))

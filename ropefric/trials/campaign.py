@@ -16,6 +16,7 @@ from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
+from ropefric.traces.assemble import COUNTS
 from ropefric.traces.breakaway import SIDES
 from ropefric.traces.derived import evaluate_derived
 from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names
@@ -145,12 +146,17 @@ def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -
         rope_radius_m=model.rope.radius_m if model else None,
         needs_lift_force=Protocol(name=name, side=side).needs_lift_force if known else None,
         needs_cell="counts" in document.table("import", "channels"),
+        needs_end_cell="end_tension_counts" in document.table("import", "channels"),
+        measures_end=any(
+            "end_tension" in name for place in _PLACES for name in document.table("import", place)
+        ),
         start_s=model.protocol.start_s if model else None,
         stop_s=model.protocol.stop_s if model else None,
         protocol=model.protocol.name if model else "breakaway",
     )
 
 
+_PLACES = ("channels", "derived")
 _USUAL_PROTOCOL = (("name", "breakaway"), ("side", "slack"))
 
 
@@ -163,8 +169,8 @@ def _is_folder(path: Path) -> bool:
 
 def _check_document(document: TomlDocument) -> Iterator[Problem]:
     """Yield what is wrong between the tables of a campaign file, whether or not each is right by itself."""
-    key = ("import", "channels", "counts")
-    if "counts" in document.table("import", "channels"):
+    counts = [name for name in COUNTS if name in document.table("import", "channels")]
+    for key in [("import", "channels", name) for name in counts[:1]]:
         if "adc" not in document.data:
             fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
             yield document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix)
@@ -224,7 +230,9 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
 def _idle_channels(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
     """Yield a warning of each measured channel that the trial list sets once for each trial instead."""
     used = {name for formula in model.profile.derived.values() for name in _NAME.findall(str(formula))}
-    for place in ("channels", "derived"):
+    if not model.protocol.needs_lift_force:
+        used.add("end_tension")
+    for place in _PLACES:
         for name in getattr(model.profile, place):
             if name in _SET_BY_TRIAL and name not in used:
                 what = (

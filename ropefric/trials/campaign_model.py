@@ -36,7 +36,7 @@ from ropefric.trials.workers import Limits
 
 SCHEMA = "ropefric.campaign/1"
 _plain = partial(to_jsonable_python, by_alias=False)
-_SI_UNITS = {"time": "s", "force": "N"}
+_SI_UNITS = {"time": "s", "force": "N", "end_tension": "N"}
 _SEPARATORS = {"tab": "\t", "space": " "}
 
 _LENGTH, _FORCE = quantity("m", "40 mm", above=0), quantity("N", "60 N", above=0)
@@ -366,6 +366,7 @@ class TrialSpec(TrialRow):
     end_tension_N: float | None = None
     lift_force_N: float | None = None
     wheel: str = ""
+    end_cell: str = ""
     dwell_s: float | None = None
     start_s: float | None = None
     stop_s: float | None = None

@@ -173,7 +173,12 @@ def summarise_conditions(
 
 
 def _key(trial: TrialResult) -> tuple[float, ...]:
-    return (trial.wheel_radius_m, trial.rope_radius_m, trial.wrap_angle_rad, trial.known_N)
+    return (
+        trial.wheel_radius_m,
+        trial.rope_radius_m,
+        trial.wrap_angle_rad,
+        np.nan_to_num(trial.known_N).item(),
+    )
 
 
 def _summarise(

@@ -38,6 +38,9 @@ LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
 STATED_SHARE = 0.01
 """Standard uncertainty of a force that a person states, as a fraction of it, where none is stated with it."""
+NO_END = "no end tension is known at the break-away; write it into the list of trials"
+SLACK_SAMPLES = 20
+"""Samples before the break-away, at least, that tell the slack tension at it."""
 BINS = 300
 DIGITS = 6
 
@@ -114,6 +117,7 @@ def _extract_raw(
             _given(spec) if spec.pick_s is None else pick_at(trace, replace(settings, pick_s=spec.pick_s))
         )
         found = (_beside(chosen, found[0]),)
+    found = tuple(_with_end_tension(trace, one, calibrations(campaign, spec)[1]) for one in found)
     common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": tare_N}
     of_trace = {
         "calibration": trace.calibration,
@@ -145,6 +149,37 @@ def _extract_raw(
     return results
 
 
+def _with_end_tension(trace: ForceTrace, found: Breakaway, calibration: Calibration | None) -> Breakaway:
+    """Return a break-away with the measured slack tension at its time: a line through the samples just before it.
+
+    With the slip the slack side changes too, so what follows does not count.
+    """
+    if trace.end_tension_N is None or found.status is not Status.OK or not math.isnan(found.end_tension_N):
+        return found
+    time_s, peak_s = trace.time_s, found.peak_time_s
+    stop = int(np.searchsorted(time_s, peak_s, side="right")) if math.isfinite(peak_s) else 0
+    first = min(stop - SLACK_SAMPLES, int(np.searchsorted(time_s, peak_s - found.window_s)))
+    x_s, y_N = time_s[max(first, 0) : stop] - peak_s, trace.end_tension_N[max(first, 0) : stop]
+    x_s, y_N = x_s[np.isfinite(y_N)], y_N[np.isfinite(y_N)]
+    if x_s.size < 3:
+        if not math.isfinite(peak_s):
+            return found  # stated by a person, without a time: the end tension of the list
+        raise _slack_error(trace, f"no end tension was measured before the break-away at {peak_s:.6g} s")
+    slope, value_N = np.polyfit(x_s, y_N, 1).tolist()
+    scatter_N = math.sqrt(float(((y_N - value_N - slope * x_s) ** 2).sum()) / (x_s.size - 2))
+    middle_s = float(x_s.mean())
+    share = math.sqrt(1.0 / x_s.size + middle_s**2 / float(((x_s - middle_s) ** 2).sum()))
+    if value_N <= 0.0:
+        raise _slack_error(trace, f"the end tension at break-away reads {value_N:.4g} N: a rope cannot push")
+    std_N = force_std_N(value_N, calibration, picking_std_N=scatter_N * share)
+    return replace(found, end_tension_N=value_N, end_tension_std_N=std_N)
+
+
+def _slack_error(trace: ForceTrace, message: str) -> DataError:
+    fix = "check the channel end_tension, its unit and its zero"
+    return DataError(message, code="RF242", path=trace.source, key="end_tension", fix=fix)
+
+
 def _given(spec: TrialSpec) -> Breakaway:
     """Return the break-away force that a person states."""
     peak_N = nan if spec.peak_N is None else spec.peak_N
@@ -168,13 +203,17 @@ def _result(
 ) -> TrialResult:
     measures_slack, is_ok = campaign.protocol.needs_lift_force, breakaway.status is Status.OK
     known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
-    known_N = nan if known_N is None else known_N
-    known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
+    known, set_N = (nan, nan), nan
+    if known_N is not None:
+        known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
+    if not math.isnan(breakaway.end_tension_N):
+        known, set_N = (breakaway.end_tension_N, breakaway.end_tension_std_N), known[0]
     calibration, measured = more.get("calibration"), (nan, nan)
     if is_ok:
         std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
         measured = (breakaway.peak_N, std_N)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
+    excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
     if peak_N <= end_N:
         message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
         fix = "check whether the sides, the units or the sign of the force are swapped"
@@ -185,12 +224,13 @@ def _result(
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
         peak_std_N=peak_std_N,
+        end_tension_set_N=set_N,
         kinetic_mean_std_N=force_std_N(
             breakaway.kinetic_N, calibration, picking_std_N=_kinetic_picking_N(breakaway)
         ),
         breakaway=breakaway,
-        kept=is_ok and not spec.exclude,
-        excluded=spec.exclude,
+        kept=is_ok and not excluded,
+        excluded=excluded,
         decision=spec.decision,
         measures_slack=measures_slack,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
@@ -229,13 +269,21 @@ def _unreadable(
     return _result(campaign, spec, breakaway, (*problems, *of_error), **more)
 
 
+def calibrations(campaign: Campaign, spec: TrialSpec) -> tuple[Calibration | None, Calibration | None]:
+    """Return how the counts of both sides become forces; the slack side is never unloaded, so it has no tare."""
+    adc = campaign.adc
+    of_pull, of_slack = (
+        Calibration(cell=campaign.cells[name], adc=adc) if name and adc is not None else None
+        for name in (spec.cell, spec.end_cell)
+    )
+    return of_pull, of_slack
+
+
 def tared_trace(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording
 ) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
     """Return a recording calibrated and tared as its campaign says, what was taken off [N], and what is doubtful."""
-    calibration = None
-    if spec.cell and campaign.adc is not None:
-        calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)
+    calibration, end_calibration = calibrations(campaign, spec)
     interval_s, problems = campaign.tare_interval_s, list[Problem]()
 
     def tared(time_s: FloatArray, counts: IntArray, untared: Calibration) -> Calibration:
@@ -245,7 +293,9 @@ def tared_trace(
         problems.extend(replace(doubt, path=spec.file) for doubt in doubts)
         return found
 
-    trace = assemble_trace(raw, campaign.profile, calibration=calibration, tared=tared)
+    trace = assemble_trace(
+        raw, campaign.profile, calibration=calibration, end_calibration=end_calibration, tared=tared
+    )
     _check_size(spec, trace)
     if interval_s is None:
         return (trace, 0.0, ())

@@ -39,7 +39,7 @@ MAX_MISSING = 20
 FEWEST_REPEATS = 6
 
 _SLIP = 0.75
-_TEXTS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note", "why", "by")
+_TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
 _QUANTITIES = {
     **SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
@@ -58,6 +58,7 @@ _MEANINGS = {
     "end_tension_N": "an end tension",
     "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
     "cell": "a force cell, for its recording is in counts",
+    "end_cell": "the force cell of its slack side, which is in counts",
 }
 
 
@@ -71,6 +72,8 @@ class TrialContext:
     rope_radius_m: float | None = None
     needs_lift_force: bool | None = False
     needs_cell: bool = False
+    needs_end_cell: bool = False
+    measures_end: bool = False
     start_s: float | None = None
     stop_s: float | None = None
     protocol: str = "breakaway"
@@ -162,15 +165,22 @@ class _Reader:
     def tension(self) -> tuple[str, ...]:
         if self.context.needs_lift_force is None:
             return ()
-        return ("lift_force_N",) if self.context.needs_lift_force else ("end_tension_N",)
+        if self.context.needs_lift_force:
+            return ("lift_force_N",)
+        return () if self.context.measures_end else ("end_tension_N",)
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Return the columns that name a cell and are needed."""
+        needed = {"cell": self.context.needs_cell, "end_cell": self.context.needs_end_cell}
+        return tuple(name for name, is_needed in needed.items() if is_needed)
 
     def missing_columns(self) -> Iterator[Problem]:
         """Yield that a column is missing, or that its name is mistyped."""
         needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in self.tension}
         if not {"wheel", "wheel_radius_m"} & self.columns.keys():
             needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
-        if self.context.needs_cell:
-            needed["cell"] = "cell"
+        needed |= {name: name for name in self.cells}
         for name, header in needed.items():
             known = header.split(maxsplit=1)[0]
             if name in self.columns:
@@ -203,7 +213,8 @@ class _Reader:
         for name in ("file", "wrap_angle_rad", *self.tension):
             yield from self._empty(row, name)
         yield from self._unknown(row, "wheel", self.context.wheels)
-        yield from self._unknown(row, "cell", self.context.cells)
+        for name in ("cell", "end_cell"):
+            yield from self._unknown(row, name, self.context.cells)
         wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
         known_m = self.context.wheels.get(wheel)
         if not wheel and radius_m is None and self.header_is_good:
@@ -214,8 +225,8 @@ class _Reader:
             message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
             fix = "correct one, or leave one of the two cells empty"
             yield self._problem(row, "wheel_radius_m", "RF111", message, fix)
-        if self.context.needs_cell:
-            yield from self._empty(row, "cell")
+        for name in self.cells:
+            yield from self._empty(row, name)
         start_s, stop_s = self._interval(row)
         if start_s is not None and stop_s is not None and not start_s < stop_s:
             message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
@@ -271,7 +282,7 @@ class _Reader:
         if word and word not in known:
             fix = did_you_mean(word[:80], known)
             if not known:
-                fix = f"describe it under [{name}s.{word}] in the campaign file"
+                fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
             yield self._problem(row, name, "RF120", f"unknown {name} '{word}'", fix)
 
     def trial(self, row: _Row, name: str, folder: Path) -> TrialSpec | None:

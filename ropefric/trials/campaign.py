@@ -117,7 +117,9 @@ def _read(
     if model is None or any(problem.severity == "error" for problem in problems):
         return None, problems
     shown = (parent / trials_path).as_posix()
-    problems += advise(trials, shown, rule=model.rejection, one_trial_each=model.protocol.name == "breakaway")
+    problems += advise(
+        trials, shown, rule=model.rejection, one_trial_each=model.protocol.name in {"breakaway", "two-way"}
+    )
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
     of_file = dict(model) | {
         "sampling_rate_Hz": rate_Hz,
@@ -147,9 +149,8 @@ def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -
         needs_lift_force=Protocol(name=name, side=side).needs_lift_force if known else None,
         needs_cell="counts" in document.table("import", "channels"),
         needs_end_cell="end_tension_counts" in document.table("import", "channels"),
-        measures_end=any(
-            "end_tension" in name for place in _PLACES for name in document.table("import", place)
-        ),
+        measures_end=name == "two-way"
+        or any("end_tension" in key for place in _PLACES for key in document.table("import", place)),
         start_s=model.protocol.start_s if model else None,
         stop_s=model.protocol.stop_s if model else None,
         protocol=model.protocol.name if model else "breakaway",
@@ -213,7 +214,9 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
         message = f"{profile_Hz:g} Hz, but [sampling] rate is {rate_Hz:g} Hz"
         yield document.problem(("import", "sampling_rate"), "RF111", message, fix="remove one of the two")
     protocol = model.protocol.name
-    idle = {"side"} if protocol != "held" else {"min_step", "ending"}
+    idle = ({"side"} if protocol != "held" else set()) | (
+        {"min_step", "ending"} if protocol in {"held", "two-way"} else set()
+    )
     for key in sorted(idle & document.table("protocol").keys()):
         yield warn(("protocol", key), "RF141", f"has no effect for protocol '{protocol}'", "remove it")
     for name, wheel in model.wheels.items():

@@ -36,6 +36,8 @@ STATUS_CODES = {
 RATE_TOLERANCE = 0.01
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
+PAIR_TOLERANCE = 0.02
+"""How far the weight that a pair of raising and lowering gives may be from the one that was hung."""
 STATED_SHARE = 0.01
 """Standard uncertainty of a force that a person states, as a fraction of it, where none is stated with it."""
 NO_END = "no end tension is known at the break-away; write it into the list of trials"
@@ -130,7 +132,7 @@ def _extract_raw(
         problems += (_warning(spec, "RF203", message, fix, "[sampling] rate"),)
     results = []
     for number, breakaway in enumerate(found, start=1):
-        many = campaign.protocol.name != "breakaway"
+        many = campaign.protocol.name in {"stick-slip", "held"}
         named = replace(spec, trial=f"{spec.trial}#{number}") if many else spec
         if breakaway.status is Status.OK and not breakaway.peak_N > 0:
             refusal = DataError(
@@ -211,8 +213,21 @@ def _result(
     calibration, measured = more.get("calibration"), (nan, nan)
     if is_ok:
         std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
+        if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.two_way`
+            ratio = breakaway.peak_N / breakaway.trough_N
+            chain_N = [
+                force_std_N(force_N, calibration) for force_N in (breakaway.peak_N, breakaway.trough_N)
+            ]
+            std_N = math.hypot(breakaway.peak_std_N, 0.5 * chain_N[0], 0.5 * ratio * chain_N[1])
         measured = (breakaway.peak_N, std_N)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
+    hung_N, apart_N = known[0] if math.isnan(set_N) else set_N, 0.0
+    if campaign.protocol.name == "two-way" and is_ok:
+        apart_N = abs(end_N - hung_N) - 3.0 * end_N * peak_std_N / peak_N
+    if apart_N > PAIR_TOLERANCE * hung_N:
+        message = f"the geometric mean of raising and lowering is {end_N:.4g} N, the weight of the list {hung_N:.4g} N"
+        fix = "check the zero of the cell, the weight, and what the rope itself weighs"
+        problems += (_warning(spec, "RF243", message, fix, "end_tension"),)
     excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
     if peak_N <= end_N:
         message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"

@@ -63,6 +63,8 @@ _QUANTITIES = {
     "wrap_std": ("wrap_std_rad", "rad", 1.0),
     "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
     "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
+}
+_QUANTITIES_BESIDE = {
     "kinetic": ("kinetic_N", "N", 1.0),
     "kinetic_force": ("kinetic_N", "N", 1.0),
     "kinetic_mean_std": ("kinetic_mean_std_N", "N", 1.0),
@@ -72,7 +74,7 @@ _QUANTITIES = {
 _PASSED_OVER = frozenset(
     {
         "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
-        "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
+        "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
         "sliding", "drop", "trough", "n_slips", "recurrence", "measured_dwell", "mu", "mu_std", "mu_kinetic",
         "candidates", "dwell", "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
     }
@@ -304,7 +306,9 @@ def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
 
     A row that is not kept, or whose recording gave no force, may lack numbers; a row that is to be used may not.
     """
-    columns, others, found = bind_columns(table, _QUANTITIES, _TEXTS)
+    united = {word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
+    beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
+    columns, others, found = bind_columns(table, {**_QUANTITIES, **beside}, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
     texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
     n = len(table.rows)
@@ -388,7 +392,9 @@ def _numbers(
             try:
                 meaning[cell] = read_number(cell, column, decimal)
             except InputError as error:
-                meaning[cell], refused[cell] = math.nan, error
+                meaning[cell] = math.nan
+                if name not in _BESIDE:
+                    refused[cell] = error
         numbers[name] = np.array([meaning[cell] for cell in texts[name]])
         for i, cell in enumerate(texts[name] if refused else ()):
             if cell in refused:

@@ -67,6 +67,13 @@ def test_trials_without_a_kinetic_force_are_left_out_and_counted():
     assert rf.fit(table, "constant", of="kinetic").statistics.n == 10
 
 
+def test_a_column_that_a_fit_of_the_peak_does_not_need_may_hold_anything():
+    odd = frame(kinetic_N="rough", kinetic_mean_std_N=-1.0, kinetic_force="high")
+    assert rf.fit(odd, "constant")["mu"].value == pytest.approx(STATIC_MU, rel=1e-3)
+    with pytest.raises(InputError, match="no trial that is used has a kinetic force"):
+        rf.fit(odd, "constant", of="kinetic")
+
+
 def test_a_table_without_kinetic_forces_or_an_unknown_force_is_refused():
     bare = frame().drop(columns=["kinetic_N", "kinetic_mean_std_N"])
     with pytest.raises(InputError, match="no trial that is used has a kinetic force"):

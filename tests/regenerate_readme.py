@@ -99,7 +99,10 @@ def _scenes() -> str:
             f"asked for {100 * wanted:g} %, it simulates {len(plan.simulated)} of {n_all} effects and is off by "
             f"{100 * row.error:.1g} %"
         )
-    return f"**Scenes.** The plan of a hoist leaves out what the accuracy can spare: {'; '.join(words)}."
+    return (
+        "**Scenes.** A hoist is solved whole, which is quicker than to plan it. A plan would leave out what the "
+        f"accuracy can spare: {'; '.join(words)}."
+    )
 
 
 _SENTENCES = {"integral": _integral, "press-transient": _press, "blade-modes": _blade, "scenes": _scenes}

@@ -496,9 +496,9 @@ def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
     >>> import tempfile
     >>> from ropefric.scenes.scene_templates import write_scenes
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     told = explain(write_scenes(folder, ["climbing-hoist"])[0])
+    ...     told = explain(write_scenes(folder, ["band-saw"])[0])
     >>> told.plan.left_out
-    ('centrifugal',)
+    ('bending', 'torsion')
     """
     return explain_scene(_as_scene(scene), measure=measure)
 

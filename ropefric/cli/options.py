@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ropefric.files.folder import Folder
-    from ropefric.fitting.result import FitResult
-    from ropefric.fitting.verdict import Verdict
+    from ropefric.fitting.result import FitResult, Verdict
     from ropefric.report.section import Section
     from ropefric.trials.table import TrialTable
 

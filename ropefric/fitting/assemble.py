@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import inf, isfinite, nan, sqrt
 from typing import Any
 
@@ -15,7 +15,7 @@ from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
-from ropefric.fitting.result import CovarianceKind, FitResult, FittedParameter
+from ropefric.fitting.result import CovarianceKind, FitResult, FitStatus, FittedParameter
 from ropefric.fitting.statistics import (
     FitStatistics,
     Identifiability,
@@ -32,7 +32,6 @@ from ropefric.fitting.statistics import (
     plain_covariance,
     rounded_covariance,
 )
-from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import SETTINGS, distinct
 from ropefric.glossary import counted
 from ropefric.trials.table import TrialTable
@@ -54,12 +53,24 @@ _LEAST_SLACK_SLOPE = 0.9
 _TREND_P = 1e-3
 _LACK_OF_FIT_P = 1e-3
 _EXTREME_SCATTER = 0.3
-_FEW_CONDITIONS = 3
 _REMEDY = {
     "wrap angle": "a wrap effect (wrap-power, coupled) or an offset (constant-offset)",
     "size ratio": "a size effect (size-exponential, coupled, thickness)",
     "end tension": "a load effect (coupled, howell, bending)",
 }
+# Of a regressor with so few values or fewer: the effects that need more, how they are shown, and what to measure.
+_FEW = 3
+_EXPERIMENTS = {
+    "size ratio": ({"size"}, "R_w/R_r = {}", (
+        "measure wheels from less than 3 to more than 15 times the rope radius, the small ones above all."
+    )),
+    "wrap angle": ({"wrap-dependence", "offset", "bending-stiffness"}, "{} deg", (
+        "measure more, from half a turn to several turns."
+    )),
+    "end tension": ({"end-tension", "bending-stiffness"}, "F_B = {} N", (
+        "a wrap series at one load cannot fix the law; repeat it at loads from a few newtons to a hundred times that."
+    )),
+}  # fmt: skip
 
 Finding = tuple[FitStatus, str]
 
@@ -75,11 +86,6 @@ class Found:
     scatter: Scatter
     shared: FloatArray
     notes: tuple[str, ...]
-
-    @property
-    def n_conditions(self) -> int:
-        """Return the number of conditions."""
-        return int(self.problem.group.max()) + 1
 
 
 def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
@@ -107,18 +113,14 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     seen = identify(jacobian, [name for name, free in zip(names, shown, strict=True) if free])
     left = (jacobian, -residuals * problem.std, problem.std, problem.group)
     between, p_value = lack_of_fit(*left, found.scatter)
-    findings = [
-        *_of_search(found),
-        *_of_design(found, seen, std),
-        *(_of_slack(found) if table.measures_slack else ()),
-    ]
+    findings = [*_of_search(found), *_of_design(found, seen, std)]
+    if table.measures_slack:
+        findings += _of_slack(found)
     for trend in find_trends(*left, problem.conditions):
         if trend.p_value < _TREND_P:
-            text = (
-                f"What {law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the "
-                f"force, p = {trend.p_value:.1g}): the law misses an effect. "
-                f"Compare laws with {_REMEDY[trend.regressor]}."
-            )
+            text = f"What {law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the force, "
+            text += f"p = {trend.p_value:.1g}): the law misses an effect. "
+            text += f"Compare laws with {_REMEDY[trend.regressor]}."
             findings.append((FitStatus.RESIDUAL_STRUCTURE, text))
     if p_value < _LACK_OF_FIT_P:
         text = (
@@ -153,14 +155,13 @@ def _errors(
     found: Found, settings: FitSettings, jacobian: FloatArray, residuals: FloatArray
 ) -> tuple[FloatArray, CovarianceKind, float, list[str]]:
     """Return the covariance of the parameters shown, its kind, the degrees of freedom of t, and why."""
-    problem = found.problem
-    (n, q), n_conditions = jacobian.shape, found.n_conditions
+    problem, (n, q) = found.problem, jacobian.shape
     weights = LOSSES[settings.loss](residuals**2)[1]
-    repeated = n_conditions < n
-    if settings.clustered and repeated and n_conditions > q and settings.scale_covar == "auto":
+    spare = problem.n_conditions - q
+    if settings.clustered and problem.n_conditions < n and spare > 0 and settings.scale_covar == "auto":
         note = "errors clustered by condition: they include what the repeats of a condition share"
         covariance = clustered_covariance(jacobian, residuals, problem.group, weights)
-        return covariance, "clustered", float(n_conditions - q), [note]
+        return covariance, "clustered", float(spare), [note]
     inverse = plain_covariance(jacobian, weights)
     if settings.loss != "linear":
         # A weighted residual has less variance than one; the sandwich over trials knows by how much.
@@ -190,25 +191,19 @@ def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParame
     problem = found.problem
     reach = quantile(0.975, dof) if dof > 0 else inf
     parameters = []
-    for i, item in enumerate(problem.law.parameters):
-        value, low, high = float(found.theta[i]), float(problem.lower[i]), float(problem.upper[i])
-        error = float(std[i])
+    columns = (found.theta, std, problem.lower, problem.upper, found.at_bound, problem.vary)
+    for name, *row in zip(problem.law.parameter_names, *(column.tolist() for column in columns), strict=True):
+        value, error, low, high, at_bound, vary = row
         half = reach * error if error > 0 else 0.0
         # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
         near, far = min(to_share(value - half, error), value), max(to_share(value + half, error), value)
-        interval = (max(near, low), min(far, high)) if problem.vary[i] else (value, value)
+        interval = (max(near, low), min(far, high)) if vary else (value, value)
         parameters.append(
             FittedParameter(
-                name=item.name,
-                value=value,
-                std=error,
-                ci95=(nan, nan) if found.at_bound[i] else interval,
-                lower=low,
-                upper=high,
-                at_bound=bool(found.at_bound[i]),
-                vary=bool(problem.vary[i]),
+                name=name, value=value, std=error, ci95=(nan, nan) if at_bound else interval, lower=low, upper=high,
+                at_bound=at_bound, vary=vary,
             )
-        )
+        )  # fmt: skip
     return tuple(parameters)
 
 
@@ -218,7 +213,7 @@ def _statistics(found: Found, residuals: FloatArray, between: float, interval_do
     deviance = least_squares_deviance(chi2, n) + 2.0 * float(np.log(problem.std).sum())
     return FitStatistics(
         n=n,
-        n_conditions=found.n_conditions,
+        n_conditions=found.problem.n_conditions,
         dof=n - q,
         chi2=significant(chi2),
         chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
@@ -232,15 +227,13 @@ def _statistics(found: Found, residuals: FloatArray, between: float, interval_do
 
 def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
     """Return the data by condition: settings, number of trials, mean and sample standard deviation of ln F_A."""
-    problem, used = found.problem, table.used
-    conditions, group = problem.conditions, problem.group
-    n = np.bincount(group)
-    means = group_means(problem.log_lift, group)
+    problem, group = found.problem, found.problem.group
+    n, means = np.bincount(group), group_means(problem.log_lift, group)
     squares = np.bincount(group, (problem.log_lift - means[group]) ** 2)
-    columns = {name: getattr(conditions, name) for name in SETTINGS} | {"peak_std_N": table.peak_std_N[used]}
-    summary = {name: group_means(values, group).tolist() for name, values in columns.items()}
     std = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
-    return summary | {
+    columns = {name: getattr(problem.conditions, name) for name in SETTINGS}
+    columns["peak_std_N"] = table.peak_std_N[table.used]
+    return {name: group_means(values, group).tolist() for name, values in columns.items()} | {
         "n": n.tolist(),
         "mean_log_lift": [significant(value, GIVEN_DIGITS) for value in means.tolist()],
         "std_log_lift": [significant(value, smallest=_RESIDUE) for value in std.tolist()],
@@ -249,29 +242,29 @@ def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
 
 def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     """Return where the result comes from; nothing in it changes from run to run."""
-    versions = {
-        "ropefric": ropefric.__version__,
-        "python": f"{sys.version_info.major}.{sys.version_info.minor}",
-    }
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    versions = {"ropefric": ropefric.__version__, "python": python}
     versions |= {"numpy": np.__version__, "scipy": scipy.__version__}
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
     if table.source and kind_of_file(table.source) == "file":
         source["sha256"] = hash_file(table.source)
-    return {"input": source, "settings": settings.to_dict(), "versions": versions}
+    how = asdict(settings)
+    if settings.of == "peak":  # what older versions can read
+        del how["of"]
+    return {"input": source, "settings": how, "versions": versions}
 
 
 # ---- what keeps a fit from being trusted, and the experiment that would help ----
 
 
 def _of_search(found: Found) -> Iterator[Finding]:
-    law, q, scatter = found.problem.law, found.problem.n_varying, found.scatter.within
+    problem, scatter = found.problem, found.scatter.within
+    law, n, q = problem.law, problem.n_conditions, problem.n_varying
     if not found.converged:
         yield FitStatus.NOT_CONVERGED, FitStatus.NOT_CONVERGED.advice
-    if found.n_conditions < q:
-        text = (
-            f"{counted(found.n_conditions, 'condition')} cannot determine the {counted(q, 'parameter')} of {law.name}: "
-            "repeats of one condition count once. Measure more conditions, or use a simpler law."
-        )
+    if n < q:
+        text = f"{counted(n, 'condition')} cannot determine the {counted(q, 'parameter')} of {law.name}: "
+        text += "repeats of one condition count once. Measure more conditions, or use a simpler law."
         yield FitStatus.TOO_FEW_POINTS, text
     for i in np.flatnonzero(found.at_bound):
         text = (
@@ -286,22 +279,19 @@ def _of_search(found: Found) -> Iterator[Finding]:
 
 
 def _of_design(found: Found, seen: Identifiability, std: FloatArray) -> Iterator[Finding]:
-    lost = list(seen.unseen)
+    lost, experiments, law = list(seen.unseen), list(_experiments(found)), found.problem.law
     if not lost and seen.ratio > _POOR_RATIO:
-        one_value = any("only one" in text for text in _experiments(found))
+        one_value = any("only one" in text for text in experiments)
         limit = _UNKNOWN_BY_DESIGN if one_value else _UNKNOWN
-        values = zip(found.problem.law.parameter_names, std.tolist(), found.theta.tolist(), strict=True)
+        values = zip(law.parameter_names, std.tolist(), found.theta.tolist(), strict=True)
         unknown = {name for name, error, value in values if error > limit * abs(value)}
         lost = [name for name in seen.weak if name in unknown]
-    if not lost:
-        return
-    subject = f"The data do not show {_listed(lost)} of {found.problem.law.name}"
-    how = f": {seen.weak_direction} leaves the forces as they are" if len(seen.weak) > 1 else ""
-    ratio = f" (ratio of singular values {seen.ratio:.3g})" if isfinite(seen.ratio) else ""
-    experiment = " ".join(_experiments(found)) or (
-        f"Fix one of {_listed(seen.weak)} at a value known from elsewhere, or use a simpler law."
-    )
-    yield FitStatus.UNIDENTIFIABLE, f"{subject}{how}{ratio}. {experiment}"
+    if lost:
+        how = f": {seen.weak_direction} leaves the forces as they are" if len(seen.weak) > 1 else ""
+        ratio = f" (ratio of singular values {seen.ratio:.3g})" if isfinite(seen.ratio) else ""
+        simpler = f"Fix one of {_listed(seen.weak)} at a value known from elsewhere, or use a simpler law."
+        text = f"The data do not show {_listed(lost)} of {law.name}{how}{ratio}. {' '.join(experiments) or simpler}"
+        yield FitStatus.UNIDENTIFIABLE, text
 
 
 def _of_slack(found: Found) -> Iterator[Finding]:
@@ -323,32 +313,14 @@ def _of_slack(found: Found) -> Iterator[Finding]:
 
 
 def _experiments(found: Found) -> Iterator[str]:
-    effects, conditions = found.problem.law.effects, found.problem.conditions
-    regressors = (conditions.size_ratio, conditions.wrap_angle_rad, conditions.end_tension_N)
-    sizes, wraps, loads = (distinct(values) for values in regressors)
-    if "size" in effects and sizes.size <= _FEW_CONDITIONS:
-        yield (
-            f"There {_there(sizes.size, 'size ratio')} (R_w/R_r = {_values(sizes)}): measure wheels from less "
-            "than 3 to more than 15 times the rope radius, the small ones above all."
-        )
-    if effects & {"wrap-dependence", "offset", "bending-stiffness"} and wraps.size <= _FEW_CONDITIONS:
-        yield (
-            f"There {_there(wraps.size, 'wrap angle')} ({_values(np.degrees(wraps))} deg): measure more, from half a "
-            "turn to several turns."
-        )
-    if effects & {"end-tension", "bending-stiffness"} and loads.size <= _FEW_CONDITIONS:
-        yield (
-            f"There {_there(loads.size, 'end tension')} (F_B = {_values(loads)} N): a wrap series at one load cannot "
-            "fix the law; repeat it at loads from a few newtons to a hundred times that."
-        )
-
-
-def _there(count: int, what: str) -> str:
-    return f"is only one {what}" if count == 1 else f"are only {count} {what}s"
-
-
-def _values(values: FloatArray) -> str:
-    return ", ".join(f"{value:.4g}" for value in values)
+    at = found.problem.conditions
+    regressors = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
+    for (what, (effects, shown, advice)), values in zip(
+        _EXPERIMENTS.items(), map(distinct, regressors), strict=True
+    ):
+        if effects & found.problem.law.effects and values.size <= _FEW:
+            there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
+            yield f"There {there} ({shown.format(', '.join(f'{value:.4g}' for value in values))}): {advice}"
 
 
 def _listed(names: Sequence[str]) -> str:

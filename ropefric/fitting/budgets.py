@@ -7,7 +7,7 @@ and the parameters of a fitted law with their covariance, leave open of the lift
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -96,14 +96,7 @@ def weights(
 
 def force_model(side: ForceSide) -> MeasurementModel:
     """Return the measurement equation of a force."""
-    return MeasurementModel(
-        name="force",
-        symbol=side.symbol,
-        unit="N",
-        quantities=side.quantities,
-        evaluate=side.of,
-        sensitivities=side.slopes(),
-    )
+    return MeasurementModel("force", side.symbol, "N", side.quantities, side.of, side.slopes())
 
 
 def coefficient_model(
@@ -118,11 +111,8 @@ def coefficient_model(
     if not phi > 0.0:
         raise InputError(f"over a wrap of {phi:g} rad there is no average coefficient", key="wrap_angle_rad")
     if not F_A > F_B > 0.0:
-        raise InputError(
-            f"F_A = {F_A:.6g} N does not exceed F_B = {F_B:.6g} N: friction holds nothing",
-            key="lift_force_N",
-            fix="check which side is which",
-        )
+        text = f"F_A = {F_A:.6g} N does not exceed F_B = {F_B:.6g} N: friction holds nothing"
+        raise InputError(text, key="lift_force_N", fix="check which side is which")
     n_A, n_B = len(lift.quantities), len(end.quantities)
     gain = (limit_of_error("gain of the measuring chain", "ε", "-", gain_limit),) if gain_limit > 0.0 else ()
 
@@ -137,32 +127,26 @@ def coefficient_model(
 
     by_gain = [(end.is_product - lift.is_product) / phi] * len(gain)
     by_wrap = -math.log(F_A / F_B) / phi**2
-    return MeasurementModel(
-        name="average coefficient of friction",
-        symbol="μ̄",
-        unit="-",
-        quantities=(*lift.quantities, *end.quantities, wrap, *gain),
-        evaluate=evaluate,
-        sensitivities=np.array(
-            [*lift.slopes() / (phi * F_A), *-end.slopes() / (phi * F_B), by_wrap, *by_gain]
-        ),
-    )
+    slopes = np.array([*lift.slopes() / (phi * F_A), *-end.slopes() / (phi * F_B), by_wrap, *by_gain])
+    quantities = (*lift.quantities, *end.quantities, wrap, *gain)
+    return MeasurementModel("average coefficient of friction", "μ̄", "-", quantities, evaluate, slopes)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class MeasuredCondition:
     """One condition with both its forces and what is known of them."""
 
     number: int
-    wheel_radius_m: float
-    rope_radius_m: float
-    wrap_angle_rad: float
-    wrap_std_rad: float
     measured: ForceSide
     known: ForceSide
     measures_slack: bool
     n: int
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...]
+    _: KW_ONLY
+    wheel_radius_m: float
+    rope_radius_m: float
+    wrap_angle_rad: float
+    wrap_std_rad: float = 0.0
 
     @property
     def lift(self) -> ForceSide:
@@ -188,27 +172,20 @@ def condition_numbered(conditions: Sequence[MeasuredCondition], number: int) -> 
     numbers = [condition.number for condition in conditions]
     if number in numbers:
         return conditions[numbers.index(number)]
-    raise InputError(
-        f"there is no condition {number} with a force",
-        key="condition",
-        fix=f"there are {len(numbers)}, numbered {min(numbers, default=0)} to {max(numbers, default=0)}",
-    )
+    fix = f"there are {len(numbers)}, numbered {min(numbers, default=0)} to {max(numbers, default=0)}"
+    raise InputError(f"there is no condition {number} with a force", key="condition", fix=fix)
 
 
 def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) -> MeasuredCondition:
     """Return a condition whose F_B is the reading of a second channel and does not hang from weights."""
     if condition.measures_slack:
-        raise InputError(
-            "here F_B was measured against a known F_A: it is a reading already", key="end_tension_measured"
-        )
+        text = "here F_B was measured against a known F_A: it is a reading already"
+        raise InputError(text, key="end_tension_measured")
     known_N, mass = condition.end.force_N, condition.end.quantities[0]
     std_N = known_N * mass.std / mass.estimate if std_N is None else std_N
     if not std_N > 0.0:
-        raise InputError(
-            "nothing is known of how well the slack side is measured",
-            key="u_end_tension",
-            fix='give it, such as --u-end-tension "0.3 N"',
-        )
+        text = "nothing is known of how well the slack side is measured"
+        raise InputError(text, key="u_end_tension", fix='give it, such as --u-end-tension "0.3 N"')
     reading = Quantity("reading of the slack side", "F̂_B", "N", std_N, estimate=known_N)
     return replace(condition, known=ForceSide(symbol="F_B", quantities=(reading,)))
 
@@ -235,23 +212,12 @@ def conditions_of_extraction(
         if len(kept) > 1 and (ratio := 1.0 + trimming_bias(one.n, one.rule).bias) < 1.0:
             notes.insert(0, f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average")
         values_N = np.array([trial.measured_N for trial in kept])
-        found.append(
-            MeasuredCondition(
-                number=number,
-                **{name: getattr(one, name) for name in _PLACE},
-                wrap_std_rad=0.0,
-                measured=_mean_force("F_B" if slack else "F_A", values_N, chain, ratio),
-                known=weights(
-                    "F_A" if slack else "F_B",
-                    one.lift_force_N if slack else one.end_tension_N,
-                    tolerance=weights_tolerance,
-                    gravity_limit=gravity_limit,
-                ),
-                measures_slack=slack,
-                n=len(kept),
-                notes=tuple(notes),
-            )
-        )
+        sides = ("F_B", "F_A", one.lift_force_N) if slack else ("F_A", "F_B", one.end_tension_N)
+        symbol, other, known_N = sides
+        measured = _mean_force(symbol, values_N, chain, ratio)
+        known = weights(other, known_N, tolerance=weights_tolerance, gravity_limit=gravity_limit)
+        place = {name: getattr(one, name) for name in _PLACE}
+        found.append(MeasuredCondition(number, measured, known, slack, len(kept), tuple(notes), **place))
     return _with_scatter_of_others(found)
 
 
@@ -280,19 +246,12 @@ def conditions_of_table(
         if not known_std_N:
             notes.append(f"the table gives no uncertainty of {other}: only gravity is counted")
         chain = Quantity("measuring chain, tare and picking", "δ_chain", "N", u_N)
+        measured = _mean_force(symbol, measured_N[row], [chain])
         tolerance = RECTANGULAR * known_std_N / known_N
-        found.append(
-            MeasuredCondition(
-                number=label + 1,
-                **{name: float(getattr(pulls, name)[row[0]]) for name in _PLACE},
-                wrap_std_rad=float(wrap_std_rad[row].max()),
-                measured=_mean_force(symbol, measured_N[row], [chain]),
-                known=weights(other, known_N, tolerance=tolerance, gravity_limit=gravity_limit),
-                measures_slack=slack,
-                n=row.size,
-                notes=tuple(notes),
-            )
-        )
+        known = weights(other, known_N, tolerance=tolerance, gravity_limit=gravity_limit)
+        place = {name: float(getattr(pulls, name)[row[0]]) for name in _PLACE}
+        place["wrap_std_rad"] = float(wrap_std_rad[row].max())
+        found.append(MeasuredCondition(label + 1, measured, known, slack, row.size, tuple(notes), **place))
     return _with_scatter_of_others(found)
 
 
@@ -312,11 +271,7 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
     several = [mean for mean in means if mean.repeats > 1]
     dof = math.fsum(mean.dof for mean in several)
     square = math.fsum(mean.dof * (mean.stated / mean.estimate) ** 2 for mean in several)
-    note, scatter, dof = (
-        "one trial, and no condition is repeated: the repeatability is unknown",
-        0.0,
-        dof or math.inf,
-    )
+    note, scatter = "one trial, and no condition is repeated: the repeatability is unknown", 0.0
     if square:
         scatter = math.sqrt(square / dof)
         note = f"one trial: its scatter is that of the other conditions, {100 * scatter:.2g} % of the force"
@@ -415,9 +370,8 @@ def lift_model(
     What `wheel_std` does not name of the wheel's settings is exact.
     """
     if len(wheel) != 1:
-        raise InputError(
-            f"{len(wheel)} wheels; a budget is of one", key="conditions", fix="ask one at a time"
-        )
+        text = f"{len(wheel)} wheels; a budget is of one"
+        raise InputError(text, key="conditions", fix="ask one at a time")
     law, theta, free = fit.friction_law, fit.theta, fit.shown
     F_A = math.exp(float(law.log_lift(theta, wheel)[0]))
     quantities = [
@@ -451,15 +405,9 @@ def lift_model(
     by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
     slopes = [by_radius, _by_rope(law, theta, wheel), by_wrap, by_log_tension / wheel.end_tension_N[0]]
     slopes += [1.0] * (k - 4)
-    return MeasurementModel(
-        name="lift force of one pull" if one_pull else "lift force",
-        symbol="F_A",
-        unit="N",
-        quantities=tuple(quantities),
-        block=block if free.any() else None,
-        evaluate=evaluate,
-        sensitivities=F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]]),
-    )
+    by_all = F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]])
+    name, known = "lift force of one pull" if one_pull else "lift force", block if free.any() else None
+    return MeasurementModel(name, "F_A", "N", tuple(quantities), evaluate, by_all, known)
 
 
 def state_lift(
@@ -486,11 +434,8 @@ def state_lift(
 def _rope(fit: FitResult) -> Quantity:
     std, found = new_rope_std(fit), fit.statistics
     if not math.isfinite(std):
-        raise InputError(
-            f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull",
-            key="one_pull",
-            fix="repeat conditions, or ask for the mean law",
-        )
+        text = f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull"
+        raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
     parts = np.nan_to_num([found.scatter_within, found.scatter_between])
     dof = effective_dof(
         parts.tolist(), [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]

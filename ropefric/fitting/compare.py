@@ -15,14 +15,14 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import FitError, InputError, RopefricError, UnknownNameError
+from ropefric.arrays import FloatArray
+from ropefric.errors import FitError, RopefricError, UnknownNameError
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.result import FitResult
+from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, same_lift, verdict_of
 from ropefric.fitting.statistics import (
     ConditionMeans,
     ScatterFit,
@@ -33,9 +33,8 @@ from ropefric.fitting.statistics import (
     f_test,
     scatter_fit,
 )
-from ropefric.fitting.verdict import RIVAL, Doubt, FitStatus, Verdict, same_lift, verdict_of
-from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
+from ropefric.friction.condition import SETTINGS, Conditions
+from ropefric.friction.law import Columns, FrictionLaw, Refusal
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
@@ -59,9 +58,8 @@ _CHANCE = 0.05
 _DIGITS = 6
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4
-# A residual where the law has no answer.
-_REPELLENT = 1e3
-_MAX_EVALUATIONS = 100
+# Of ln F_B, for how the slope by it changes with the parameters; the error is a millionth of a small correction.
+_STEP = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,13 +152,12 @@ class Comparison:
         return dict(rounded_tree(tree, _DIGITS))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Standing:
-    """A law fitted to condition means, in the lift force or in the end tension (`slack`)."""
+    """A law fitted to condition means, in the lift force or in the end tension."""
 
     problem: FitProblem
     theta: FloatArray
-    slack: bool
     scatter: ScatterFit
     chi2: float
     k: int
@@ -199,7 +196,9 @@ def compare_laws(
     means = condition_means(data if unit == "conditions" else replace(data, group=np.arange(data.n_points)))
     standings = {name: standing(fit.data, means, fit.theta, slack=slack) for name, fit in fits.items()}
     for name, stands in standings.items():
-        notes[name] = notes[name] or _no_judge(fits[name], stands, means) or _twin(name, standings, notes)
+        notes[name] = (
+            notes[name] or _no_judge(fits[name], stands, means, slack=slack) or _twin(name, standings, notes)
+        )
     ranking = _ranking(fits, standings, notes, len(means))
     tests = tuple(
         found
@@ -260,16 +259,15 @@ def _why_not(fit: FitResult) -> str:
     return ""
 
 
-def _no_judge(fit: FitResult, stands: Standing, means: ConditionMeans) -> str:
+def _no_judge(fit: FitResult, stands: Standing, means: ConditionMeans, *, slack: bool) -> str:
     """Return why the conditions cannot judge a law, or its fit missed what was measured; empty otherwise."""
     if stands.aicc == math.inf:
         few = counted(len(means), "observation")
         return f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
-    if stands.slack:
-        residual = measured_residual(stands.problem, fit.theta, slack=True)
-        if scatter_fit(residual, means).deviance > stands.scatter.deviance + _STRAYED:
-            text = "its fit answers the lift that was set whatever the end tension"
-            return f"{text}, and so says nothing of what was measured"
+    missed = stands.problem.law.log_lift(fit.theta, stands.problem.conditions) - means.log_lift
+    if slack and scatter_fit(missed, means).deviance > stands.scatter.deviance + _STRAYED:
+        text = "its fit answers the lift that was set whatever the end tension"
+        return f"{text}, and so says nothing of what was measured"
     return ""
 
 
@@ -280,7 +278,9 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
         earlier = order.index(other) < order.index(name)
         if other == name or notes[other] or not (theirs.k < mine.k or (earlier and theirs.k == mine.k)):
             continue
-        lifts = [law.problem.law.log_lift(law.theta, law.problem.conditions) for law in (theirs, mine)]
+        # The forces themselves, from whichever side they are seen.
+        laws = ((ALL_LAWS[other], theirs), (ALL_LAWS[name], mine))
+        lifts = [law.log_lift(stands.theta, stands.problem.conditions) for law, stands in laws]
         if float(np.abs(lifts[0] - lifts[1]).max()) <= _SAME:
             return f"gives the same forces as {other} on these data, and is counted once"
     return ""
@@ -324,32 +324,85 @@ def _notes(
     return tuple(notes)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _SetLoads(Conditions):
+    """Conditions at which the lift force was set, and the end tension measured."""
+
+    log_lift: FloatArray
+
+    def select(self, index: npt.ArrayLike) -> "_SetLoads":
+        """Return the conditions at an index array or boolean mask, in that order."""
+        chosen = np.asarray(index)
+        return _SetLoads(**{item.name: getattr(self, item.name)[chosen] for item in fields(self)})
+
+
+@dataclass(frozen=True, slots=True)
+class _EndTension:
+    """The physics of a law seen from the end tension, to first order.
+
+    Its ln F_A is as far off the one that was set as the law's ln F_B is off the measured one, the other way:
+    (ln F_A − set)/(∂ ln F_A/∂ ln F_B). A slope of zero leaves the end tension open, however small the rest.
+    """
+
+    physics: Any
+
+    def rise_and_slopes(self, columns: Columns, conditions: _SetLoads) -> tuple[FloatArray, Columns]:
+        """Return the rise as seen, and its slopes by the parameters."""
+        known = conditions.log_lift - conditions.log_end_tension
+        rise, slopes = self.physics.rise_and_slopes(columns, conditions)
+        slope = np.maximum(self.physics.condition_slopes(columns, conditions)[2], 1e-12)
+        more = replace(conditions, end_tension_N=conditions.end_tension_N * (1.0 + _STEP))
+        after = self.physics.rise_and_slopes(columns, more)[1]
+        off = (rise - known) / slope
+        # The slope by ln F_B changes with a parameter as the slope by the parameter changes with ln F_B.
+        seen = ((by - off * (later - by) / _STEP) / slope for by, later in zip(slopes, after, strict=True))
+        return known + off, tuple(seen)
+
+    def rise(self, columns: Columns, conditions: _SetLoads) -> FloatArray:
+        """Return the rise as seen."""
+        return self.rise_and_slopes(columns, conditions)[0]
+
+    def refusals(self, columns: Columns, conditions: _SetLoads) -> Iterable[Refusal]:
+        """Return where the law itself has no answer."""
+        return tuple(self.physics.refusals(columns, conditions))
+
+
 def standing(
     problem: FitProblem, means: ConditionMeans, theta: npt.ArrayLike, *, slack: bool = False
 ) -> Standing:
-    """Return how the law of a problem stands on condition means."""
-    at, K = np.asarray(theta, dtype=np.float64), len(means)
+    """Return how the law of a problem stands on condition means, in the force that was measured."""
+    starts, K = np.atleast_2d(np.asarray(theta, dtype=np.float64)), len(means)
+    law, conditions = problem.law, means.conditions
+    if slack and "end-tension" in law.effects:
+        seen: Any = _EndTension(law.physics)
+        law = replace(law, physics=seen)
+        settings = {name: getattr(conditions, name) for name in SETTINGS}
+        conditions = _SetLoads(log_lift=means.log_lift, **settings)
+        # A fit of ln F_A may have gone to where F_A does not depend on F_B, from which no gradient leads back.
+        declared = [parameter.start for parameter in law.parameters]
+        starts = np.vstack([starts, np.where(problem.vary, declared, starts)])
     on_means = replace(
-        problem, conditions=means.conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
+        problem, law=law, conditions=conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
     )
     for _ in range(_ROUNDS):
-        at = refit(on_means, at, slack=slack)[0][0]
-        residual = measured_residual(on_means, at, slack=slack)
+        at, _converged = refit(on_means, starts)
+        residual = law.log_lift(at, conditions) - means.log_lift
         scatter = scatter_fit(residual, means)
         on_means = replace(on_means, std=np.sqrt(scatter.variance))
+        starts = np.vstack([at, starts[1:]])
         if not means.repeated or float(np.ptp(means.std)) <= 1e-9 * float(means.std[0]):
             break
     k = problem.n_varying + 1
-    return Standing(
-        problem=on_means,
-        theta=at,
-        slack=slack,
-        scatter=scatter,
-        chi2=float((residual**2 / scatter.variance).sum()),
-        k=k,
-        aicc=aicc(scatter.deviance, K, k),
-        bic=bic(scatter.deviance, K, k),
-    )
+    chi2 = float((residual**2 / scatter.variance).sum())
+    criteria = (aicc(scatter.deviance, K, k), bic(scatter.deviance, K, k))
+    return Standing(on_means, at, scatter, chi2, k, *criteria)
+
+
+def refit(problem: FitProblem, starts: FloatArray) -> tuple[FloatArray, bool]:
+    """Return the parameters of the best of some searches, and whether it converged."""
+    found = batched_fit(problem, starts=starts)
+    best = int(np.argmin(found.chi2))
+    return (found.theta if np.isfinite(found.chi2[best]) else starts)[best], bool(found.converged[best])
 
 
 def leave_one_out(law: Standing) -> float:
@@ -359,12 +412,12 @@ def leave_one_out(law: Standing) -> float:
     the parameters (K ≤ number of parameters) or a refit fails.
     """
     problem, K = law.problem, law.problem.n_points
-    if law.problem.n_varying >= K:
+    if problem.n_varying >= K:
         return math.nan
-    theta, converged = refit(problem, law.theta, slack=law.slack, multiplicity=1.0 - np.eye(K))
-    if not (converged & problem.law.admissible(theta, problem.conditions)).all():
+    found = batched_fit(problem, starts=law.theta, multiplicity=1.0 - np.eye(K))
+    if not (found.converged & problem.law.admissible(found.theta, problem.conditions)).all():
         return math.nan
-    missed = np.diagonal(measured_residual(problem, theta, slack=law.slack))
+    missed = np.diagonal(problem.law.log_lift(found.theta, problem.conditions) - problem.log_lift)
     return float(np.sqrt(np.mean(missed**2)))
 
 
@@ -377,70 +430,11 @@ def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:
     if n <= p_fuller or p_fuller <= p_simpler:
         return None
     weighted = replace(simpler.problem, std=fuller.problem.std)
-    at = refit(weighted, simpler.theta, slack=simpler.slack)[0][0]
-    chi2 = float((measured_residual(weighted, at, slack=simpler.slack) ** 2 / weighted.std**2).sum())
+    at, _converged = refit(weighted, simpler.theta[np.newaxis])
+    chi2 = float((weighted.residuals(at) ** 2).sum())
     F, dof, p_value = f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
     names = (simpler.problem.law.name, fuller.problem.law.name)
     return FTest(simpler=names[0], fuller=names[1], f=F, dof=dof, p_value=p_value)
-
-
-def measured_residual(problem: FitProblem, theta: FloatArray, *, slack: bool) -> FloatArray:
-    """Return model less measurement in the logarithm of the measured force, shape (n,) or (m, n).
-
-    For the end tension it is −(ln F_A − measured)/(∂ ln F_A/∂ ln F_B), to first order.
-    """
-    residual = problem.law.log_lift(theta, problem.conditions) - problem.log_lift
-    if not slack or "end-tension" not in problem.law.effects:
-        return residual
-    slope = problem.law.log_lift_gradient_conditions(theta, problem.conditions)[..., 2]
-    # A slope of zero leaves the end tension open, however small the residual.
-    return np.asarray(residual / np.maximum(slope, 1e-12))
-
-
-def refit(
-    problem: FitProblem, theta: FloatArray, *, slack: bool, multiplicity: FloatArray | None = None
-) -> tuple[FloatArray, BoolArray]:
-    """Return the parameters that fit the measured force best, shape (m, p), and whether each search converged."""
-    if slack and "end-tension" in problem.law.effects and problem.vary.any():
-        counts = np.ones((1, problem.n_points)) if multiplicity is None else multiplicity
-        fits = [_end_tension_fit(problem, theta, count, fresh=multiplicity is None) for count in counts]
-        return np.stack([fit[0] for fit in fits]), np.array([fit[1] for fit in fits])
-    found = batched_fit(problem, starts=theta, multiplicity=multiplicity)
-    return np.where(np.isfinite(found.chi2)[:, np.newaxis], found.theta, theta), found.converged
-
-
-def _end_tension_fit(
-    problem: FitProblem, theta: FloatArray, count: FloatArray, *, fresh: bool
-) -> tuple[FloatArray, bool]:
-    """Return the fit of residuals whose slopes no law states: by differences, with scipy."""
-    from scipy.optimize import least_squares  # noqa: PLC0415  (a stored fit is shown without)
-
-    free, weight = problem.vary, np.sqrt(count) / problem.std
-
-    def full(part: FloatArray) -> FloatArray:
-        whole = theta.copy()
-        whole[free] = part
-        return whole
-
-    def residuals(part: FloatArray) -> FloatArray:
-        try:
-            return np.asarray(measured_residual(problem, full(part), slack=True) * weight)
-        except InputError:
-            return _REPELLENT * weight
-
-    low, high = problem.lower[free], problem.upper[free]
-    margin = 1e-9 * (high - low)
-    # A fit of ln F_A may have gone to where F_A does not depend on F_B, from which no gradient leads back.
-    declared = np.array([parameter.start for parameter in problem.law.parameters])
-    ends = []
-    for start in (theta, declared) if fresh else (theta,):
-        begin = np.clip(start[free], low + margin, high - margin)
-        scale = np.maximum(np.abs(begin), 1e-3)
-        ends.append(
-            least_squares(residuals, begin, bounds=(low, high), x_scale=scale, max_nfev=_MAX_EVALUATIONS)
-        )
-    best = min(ends, key=lambda found: float(found.cost))
-    return full(best.x), bool(best.success)
 
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -488,16 +482,12 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         chosen = (good or fitted)[0]
     fit = fits[chosen.law]
     # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
-    rivals = [
-        fits[entry.law]
-        for entry in fitted
-        if entry is not chosen
-        and (
-            entry.counted and entry.delta_aicc <= RIVAL and fits[entry.law].status in _ANSWERING
-            if comparison.conclusive
-            else fits[entry.law].status is FitStatus.OK
-        )
-    ]
+    others = [(entry, fits[entry.law]) for entry in fitted if entry is not chosen]
+    if comparison.conclusive:
+        near = [(entry, other) for entry, other in others if entry.counted and entry.delta_aicc <= RIVAL]
+        rivals = tuple(other for _, other in near if other.status in _ANSWERING)
+    else:
+        rivals = tuple(other for _, other in others if other.status is FitStatus.OK)
     doubts = [*_of_place(comparison, chosen, fitted[0], forced=bool(law)), *fit.doubts]
     other = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
     if other:
@@ -515,7 +505,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         forced=bool(law),
         verdict=verdict_of(doubts, text),
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
-        rivals=tuple(rivals),
+        rivals=rivals,
     )
 
 

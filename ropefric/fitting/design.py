@@ -156,18 +156,16 @@ class LiftBound:
         if probability is None:
             return
         if not 0.5 <= probability < 1.0:
-            raise InputError(
-                f"the probability is {probability:g}",
-                key="probability",
-                fix="give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)",
-            )
+            text = f"the probability is {probability:g}"
+            fix = "give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)"
+            raise InputError(text, key="probability", fix=fix)
         self.reach, self.scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
         if not (math.isfinite(self.scatter) and np.isfinite(fit.covariance).all()):
-            raise InputError(
-                f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability",
-                key="probability",
-                fix="repeat some trials and fit again, or design for the mean law (--on-average, None in Python)",
+            text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
+            fix = (
+                "repeat some trials and fit again, or design for the mean law (--on-average, None in Python)"
             )
+            raise InputError(text, key="probability", fix=fix)
 
     def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
         """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
@@ -244,9 +242,8 @@ def _checked(
 ) -> tuple[dict[str, FloatArray], FloatArray, tuple[float, float]]:
     """Return what is given of n designs, their loads [N], and where to look; everything that is wrong is said here."""
     if solve_for not in QUANTITIES:
-        raise InputError(
-            f"cannot solve for {solve_for!r}", key="solve_for", fix="use one of wrap, radius, end_tension"
-        )
+        text = f"cannot solve for {solve_for!r}"
+        raise InputError(text, key="solve_for", fix="use one of wrap, radius, end_tension")
     target, unit, usual = QUANTITIES[solve_for]
     if quantities.pop(target) is not None:
         raise InputError(f"{target} is given and looked for", key=target, fix="leave it out")
@@ -256,11 +253,9 @@ def _checked(
             raise InputError(f"{name} is missing", key=name, fix="give every quantity but the one looked for")
         arrays[name] = as_floats(name, value)
     if solve_for == "radius" and "size" not in fit.friction_law.effects:
-        raise InputError(
-            f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found",
-            key="solve_for",
-            fix="solve for the wrap or the end tension, or fit a law with a size effect",
-        )
+        text = f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found"
+        fix = "solve for the wrap or the end tension, or fit a law with a size effect"
+        raise InputError(text, key="solve_for", fix=fix)
     low, high = (float(end) for end in (limits or usual))
     if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):
         text = f"limits {low:g} to {high:g} {unit} are none"
@@ -357,12 +352,9 @@ def design_chart(
     radii = np.atleast_1d(np.asarray(wheel_radius_m, dtype=np.float64))
     wraps = np.atleast_1d(np.asarray(wrap_angle_rad, dtype=np.float64))
     grid = np.meshgrid(radii, wraps, indexing="ij")
-    conditions = Conditions(
-        wheel_radius_m=grid[0].ravel(),
-        rope_radius_m=np.array(rope_radius_m),
-        wrap_angle_rad=grid[1].ravel(),
-        end_tension_N=np.array(end_tension_N),
-    )
+    given = {"rope_radius_m": np.array(rope_radius_m), "end_tension_N": np.array(end_tension_N)}
+    conditions = Conditions(wheel_radius_m=grid[0].ravel(), wrap_angle_rad=grid[1].ravel(), **given)
+    shape = grid[0].shape
     outside = outside_range(fit.validity, conditions).any(axis=1)
     with np.errstate(over="ignore"):
         lift_N, bound_N = np.exp(LiftBound(fit, probability).evaluate(conditions))
@@ -371,10 +363,10 @@ def design_chart(
         wrap_angle_rad=wraps,
         rope_radius_m=float(rope_radius_m),
         end_tension_N=float(end_tension_N),
-        lift_force_N=lift_N.reshape(grid[0].shape),
-        lower_bound_N=bound_N.reshape(grid[0].shape),
+        lift_force_N=lift_N.reshape(shape),
+        lower_bound_N=bound_N.reshape(shape),
         probability=probability,
-        extrapolated=outside.reshape(grid[0].shape),
+        extrapolated=outside.reshape(shape),
     )
 
 

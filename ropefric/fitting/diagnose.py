@@ -12,8 +12,8 @@ from scipy.special import fdtrc, stdtr
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry, choose_law, compare_laws
+from ropefric.fitting.result import Verdict
 from ropefric.fitting.statistics import ConditionMeans, condition_means
-from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable
@@ -86,11 +86,8 @@ class Diagnosis:
         """Return the diagnosis as lines for people."""
         lines = [self.summary, f"the best law is {self.verdict.word}: {self.verdict.reason}"]
         for item in self.causes:
-            lines += [
-                f"{item.cause}: {_WORDS[item.supported]}",
-                f"  {item.evidence}",
-                f"  to decide: {item.experiment}",
-            ]
+            lines += [f"{item.cause}: {_WORDS[item.supported]}", f"  {item.evidence}"]
+            lines.append(f"  to decide: {item.experiment}")
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
@@ -104,9 +101,8 @@ def diagnose(table: TrialTable, comparison: Comparison | None = None) -> Diagnos
     ranked = compare_laws(table, ALL_LAWS.values()) if comparison is None else comparison
     constant = ranked["constant"].fit
     if constant is None or constant.problem is None:
-        raise InputError(
-            "the comparison carries no data", fix="compare the laws again, or leave the comparison out"
-        )
+        text = "the comparison carries no data"
+        raise InputError(text, fix="compare the laws again, or leave the comparison out")
     means = condition_means(constant.problem)
     levels = {
         "end-tension": means.log_lift if table.measures_slack else means.conditions.log_end_tension,
@@ -116,9 +112,8 @@ def diagnose(table: TrialTable, comparison: Comparison | None = None) -> Diagnos
     causes = [_offset(ranked, means)]
     causes += [_effect(title, ranked, means, levels[effect]) for title, (effect, *_) in _EFFECTS.items()]
     causes += [_no_slip(table), _scatter(ranked, means)]
-    return Diagnosis(
-        causes=tuple(causes), summary=_summary(ranked, causes), verdict=choose_law(ranked).verdict
-    )
+    verdict = choose_law(ranked).verdict
+    return Diagnosis(causes=tuple(causes), summary=_summary(ranked, causes), verdict=verdict)
 
 
 def _best(ranked: Comparison, effect: str, *, with_it: bool) -> ComparisonEntry | None:
@@ -157,19 +152,16 @@ def _effect(title: str, ranked: Comparison, means: ConditionMeans, level: FloatA
         return Cause(title, "cannot-tell", f"all conditions have one {quantity}", experiment)
     trend, found = _trend(means, level, quantity)
     supported, why, numbers = _judged(ranked, effect, found)
-    evidence = "; ".join(part for part in (trend, why, _lookalike(title, ranked)) if part)
-    return Cause(title, supported, evidence, experiment, numbers)
-
-
-def _lookalike(title: str, ranked: Comparison) -> str:
-    """Return the warning that an offset and a wrap effect look alike, where both explain what the constant cannot."""
+    parts = [trend, why] if trend else [why]
     offset, wrap = ranked["constant-offset"], _best(ranked, "wrap-dependence", with_it=True)
-    if title != "wrap effect" or wrap is None or not offset.counted:
-        return ""
-    plain = ranked["constant"].aicc
-    if min(plain - offset.aicc, plain - wrap.aicc) < _WEAK or abs(offset.aicc - wrap.aicc) >= _STRONG:
-        return ""
-    return "a constant μ with a constant offset in ln F looks exactly like a wrap effect, and here both fit"
+    if title == "wrap effect" and wrap is not None and offset.counted:
+        # Both explain what the constant cannot, and none does better than the other.
+        gain = ranked["constant"].aicc - max(offset.aicc, wrap.aicc)
+        if gain >= _WEAK and abs(offset.aicc - wrap.aicc) < _STRONG:
+            parts.append(
+                "a constant μ with a constant offset in ln F looks exactly like a wrap effect, and here both fit"
+            )
+    return Cause(title, supported, "; ".join(parts), experiment, numbers)
 
 
 def _trend(means: ConditionMeans, level: FloatArray, quantity: str) -> tuple[str, dict[str, float]]:
@@ -226,8 +218,9 @@ def _scatter(ranked: Comparison, means: ConditionMeans) -> Cause:
     experiment = "repeat each condition with a new rope in random order, and again with the same rope"
     repeats = int(means.size.sum()) - len(means)
     if repeats < 1 or len(means) < 3:
-        text = "no condition was repeated, or there are fewer than three"
-        return Cause(title, "cannot-tell", text, experiment)
+        return Cause(
+            title, "cannot-tell", "no condition was repeated, or there are fewer than three", experiment
+        )
     best, left = ranked.best.fit, len(means) - ranked.best.k + 1
     if best is None or left < 2:
         text = f"{len(means)} conditions are too few to tell scatter between them from an effect"

@@ -68,25 +68,19 @@ def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitRe
 def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> FitProblem:
     """Return the data of a table as a least-squares problem with equal weights, start values and bounds."""
     if not table.used.any():
-        raise InputError(
-            "no trial of the table can be used", code="RF410", fix="check the columns kept and status"
-        )
+        fix = "check the columns kept and status"
+        raise InputError("no trial of the table can be used", code="RF410", fix=fix)
     conditions, log_lift = table.conditions(), table.log_lift()
     for name in ("size_ratio", "wrap_angle_rad"):
-        too_large = getattr(conditions, name) > _LARGEST
-        if too_large.any():
-            at = conditions.describe(int(np.argmax(too_large)))
-            raise InputError(
-                f"{name} is above {_LARGEST:g} at {at}: no sum of squares holds it",
-                code="RF410",
-                fix="correct the trial or its units, or leave it out",
-            )
+        values = getattr(conditions, name)
+        if (values > _LARGEST).any():
+            at = conditions.describe(int(np.argmax(values > _LARGEST)))
+            text = f"{name} is above {_LARGEST:g} at {at}: no sum of squares holds it"
+            raise InputError(text, code="RF410", fix="correct the trial or its units, or leave it out")
     spans = [settings.bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
     lower, upper = np.array(spans, dtype=np.float64).T
-    given = {item.name: item.start for item in law.parameters if item.fixed} | {
-        **settings.start,
-        **settings.fixed,
-    }
+    given = {item.name: item.start for item in law.parameters if item.fixed}
+    given |= {**settings.start, **settings.fixed}
     found = np.clip(guess(law, conditions, log_lift), lower, upper)
     start = np.array([given.get(n, g) for n, g in zip(law.parameter_names, found, strict=True)], np.float64)
     vary = [
@@ -96,12 +90,8 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
     ]
     for name, value, low, high in zip(law.parameter_names, start, lower, upper, strict=True):
         if not low <= value <= high:
-            raise InputError(
-                f"the start value {name} = {value:g} lies outside its bounds {low:g} … {high:g}",
-                code="RF402",
-                key=name,
-                fix="start inside the bounds, or widen them",
-            )
+            text = f"the start value {name} = {value:g} lies outside its bounds {low:g} … {high:g}"
+            raise InputError(text, code="RF402", key=name, fix="start inside the bounds, or widen them")
     if not law.admissible(start, conditions):
         law.log_lift(start, conditions)  # raises, and says why and what to do
     return FitProblem(
@@ -130,27 +120,17 @@ def shared_variance(law: FrictionLaw, theta: FloatArray, table: TrialTable) -> F
     used = table.used
     # What overflows is refused right after.
     with np.errstate(over="ignore", invalid="ignore"):
-        chain = np.nan_to_num(table.peak_std_N[used] / table.peak_N[used])
-        settings = np.stack(
-            [
-                table.wheel_radius_std_m[used],
-                table.wrap_std_rad[used],
-                table.end_tension_std_N[used] / table.end_tension_N[used],
-            ],
-            axis=-1,
-        )
-        variance: FloatArray = chain**2
+        variance: FloatArray = np.nan_to_num(table.peak_std_N[used] / table.peak_N[used]) ** 2
+        end_tension = table.end_tension_std_N[used] / table.end_tension_N[used]
+        settings = np.stack([table.wheel_radius_std_m[used], table.wrap_std_rad[used], end_tension], axis=-1)
         if settings.any():
             slopes = law.log_lift_gradient_conditions(theta, table.conditions())
             variance = variance + ((slopes * settings) ** 2).sum(axis=-1)
     wrong = ~np.isfinite(variance)
     if wrong.any():
         trial = np.array(table.trial)[used][int(np.argmax(wrong))]
-        raise InputError(
-            f"the uncertainties given for trial '{trial}' amount to more than any number of ln F_A",
-            code="RF410",
-            fix="correct the columns that end in _std",
-        )
+        text = f"the uncertainties given for trial '{trial}' amount to more than any number of ln F_A"
+        raise InputError(text, code="RF410", fix="correct the columns that end in _std")
     return variance
 
 
@@ -321,51 +301,39 @@ _STEPS = 40
 _NEAR = 1e-4
 
 
-def mean_mu(conditions: Conditions, log_lift: FloatArray) -> float:
-    """Return the median average coefficient of the data, at least 0.001, which one bad trial cannot move far."""
-    wrapped = conditions.wrap_angle_rad > 0.0
-    if not wrapped.any():
-        return 0.2
-    rise = (log_lift - conditions.log_end_tension)[wrapped]
-    return max(float(np.median(rise / conditions.wrap_angle_rad[wrapped])), 1e-3)
-
-
 def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> FloatArray:
     """Return parameters to start a fit of any law from, shape (p,), inside its bounds.
 
-    They are its typical values where no number of the data, measured ln(F_A / 1 N) of shape (n,), leads to better ones.
+    The best of a few candidates, brought near measured ln(F_A / 1 N) of shape (n,) by the engine of every fit; typical
+    values where no number of the data leads to better ones.
     """
+    found = typical = np.array([parameter.start for parameter in law.parameters])
     data = np.asarray(log_lift, dtype=np.float64)
-    if data.shape != (len(conditions),) or not np.isfinite(data).all():
-        raise InputError(
-            f"{law.name}: {data.shape} finite values of ln F_A are needed for {len(conditions)} conditions",
-            key="log_lift",
-        )
-    typical = np.array([parameter.start for parameter in law.parameters])
     if data.size > _MAX_CONDITIONS:
         rows = np.linspace(0, data.size - 1, _MAX_CONDITIONS).round().astype(np.int64)
         conditions, data = conditions.select(rows), data[rows]
     problem = FitProblem(
-        law=law, conditions=conditions, log_lift=data, std=np.ones_like(data), group=np.arange(data.size), start=typical,
-        lower=law.lower, upper=law.upper, vary=np.array([not parameter.fixed for parameter in law.parameters]),
+        law=law, conditions=conditions, log_lift=data, std=np.ones_like(data), group=np.arange(data.size),
+        start=typical, lower=law.lower, upper=law.upper, vary=np.array([not item.fixed for item in law.parameters]),
     )  # fmt: skip
+    wrapped = conditions.wrap_angle_rad > 0.0
+
+    def misfit(theta: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(law.log_lift(theta, conditions) - data).sum(axis=-1))
+
     try:
         # Data at the ends of what a float holds overflow on the way.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            found = _searched(problem)
+            # The median of the average coefficients, which one bad trial cannot move far.
+            average = (data - conditions.log_end_tension)[wrapped] / conditions.wrap_angle_rad[wrapped]
+            mu = max(float(np.median(average)), 1e-3) if wrapped.any() else 0.2
+            candidates = np.asarray(law.candidates(mu, conditions, data), dtype=np.float64)
+            theta = np.clip(candidates, law.lower, law.upper)
+            theta = theta[law.admissible(theta, conditions)]
+            if len(theta):
+                best = theta[np.argsort(misfit(theta), kind="stable")[:_FINALISTS]]
+                best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=_STEPS).theta
+                found = best[np.argmin(misfit(best))]
     except (InputError, np.linalg.LinAlgError):
         found = typical
-    return np.clip(found if np.isfinite(found).all() else typical, law.lower, law.upper)
-
-
-def _searched(problem: FitProblem) -> FloatArray:
-    law, conditions, log_lift = problem.law, problem.conditions, problem.log_lift
-    candidates = law.candidates(mean_mu(conditions, log_lift), conditions, log_lift)
-    theta = np.clip(np.asarray(candidates, dtype=np.float64), law.lower, law.upper)
-    theta = theta[law.admissible(theta, conditions)]
-    if not len(theta):
-        return problem.start
-    misfit = np.abs(law.log_lift(theta, conditions) - log_lift).sum(axis=-1)
-    best = theta[np.argsort(misfit, kind="stable")[:_FINALISTS]]
-    best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=_STEPS).theta
-    return np.asarray(best[np.argmin(np.abs(law.log_lift(best, conditions) - log_lift).sum(axis=-1))])
+    return np.asarray(np.clip(found if np.isfinite(found).all() else typical, law.lower, law.upper))

@@ -100,12 +100,11 @@ def profile_intervals(
             "estimate the scatter from",
             fix="measure more, or fix a parameter; in Python, standard deviations may count as known (absolute_std)",
         )
-    allowed = (
-        chi2_distribution.ppf(level, 1)
-        if absolute_std
-        else f_distribution.ppf(level, 1, dof) * chi2_min / dof
+    known, estimated = (
+        chi2_distribution.ppf(level, 1),
+        f_distribution.ppf(level, 1, dof) * chi2_min / max(dof, 1),
     )
-    threshold = np.broadcast_to(np.asarray(scale) * allowed, best.shape)
+    threshold = np.broadcast_to(np.asarray(scale) * (known if absolute_std else estimated), best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.
     threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
     walk = _Walk(problem, best, chi2_min, threshold)
@@ -233,15 +232,10 @@ class _Walk:
     def ends(self) -> list[tuple[float, EndKind]]:
         """Return the end of every side, and what stops the interval there."""
         ends = self.best[self.parameter] + self.sign * self.near
-        kinds: list[EndKind] = [
-            ("bound" if np.isfinite(bound) else "open")
-            if np.isinf(far)
-            else "crossing"
-            if np.isfinite(gap)
-            else "edge"
-            for bound, far, gap in zip(self.bound, self.far, self.far_gap, strict=True)
-        ]
-        return list(zip(np.where(np.isinf(self.far), self.bound, ends).tolist(), kinds, strict=True))
+        endless, limited = np.isinf(self.far), np.isfinite(self.bound)
+        reasons = [endless & limited, endless, np.isfinite(self.far_gap)]
+        kinds: list[EndKind] = np.select(reasons, ["bound", "open", "crossing"], "edge").tolist()
+        return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -293,10 +287,8 @@ def bootstrap(
     refits = fits.theta[good]
     failed = n - len(refits)
     if len(refits) < 2:
-        raise FitError(
-            f"{law.name}: only {len(refits)} of {n} resamples could be refitted",
-            fix="take a law with fewer parameters, or measure more conditions",
-        )
+        text = f"{law.name}: only {len(refits)} of {n} resamples could be refitted"
+        raise FitError(text, fix="take a law with fewer parameters, or measure more conditions")
     notes = []
     if failed > _WORTH_A_NOTE * n:
         notes.append(
@@ -314,18 +306,14 @@ def bootstrap(
 def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0) -> FitResult:
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
-        raise UnknownNameError(
-            f"unknown way to intervals {method!r}", key="intervals", fix=did_you_mean(method, INTERVALS)
-        )
+        text = f"unknown way to intervals {method!r}"
+        raise UnknownNameError(text, key="intervals", fix=did_you_mean(method, INTERVALS))
     if method == "covariance":
         return fit
     problem = fit.data
     if fit.provenance.get("settings", {}).get("loss", "linear") != "linear":
-        raise InputError(
-            f"{method} intervals are those of least squares, not of a robust loss",
-            key="intervals",
-            fix="use loss = 'linear', or intervals = 'covariance'",
-        )
+        text = f"{method} intervals are those of least squares, not of a robust loss"
+        raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
     how: dict[str, str | int] = {"method": method}
     if method == "profile":
         found = _profile(fit, problem)

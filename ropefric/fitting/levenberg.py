@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
 from ropefric.fitting.problem import FitProblem, Loss, Reduced, Rows, reduced
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -39,7 +38,6 @@ def batched_fit(
     log_lift: npt.ArrayLike | None = None,
     starts: npt.ArrayLike | None = None,
     *,
-    std: npt.ArrayLike | None = None,
     multiplicity: npt.ArrayLike | None = None,
     vary: npt.ArrayLike | None = None,
     loss: Loss = "linear",
@@ -53,26 +51,13 @@ def batched_fit(
     (`bounded_steps`). Data sets that are done leave the batch. Repeats of a condition are summed first, so the law
     is evaluated once per distinct condition.
     """
-    given = (None if x is None else np.asarray(x, np.float64) for x in (log_lift, std, multiplicity))
-    data = reduced(problem, *given, loss=loss)
-    p = problem.start.size
+    data = reduced(problem, log_lift, multiplicity, loss=loss)
     theta = np.atleast_2d(np.asarray(problem.start if starts is None else starts, dtype=np.float64))
     free = np.atleast_2d(np.asarray(problem.vary if vary is None else vary, dtype=np.bool_))
-    if theta.shape[1:] != (p,) or free.shape[1:] != (p,) or not np.isfinite(theta).all():
-        raise InputError(
-            f"starts of shape {theta.shape} and vary of shape {free.shape}; law {problem.law.name} needs (m, {p}), "
-            "finite",
-            code="RF400",
-        )
-    lengths = {len(rows) for rows in (data.weight, data.mean, data.rest, theta, free)} - {1}
-    if len(lengths) > 1:
-        raise InputError(
-            f"the data sets are {' or '.join(map(str, sorted(lengths)))} in number", code="RF400"
-        )
-    m = lengths.pop() if lengths else 1
-    free = np.broadcast_to(free, (m, p))
+    shape = np.broadcast_shapes(data.rest[:, np.newaxis].shape, theta.shape, free.shape)
+    free = np.broadcast_to(free, shape)
     theta = np.where(free, np.clip(theta, problem.lower, problem.upper), theta)
-    fits = BatchFit(data, problem, np.broadcast_to(theta, (m, p)).copy(), free)
+    fits = BatchFit(data, problem, theta, free)
     fits.n_iterations = fits.run(tolerance, max_iterations)
     return fits
 

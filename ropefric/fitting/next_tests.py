@@ -7,7 +7,7 @@ compare with varies one factor at a time about a centre, as such campaigns are u
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -64,19 +64,16 @@ class RigLimits:
         for name in FACTORS:
             levels = sorted(float(level) for level in getattr(self, name))
             if not levels or not (levels[0] > 0.0 and math.isfinite(levels[-1])):
-                raise InputError(
-                    f"{name}: {levels} are no settings", key=name, fix="give one or more above zero"
-                )
+                text = f"{name}: {levels} are no settings"
+                raise InputError(text, key=name, fix="give one or more above zero")
             if len(set(levels)) < len(levels):
                 raise InputError(f"{name}: a setting is given twice", key=name, fix="give each once")
             object.__setattr__(self, name, tuple(levels))
         if math.prod(self.shape) > _MOST_CONDITIONS:
             sizes = " × ".join(str(size) for size in self.shape)
-            raise InputError(
-                f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}",
-                key="limits",
-                fix="give fewer wheels, wraps or end tensions, or fewer levels",
-            )
+            text = f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}"
+            fix = "give fewer wheels, wraps or end tensions, or fewer levels"
+            raise InputError(text, key="limits", fix=fix)
         for name in ("rope_radius_m", "largest_force_N"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"{name} = {getattr(self, name):g} is not positive", key=name)
@@ -95,26 +92,21 @@ class RigLimits:
 
 def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
     """Return about n settings from low to high that are whole multiples of a step, ends included."""
-    _check_range(low, high, n)
-    return _with_ends(low, high, [round(x / step) * step for x in np.linspace(low, high, n)[1:-1].tolist()])
+    return _levels(low, high, n, lambda: [round(x / step) * step for x in np.linspace(low, high, n).tolist()])
 
 
 def geometric_levels(low: float, high: float, n: int) -> tuple[float, ...]:
     """Return about n settings from low to high in even ratios, rounded to two digits, ends included."""
-    _check_range(low, high, n)
     if not low > 0.0:
         raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
-    return _with_ends(low, high, [float(f"{x:.2g}") for x in np.geomspace(low, high, n)[1:-1].tolist()])
+    return _levels(low, high, n, lambda: [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()])
 
 
-def _with_ends(low: float, high: float, inner: list[float]) -> tuple[float, ...]:
-    return tuple(sorted({low, high, *(x for x in inner if low <= x <= high)}))
-
-
-def _check_range(low: float, high: float, n: int) -> None:
+def _levels(low: float, high: float, n: int, rounded: Callable[[], list[float]]) -> tuple[float, ...]:
     if not (low < high and 2 <= n <= _MOST):
         fix = f"give low before high, two to {_MOST} settings"
         raise InputError(f"{n} settings from {low:g} to {high:g}", key="range", fix=fix)
+    return tuple(sorted({low, high, *(x for x in rounded()[1:-1] if low <= x <= high)}))
 
 
 # ---- what is known of a law ----
@@ -129,13 +121,11 @@ class MeanScatter:
     instrument_N: float = 0.0
 
     def __post_init__(self) -> None:
-        numbers = (self.within, self.between, self.instrument_N)
+        within, between, instrument_N = numbers = (self.within, self.between, self.instrument_N)
         if not all(math.isfinite(x) and x >= 0.0 for x in numbers) or not any(numbers):
-            raise InputError(
-                f"scatter within {self.within:g}, between {self.between:g}, instrument {self.instrument_N:g} N",
-                key="scatter",
-                fix="give standard deviations of ln F from 0, one above it: 0.017 is 1.7 % between repeats",
-            )
+            text = f"scatter within {within:g}, between {between:g}, instrument {instrument_N:g} N"
+            fix = "give standard deviations of ln F from 0, one above it: 0.017 is 1.7 % between repeats"
+            raise InputError(text, key="scatter", fix=fix)
 
     def variance(self, log_lift: FloatArray, repeats: npt.ArrayLike) -> FloatArray:
         """Return the variance of mean ln F_A of conditions, s_b² + s_w²/m + (u/F_A)², shape (n,)."""
@@ -157,9 +147,8 @@ class PlannedLaw:
 
     def __post_init__(self) -> None:
         if not self.free.any():
-            raise InputError(
-                f"every parameter of {self.law.name} is held, so tests have nothing to determine", key="fixed"
-            )
+            text = f"every parameter of {self.law.name} is held, so tests have nothing to determine"
+            raise InputError(text, key="fixed")
 
     @property
     def n_free(self) -> int:
@@ -174,9 +163,9 @@ class PlannedLaw:
     @property
     def known(self) -> FloatArray:
         """Return the `rows` of what was tested before, shape (k, q)."""
-        return (
-            np.zeros((0, self.n_free)) if self.tested is None else self.rows(self.tested, self.tested_repeats)
-        )
+        if self.tested is None:
+            return np.zeros((0, self.n_free))
+        return self.rows(self.tested, self.tested_repeats)
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
@@ -192,14 +181,12 @@ def planned_guess(
     law: FrictionLaw, guess: Mapping[str, float], scatter: MeanScatter, *, fixed: tuple[str, ...] = ()
 ) -> PlannedLaw:
     """Return a law at guessed parameters, nothing of them known yet."""
-    theta = law.theta_from(guess)
     for name in fixed:
         if name not in law.parameter_names:
-            raise UnknownNameError(
-                f"{law.name} has no parameter {name!r}", fix=did_you_mean(name, law.parameter_names)
-            )
+            fix = did_you_mean(name, law.parameter_names)
+            raise UnknownNameError(f"{law.name} has no parameter {name!r}", fix=fix)
     free = np.array([not item.fixed and item.name not in fixed for item in law.parameters])
-    return PlannedLaw(law=law, theta=theta, free=free, scatter=scatter)
+    return PlannedLaw(law=law, theta=law.theta_from(guess), free=free, scatter=scatter)
 
 
 def planned_fit(
@@ -214,11 +201,8 @@ def planned_fit(
     within = found.scatter_within if within is None else within
     between = found.scatter_between if between is None else between
     if not math.isfinite(within):
-        raise InputError(
-            "the fit has no repeats, so it does not know the scatter of one trial",
-            key="scatter_within",
-            fix='give it, such as --scatter-within "1.7 %"',
-        )
+        text = "the fit has no repeats, so it does not know the scatter of one trial"
+        raise InputError(text, key="scatter_within", fix='give it, such as --scatter-within "1.7 %"')
     if not math.isfinite(between):
         between = 0.0
         notes.append("the fit cannot tell the scatter between conditions: none is assumed")
@@ -262,12 +246,14 @@ def allowed_conditions(
     """Return which combinations can be tested, shape (N,), and what is left out, in words."""
     law, most_N = planned.law, limits.largest_force_N
     log_lift = law.log_lift_of_pairs(np.tile(planned.theta, (len(grid), 1)), grid)
-    reasons = (
-        (np.isnan(log_lift), f"{law.name} has no answer there"),
-        (log_lift > math.log(most_N), f"F_A would exceed the {most_N:.4g} N of the cell"),
-    )
+    reasons = {
+        f"{law.name} has no answer there": np.isnan(log_lift),
+        f"F_A would exceed the {most_N:.4g} N of the cell": log_lift > math.log(most_N),
+    }
     notes = [
-        f"{int(out.sum())} of {len(grid)} settings are left out: {why}" for out, why in reasons if out.any()
+        f"{out.sum()} of {len(grid)} settings are left out: {why}"
+        for why, out in reasons.items()
+        if out.any()
     ]
     return log_lift <= math.log(most_N), notes
 
@@ -276,10 +262,8 @@ def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
     """Return which combinations were tested before, shape (N,): a condition set up again is no new one."""
     if planned.tested is None:
         return np.zeros(len(grid), dtype=bool)
-    group = condition_groups(
-        *(np.append(getattr(planned.tested, name), getattr(grid, name)) for name in SETTINGS)
-    )
-    n_tested = len(planned.tested)
+    columns = ([getattr(at, name) for at in (planned.tested, grid)] for name in SETTINGS)
+    group, n_tested = condition_groups(*map(np.concatenate, columns)), len(planned.tested)
     return np.isin(group[n_tested:], group[:n_tested])
 
 
@@ -436,15 +420,11 @@ class Outlook:
         half = self.half_width_log
         ends_N = lift_N * np.exp(np.minimum([-half, half], 700.0))
         ends_N[:, np.isinf(half)] = np.inf
-        return [
-            {
-                "std_log": _number(std),
-                "std_N": _number(std * lift),
-                "interval_N": [_number(x) for x in ends],
-                "dof": self.dof,
-            }
-            for std, lift, ends in zip(self.std_log.tolist(), lift_N.tolist(), ends_N.T.tolist(), strict=True)
-        ]
+        found = []
+        for std, lift, *ends in zip(self.std_log.tolist(), lift_N.tolist(), *ends_N.tolist(), strict=True):
+            row = {"std_log": _number(std), "std_N": _number(std * lift), "interval_N": [*map(_number, ends)]}
+            found.append(row | {"dof": self.dof})
+        return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -547,10 +527,11 @@ class LabPlan:
         heads = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
         rows: list[tuple[object, ...]] = [("condition", *heads, "repeats", "expected_lift_force_N")]
         for row in self.rows():
+            wrap_deg = math.degrees(row["wrap_angle_rad"])
             settings = (
                 1e3 * row["wheel_radius_m"],
                 2e3 * row["rope_radius_m"],
-                math.degrees(row["wrap_angle_rad"]),
+                wrap_deg,
                 row["end_tension_N"],
             )
             force = f"{row['expected_lift_force_N']:.4g}"
@@ -561,24 +542,19 @@ class LabPlan:
         """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""
         law, lift_N, at = self.planned.law, np.exp(self.wanted_log_lift), self.wanted
         outlooks = ("before", "after", "one_factor", "one_factor_at_target")
-        return {name: getattr(self, name).to_dict(lift_N) for name in outlooks} | {
+        plain = ("criterion", "level", "n_candidates", "starts", "agreeing_starts", "seed")
+        tree: dict[str, Any] = {name: getattr(self, name).to_dict(lift_N) for name in outlooks}
+        tree |= {name: getattr(self, name) for name in plain}
+        tree |= {name: _number(getattr(self, name)) for name in ("gain", "gain_at_target", "improvement")}
+        return tree | {
             "schema": SCHEMA,
             "law": law.name,
             "parameters": law.as_mapping(self.planned.theta),
             "expected_std": self.expected_parameter_std(),
             "scatter": asdict(self.planned.scatter),
-            "criterion": self.criterion,
             "conditions": self.rows(),
             "n_tests": len(self) * self.repeats,
             "wanted": [_settings(at, i) | {"lift_force_N": float(lift_N[i])} for i in range(len(at))],
-            "level": self.level,
-            "gain": _number(self.gain),
-            "gain_at_target": _number(self.gain_at_target),
-            "improvement": _number(self.improvement),
-            "n_candidates": self.n_candidates,
-            "starts": self.starts,
-            "agreeing_starts": self.agreeing_starts,
-            "seed": self.seed,
             "notes": list(self.notes),
         }
 
@@ -617,11 +593,9 @@ def plan_tests(
     made for; it is the best for those given.
     """
     if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0 or criterion not in {"v", "d"}:
-        raise InputError(
-            f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}",
-            key="n_conditions",
-            fix="plan one or more of each, by 'v' or 'd', at a level such as 0.95",
-        )
+        text = f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}"
+        fix = "plan one or more of each, by 'v' or 'd', at a level such as 0.95"
+        raise InputError(text, key="n_conditions", fix=fix)
     for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
         if asked > _MOST:
             raise InputError(f"{name} is {asked}; the limit is {_MOST}", key=name, fix="ask for fewer")
@@ -630,11 +604,9 @@ def plan_tests(
     free = allowed & ~tested_before(planned, grid)
     places, known = np.flatnonzero(free), planned.known
     if places.size < n_conditions:
-        raise InputError(
-            f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned",
-            key="limits",
-            fix="give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions",
-        )
+        text = f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned"
+        fix = "give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions"
+        raise InputError(text, key="limits", fix=fix)
     rows = planned.rows(grid.select(places), repeats)
     _check_determined(planned, np.vstack([rows, known]), planned.n_free + 1 - len(known), n_conditions)
     exchange = Exchange(rows, known, planned.gradients(wanted), criterion=criterion)
@@ -681,24 +653,18 @@ def plan_tests(
 
 def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int) -> None:
     """Refuse to plan n conditions, of those that can be had, where they cannot tell the parameters."""
+    law = planned.law
     if n < least:
-        raise InputError(
-            f"{n} conditions cannot determine the {planned.n_free} parameters of {planned.law.name} with an error",
-            code="RF410",
-            key="n_conditions",
-            fix=f"plan {least} conditions or more, or hold a parameter",
-        )
+        text = f"{n} conditions cannot determine the {planned.n_free} parameters of {law.name} with an error"
+        fix = f"plan {least} conditions or more, or hold a parameter"
+        raise InputError(text, code="RF410", key="n_conditions", fix=fix)
     names = [name for name, gone in zip(planned.free_names, decomposed(rows).unseen, strict=True) if gone]
     if names:
         varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}
-        shown_by = [words for effect, words in varied.items() if effect in planned.law.effects]
-        raise InputError(
-            f"every plan within these settings is singular: none can tell {', '.join(names)} of "
-            f"{planned.law.name} apart",
-            code="RF410",
-            key="limits",
-            fix=f"give more {', '.join(shown_by) or 'wraps'}, hold a parameter, or plan for a simpler law",
-        )
+        shown_by = ", ".join(words for effect, words in varied.items() if effect in law.effects) or "wraps"
+        text = f"every plan within these settings is singular: none can tell {', '.join(names)} of {law.name} apart"
+        fix = f"give more {shown_by}, hold a parameter, or plan for a simpler law"
+        raise InputError(text, code="RF410", key="limits", fix=fix)
 
 
 def _on_trust(planned: PlannedLaw, limits: RigLimits, wanted: Conditions, plan: Conditions) -> list[str]:

@@ -13,8 +13,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.result import FitResult
-from ropefric.fitting.verdict import Doubt, Verdict, doubts_of_interval, verdict_of
+from ropefric.fitting.result import Doubt, FitResult, Verdict, far_apart, verdict_of
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
@@ -169,9 +168,9 @@ class Prediction:
     def verdict(self, index: int = 0) -> Verdict:
         """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
         doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
-        for text in self._disagreement(index) if self.method == "linear" else ():
-            drawn = None if self.drawn_interval_N is None else self.drawn_interval_N[index]
-            doubts += doubts_of_interval(self.interval_N[index], drawn, text)
+        drawn_N = self.drawn_interval_N
+        if self.method == "linear" and (drawn_N is None or far_apart(self.interval_N[index], drawn_N[index])):
+            doubts += [("undecided", text) for text in self._disagreement(index)]
         return verdict_of(doubts, self.judged.reason.removesuffix("."))
 
     def notes(self, index: int = 0) -> tuple[str, ...]:
@@ -194,23 +193,15 @@ class Prediction:
         return rows[0] if len(rows) == 1 else {"predictions": rows}
 
     def _row(self, i: int) -> dict[str, Any]:
-        at = self.conditions
-        given = {name: float(getattr(at, name)[i]) for name in REGRESSORS}
-        found = {
-            "lift_force_N": float(self.lift_force_N[i]),
-            "std_N": float(self.std_N[i]),
-            "interval_N": self.interval_N[i].tolist(),
-            "prediction_interval_N": self.prediction_interval_N[i].tolist(),
-            "level": self.level,
-            "dof": self.dof,
-            "extrapolated": bool(self.extrapolated[i]),
-            "method": self.method,
+        given = {name: float(getattr(self.conditions, name)[i]) for name in REGRESSORS}
+        arrays = ("lift_force_N", "std_N", "interval_N", "prediction_interval_N", "extrapolated")
+        found = {name: getattr(self, name)[i].tolist() for name in arrays}
+        found |= {name: getattr(self, name) for name in ("level", "dof", "method", "spread_N", "of")}
+        found |= {
             "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
             "notes": list(self.notes(i)),
             "verdict": self.verdict(i).to_dict(),
             "candidates": [asdict(item) for item in self.candidates],
-            "spread_N": self.spread_N,
-            "of": self.of,
         }
         return {"law": self.law, **given, **rounded_tree(found)}
 
@@ -239,11 +230,8 @@ def predict(
     log_lift = model.log_lift(theta, conditions)
     if (log_lift > _LARGEST).any():
         worst = int(np.argmax(log_lift))
-        raise InputError(
-            f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows",
-            code="RF420",
-            fix="use a smaller wrap; in Python, law.log_lift stays finite",
-        )
+        text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
+        raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
     dof = 0.0 if fit.statistics.interval_dof == 0.0 else degrees_of_freedom(fit)
     std = linear_std(model, theta, covariance, conditions)
     if dof == 0.0:
@@ -252,15 +240,15 @@ def predict(
     ends = np.stack([log_lift - reach * std, log_lift + reach * std], axis=1)
     if check is None:
         check = len(conditions) <= _CHECKED_CONDITIONS
-    check = check and dof > 0.0 and bool(np.isfinite(covariance).all())
+    drawing = method == "monte-carlo" and dof > 0.0
     agrees, draws, drawn = None, 0, None
-    if (method == "monte-carlo" and dof > 0.0) or check:
-        draws = n if method == "monte-carlo" else _CHECKING_DRAWS
+    if drawing or (check and dof > 0.0 and np.isfinite(covariance).all()):
+        draws = n if drawing else _CHECKING_DRAWS
         rng = np.random.default_rng(seed)
         try:
             drawn = drawn_range(model, theta, covariance, conditions, dof=dof, level=level, n=draws, rng=rng)
         except InputError:
-            if method == "monte-carlo":
+            if drawing:
                 raise
             agrees = np.zeros(len(conditions), dtype=np.bool_)
         else:
@@ -268,7 +256,7 @@ def predict(
             room = _DISAGREEMENT + 3.0 * 2.7 / 1.96 / math.sqrt(draws)
             apart = np.abs(drawn[1] - ends)
             agrees = np.asarray((apart <= 0.5 * room * np.diff(ends, axis=1) + 1e-12).all(axis=1))
-            std, ends = drawn if method == "monte-carlo" else (std, ends)
+            std, ends = drawn if drawing else (std, ends)
     # About the middle of the law's own interval, which is not quite log_lift where draws are skew.
     middle, half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
     wide = np.hypot(half, reach * new_rope_std(fit))
@@ -320,11 +308,8 @@ def new_rope_std(fit: FitResult) -> float:
 def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:
     if (density is None) != (speed is None):
         missing = "speed_m_s" if speed is None else "linear_density_kg_m"
-        raise InputError(
-            f"a running rope needs its mass per length and its speed; {missing} is missing",
-            key=missing,
-            fix="give both, or neither for a rope at rest",
-        )
+        text = f"a running rope needs its mass per length and its speed; {missing} is missing"
+        raise InputError(text, key=missing, fix="give both, or neither for a rope at rest")
     return LiftModel(law=fit.friction_law, linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
 
 
@@ -355,11 +340,9 @@ def drawn_range(
     cross them; the standard deviation is half the central 68.27 % of the draws, less the t's heavier tails.
     """
     if not np.isfinite(covariance).all():
-        raise InputError(
-            "the covariance of the parameters is not finite, so nothing can be drawn from it",
-            key="covariance",
-            fix="use method='linear', or a fit whose parameters are all seen by the data",
-        )
+        text = "the covariance of the parameters is not finite, so nothing can be drawn from it"
+        fix = "use method='linear', or a fit whose parameters are all seen by the data"
+        raise InputError(text, key="covariance", fix=fix)
     draws = joint_draws(theta, symmetric_root(covariance), dof=dof, n=n, rng=rng)
     draws = np.clip(draws, np.minimum(model.law.lower, theta), np.maximum(model.law.upper, theta))
     tail = 50.0 * (1.0 - level)

@@ -6,9 +6,9 @@ weighs each trial by its own residual, so there the trials stay as they are.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from numbers import Integral
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -70,14 +70,6 @@ class FitSettings:
     seed: int = 0
     of: str = "peak"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the settings as plain data, which `fit_law` takes as keyword arguments again."""
-        tree = {item.name: getattr(self, item.name) for item in fields(self)}
-        if self.of == "peak":  # what older versions can read
-            del tree["of"]
-        bounds = {name: list(span) for name, span in self.bounds.items()}
-        return tree | {"fixed": dict(self.fixed), "bounds": bounds, "start": dict(self.start)}
-
 
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
     """Refuse settings that no fit of this law can follow; return quietly otherwise."""
@@ -88,20 +80,15 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
                 raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
     for name, (low, high) in settings.bounds.items():
         if not low < high:
-            raise InputError(
-                f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them",
-                code="RF402",
-                key="bounds",
-                fix="give (lower, upper), or fix the parameter",
-            )
+            text = f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them"
+            fix = "give (lower, upper), or fix the parameter"
+            raise InputError(text, code="RF402", key="bounds", fix=fix)
     if settings.loss not in tuple(LOSSES):
-        raise UnknownNameError(
-            f"unknown loss {settings.loss!r}", key="loss", fix=did_you_mean(str(settings.loss), LOSSES)
-        )
+        fix = did_you_mean(str(settings.loss), LOSSES)
+        raise UnknownNameError(f"unknown loss {settings.loss!r}", key="loss", fix=fix)
     if settings.scale_covar not in ("auto", True, False):
-        raise InputError(
-            f"{settings.scale_covar!r} is no setting", key="scale_covar", fix="use 'auto', True or False"
-        )
+        text = f"{settings.scale_covar!r} is no setting"
+        raise InputError(text, key="scale_covar", fix="use 'auto', True or False")
     for key, least, most, why in (
         ("n_starts", 1, _MOST_STARTS, "a search needs at least one start"),
         ("seed", 0, 2**63, "a seed is a whole number of at least 0"),
@@ -135,6 +122,11 @@ class FitProblem:
         return int(self.log_lift.size)
 
     @property
+    def n_conditions(self) -> int:
+        """Return the number of conditions, however often each was repeated."""
+        return int(self.group.max(initial=-1)) + 1
+
+    @property
     def n_varying(self) -> int:
         """Return the number of fitted parameters."""
         return int(np.count_nonzero(self.vary))
@@ -153,7 +145,7 @@ class FitProblem:
         return (log_lift - self.log_lift) / self.std, slopes / self.std[:, None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Reduced:
     """Data sets of one plan of conditions, seen through a law."""
 
@@ -172,14 +164,13 @@ class Reduced:
     def chi2(self, theta: FloatArray, rows: Rows | None = None) -> FloatArray:
         """Return the weighted sums of squares, infinite where the law has no answer."""
         chosen = np.zeros(len(theta), dtype=np.intp) if rows is None else rows
-        chi2 = np.empty(len(theta))
+        chi2, shape = np.empty(len(theta)), self.weight.shape[1:]
+
+        def lift(asked: FloatArray, conditions: Conditions) -> list[FloatArray]:
+            return [self.law.log_lift(asked, conditions)]
+
         for part in self._blocks(len(theta)):
-            (values,), has_answer = _each(
-                lambda *asked: [self.law.log_lift(*asked)],
-                theta[part],
-                self.conditions,
-                self.weight.shape[1:],
-            )
+            (values,), has_answer = _each(lift, theta[part], self.conditions, shape)
             chi2[part] = self._misfit(values, has_answer, chosen[part])[0]
         return chi2
 
@@ -250,36 +241,32 @@ class Reduced:
 
 def reduced(
     problem: FitProblem,
-    log_lift: FloatArray | None = None,
-    std: FloatArray | None = None,
-    multiplicity: FloatArray | None = None,
+    log_lift: npt.ArrayLike | None = None,
+    multiplicity: npt.ArrayLike | None = None,
     *,
     loss: Loss = "linear",
 ) -> Reduced:
-    """Return the data of a problem, or m data sets at its conditions, by distinct condition."""
-    y = _table(problem, "log_lift", problem.log_lift if log_lift is None else log_lift)
-    s = _table(problem, "std", problem.std if std is None else std)
-    count = _table(problem, "multiplicity", np.ones(1) if multiplicity is None else multiplicity)
+    """Return the data of a problem, or m data sets at its conditions, by distinct condition.
+
+    Shapes (n,) or (m, n): measured ln F_A, and how often each point counts in each data set.
+    """
+    y = np.atleast_2d(np.asarray(problem.log_lift if log_lift is None else log_lift, np.float64))
+    count = np.atleast_2d(np.asarray(1.0 if multiplicity is None else multiplicity, np.float64))
     order, starts = _distinct(problem.conditions)
     repeated = starts.size < order.size and loss == "linear"
     if not repeated:
         # Nothing to put together, so the points stay as they are.
         order = starts = np.arange(order.size)
-    w, y = (count / s**2)[:, order], y[:, order]
+    w, y = (count / problem.std**2)[:, order], y[:, order]
     weight = np.add.reduceat(w, starts, axis=1)
     safe = np.where(weight > 0.0, weight, 1.0)
     # Sums about a point near the data keep the digits that sums of the data themselves would cancel.
     reference = y[:, starts]
     sizes = np.diff(np.append(starts, order.size))
     mean = reference + np.add.reduceat(w * (y - np.repeat(reference, sizes, axis=1)), starts, axis=1) / safe
-    return Reduced(
-        law=problem.law,
-        conditions=problem.conditions.select(order[starts]) if repeated else problem.conditions,
-        weight=weight,
-        mean=mean,
-        rest=(w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1),
-        loss=loss,
-    )
+    conditions = problem.conditions.select(order[starts]) if repeated else problem.conditions
+    rest = (w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1)
+    return Reduced(problem.law, conditions, weight, mean, rest, loss)
 
 
 def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:
@@ -309,31 +296,6 @@ def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
     new = np.ones(order.size, dtype=np.bool_)
     new[1:] = np.any([column[order[1:]] != column[order[:-1]] for column in columns], axis=0)
     return order, np.flatnonzero(new)
-
-
-_ALLOWED: dict[str, tuple[str, Callable[[FloatArray], BoolArray]]] = {
-    "log_lift": ("finite", np.isfinite),
-    "std": ("positive", lambda values: values > 0.0),
-    "multiplicity": ("finite and zero or more", lambda values: (values >= 0.0) & np.isfinite(values)),
-}
-
-
-def _table(problem: FitProblem, name: str, values: npt.ArrayLike) -> FloatArray:
-    """Return what is given for each point, shape (m, n) or (1, n), checked."""
-    array = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    if array.ndim != 2 or array.shape[1] not in {1, problem.n_points}:
-        raise InputError(
-            f"{name} has shape {np.shape(values)}; the problem has {problem.n_points} points",
-            code="RF400",
-            key=name,
-            fix=f"give ({problem.n_points},) or (m, {problem.n_points})",
-        )
-    rule, allowed = _ALLOWED[name]
-    good = allowed(array)
-    if not good.all():
-        row, point = (int(i) for i in np.argwhere(~good)[0])
-        raise InputError(f"{name} of point {point} in data set {row} must be {rule}", code="RF400", key=name)
-    return np.broadcast_to(array, (len(array), problem.n_points))
 
 
 def _row(array: FloatArray, rows: Rows) -> FloatArray:

@@ -74,25 +74,18 @@ def pooled_scatter(residuals: FloatArray, group: IntArray) -> Scatter:
     return Scatter(within=sqrt(float(about @ about) / dof), dof=dof)
 
 
-class TwoLevelScatter(NamedTuple):
-    """Standard deviations of ln F_A between repeats of a condition, and between conditions."""
-
-    within: float
-    between: float
-
-
-def two_level_scatter(problem: FitProblem, theta: FloatArray) -> TwoLevelScatter:
-    """Return the scatter of the residuals at two levels, by analysis of variance."""
+def two_level_scatter(problem: FitProblem, theta: FloatArray) -> tuple[float, float]:
+    """Return the scatter of the residuals in ln F_A within and between conditions, by analysis of variance."""
     residual = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
     group = np.unique(problem.group, return_inverse=True)[1]
     size = np.bincount(group)
     n, k, p = residual.size, size.size, problem.n_varying
     if n == k or k <= max(p, 1):
-        return TwoLevelScatter(sqrt(float((residual**2).sum()) / max(n - p, 1)), 0.0)
+        return sqrt(float((residual**2).sum()) / max(n - p, 1)), 0.0
     within = pooled_scatter(residual, group).within
     between_square = float((size * group_means(residual, group) ** 2).sum()) / (k - p)
     typical_size = float(n - (size**2).sum() / n) / (k - 1)
-    return TwoLevelScatter(within, sqrt(max(0.0, (between_square - within**2) / typical_size)))
+    return within, sqrt(max(0.0, (between_square - within**2) / typical_size))
 
 
 # ---- what a Jacobian knows of its parameters ----
@@ -216,11 +209,10 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     order = sorted(names, key=lambda name: -round(abs(weakest[name]), _RATIO_DECIMALS))
     weak = tuple(name for name in order if abs(weakest[name]) > _TAKES_PART)
     pair, correlation = _worst_pair(values, rows, lost, names)
+    digits = [significant(value, _RATIO_DECIMALS, smallest=_RESIDUE) for value in values.tolist()]
     return Identifiability(
         ratio=significant(ratio, _RATIO_DECIMALS) if q else 1.0,
-        singular_values=tuple(
-            significant(value, _RATIO_DECIMALS, smallest=_RESIDUE) for value in values.tolist()
-        ),
+        singular_values=tuple(digits),
         worst_pair=pair,
         correlation=correlation,
         weak=weak,
@@ -306,44 +298,35 @@ def find_trends(
     conditions and tested (F) against what is left between conditions, so that a scatter between conditions alone
     makes no trend. A regressor with fewer than three values gets the linear term alone.
     """
-    k = int(group.max(initial=-1)) + 1
     weight = np.sqrt(np.bincount(group, 1.0 / std**2))
-    means = group_means(log_residuals, group)
     columns = [group_means(column * std, group) * weight for column in jacobian.T]
-    own = np.stack(columns, axis=-1) if columns else np.zeros((k, 0))
+    # Only what the law's own parameters cannot take up counts.
+    basis = _basis(np.stack(columns, axis=-1) if columns else np.zeros((weight.size, 0)))
+    left = weight * group_means(log_residuals, group)
+    left = left - basis @ (basis.T @ left)
     regressors = {
         "wrap angle": conditions.wrap_angle_rad,
         "size ratio": conditions.size_ratio,
         "end tension": conditions.log_end_tension,
     }
-    trends = [
-        _trend(name, group_means(values, group), own, means, weight) for name, values in regressors.items()
-    ]
-    return tuple(sorted((trend for trend in trends if trend is not None), key=lambda trend: trend.p_value))
-
-
-def _trend(
-    name: str, values: FloatArray, own: FloatArray, means: FloatArray, weight: FloatArray
-) -> Trend | None:
-    span = np.ptp(values) if values.size else 0.0
-    if span <= _SAME * np.abs(values).max(initial=1.0):
-        return None
-    x = (values - values.mean()) / span
-    powers = 1 if distinct(x + 2.0).size < 3 else 2
-    extra = np.stack([x ** (power + 1) for power in range(powers)], axis=-1) * weight[:, None]
-    # Only what the law's own parameters cannot take up counts.
-    basis = _basis(own)
-    extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
-    left = weight * means
-    left = left - basis @ (basis.T @ left)
-    explained = extra.T @ left
-    dof = values.size - basis.shape[1] - extra.shape[1]
-    rest = float(left @ left - explained @ explained)
-    if not extra.shape[1] or dof < 1 or rest <= 0.0:
-        return None
-    ratio = float(explained @ explained) / extra.shape[1] / (rest / dof)
-    size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
-    return Trend(name, size, float(fdtrc(extra.shape[1], dof, ratio))) if size >= _ROUNDING else None
+    trends = []
+    for name, of_pulls in regressors.items():
+        values = group_means(of_pulls, group)
+        span = np.ptp(values) if values.size else 0.0
+        if span <= _SAME * np.abs(values).max(initial=1.0):
+            continue
+        x = (values - values.mean()) / span
+        powers = (1,) if distinct(x + 2.0).size < 3 else (1, 2)
+        extra = np.stack([x**power for power in powers], axis=-1) * weight[:, None]
+        extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
+        explained = extra.T @ left
+        more, dof = extra.shape[1], values.size - basis.shape[1] - extra.shape[1]
+        rest = float(left @ left - explained @ explained)
+        size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
+        if more and dof >= 1 and rest > 0.0 and size >= _ROUNDING:
+            F = float(explained @ explained) / more / (rest / dof)
+            trends.append(Trend(name, size, float(fdtrc(more, dof, F))))
+    return tuple(sorted(trends, key=lambda trend: trend.p_value))
 
 
 def _basis(columns: FloatArray, scale: float = 0.0) -> FloatArray:
@@ -375,14 +358,13 @@ def bic(deviance: float, n: int, k: int) -> float:
 def akaike_weights(criteria: npt.ArrayLike) -> FloatArray:
     """Return the weights e^{−Δ/2}, summing to 1; zero where the criterion is not finite above, all zero if none is."""
     values = np.asarray(criteria, dtype=np.float64)
-    usable = ~np.isnan(values) & (values < np.inf)
-    if not usable.any():
+    values = np.where(np.isnan(values), inf, values)
+    best = values.min(initial=inf)
+    if best == inf:
         return np.zeros_like(values)
-    best = values[usable].min()
-    if best == -np.inf:
-        weights = np.where(values == -np.inf, 1.0, 0.0)
-    else:
-        weights = np.where(usable, np.exp(-0.5 * (np.where(usable, values, best) - best)), 0.0)
+    # Two at −inf are no distance apart.
+    with np.errstate(invalid="ignore"):
+        weights = np.where(values == best, 1.0, np.exp(-0.5 * (values - best)))
     return np.asarray(weights / weights.sum())
 
 
@@ -396,7 +378,7 @@ def f_test(
     return F, (extra, left), float(fdtrc(extra, left, F))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class ConditionMeans:
     """One mean ln F_A for each condition: the independent evidence about a law.
 
@@ -434,26 +416,19 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
     at = problem.conditions
     # Of the rise, since a test that hangs the load on the tight side scatters in F_B instead.
     rise = problem.log_lift - at.log_end_tension
-    about = rise - mean(rise)[group]
+    about2 = (rise - mean(rise)[group]) ** 2
     spare = problem.n_points - K
     within, std = nan, np.asarray(total**-0.5, dtype=np.float64)
     if spare > 0:
-        scale = float((weight * about**2).sum()) / spare
-        within = sqrt(float((about**2).sum()) / spare)
+        within = sqrt(float(about2.sum()) / spare)
         # Repeats that agree exactly would make a mean infinitely well known.
-        std = np.maximum(std * sqrt(scale), _RESOLVED)
-    return ConditionMeans(
-        conditions=Conditions(
-            wheel_radius_m=mean(at.wheel_radius_m),
-            rope_radius_m=mean(at.rope_radius_m),
-            wrap_angle_rad=mean(at.wrap_angle_rad),
-            end_tension_N=np.exp(mean(at.log_end_tension)),
-        ),
-        log_lift=mean(problem.log_lift),
-        std=std,
-        size=np.bincount(group, minlength=K).astype(np.int64),
-        scatter_within=within,
-    )
+        std = np.maximum(std * sqrt(float((weight * about2).sum()) / spare), _RESOLVED)
+    settings = {
+        name: mean(getattr(at, name)) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
+    }
+    conditions = Conditions(**settings, end_tension_N=np.exp(mean(at.log_end_tension)))
+    size = np.bincount(group, minlength=K).astype(np.int64)
+    return ConditionMeans(conditions, mean(problem.log_lift), std, size, within)
 
 
 class ScatterFit(NamedTuple):

@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,7 @@ from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
-from ropefric.fitting.result import SCHEMA, FitResult, FittedParameter
-from ropefric.fitting.statistics import FitStatistics
-from ropefric.fitting.verdict import FitStatus
+from ropefric.fitting.result import SCHEMA, FitResult, FitStatus
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.trials.table import read_trial_table
@@ -45,12 +43,11 @@ def fit_text(fit: FitResult, folder: str | os.PathLike[str] = ".") -> str:
 
     Keys are sorted, there is no time of writing, and the data file is named relative to the folder.
     """
-    provenance = dict(fit.provenance)
-    source = dict(provenance.get("input", {}))
+    tree = fit.to_dict()
+    source = tree["provenance"].setdefault("input", {})
     if "sha256" in source and fit.problem is not None:
         # What was loaded from a file is relative to that file already.
         source["path"] = Path(os.path.relpath(source["path"], folder)).as_posix()
-    tree = replace(fit, provenance=provenance | {"input": source}).to_dict()
     return json_document(tree)
 
 
@@ -82,12 +79,9 @@ def check_target(path: Path, table: Path | None, *, overwrite: bool = False) -> 
     refuse_special(path)
     refuse_input(path, table)
     if not overwrite and path.is_file() and not _is_fit(path):
-        raise DataError(
-            "the file is there already, and it is no stored fit",
-            code="RF150",
-            path=path.as_posix(),
-            fix="choose another name, or replace it with --force (in Python, overwrite=True)",
-        )
+        text = "the file is there already, and it is no stored fit"
+        fix = "choose another name, or replace it with --force (in Python, overwrite=True)"
+        raise DataError(text, code="RF150", path=path.as_posix(), fix=fix)
 
 
 def _is_fit(path: Path) -> bool:
@@ -137,7 +131,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     _check_tree(tree, shown)
     try:
         fit = FitResult.from_dict(tree)
-        fault = next(_faults(fit), "")
+        fault = _fault(fit)
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         fault = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
     if fault:
@@ -171,84 +165,75 @@ def _check_tree(tree: Any, shown: str) -> None:
     for kind, (word, names) in _FIELDS.items():
         for name in names:
             if not isinstance(tree.get(name), kind):
-                raise refuse(
-                    f"the field is {f'no {word}' if name in tree else 'missing'}", name, _AGAIN, "RF431"
-                )
+                what = f"no {word}" if name in tree else "missing"
+                raise refuse(f"the field is {what}", name, _AGAIN, "RF431")
 
 
-def _faults(fit: FitResult) -> Iterator[str]:
-    """Yield what no fit can be like, in words; nothing for a sound one.
+def _fault(fit: FitResult) -> str:
+    """Return the first thing that no fit can be like, in words; empty for a sound one.
 
     A file may be cut, merged or edited by hand, and a prediction from it would look like any other.
     """
-    p = len(fit.parameters)
-    names = fit.friction_law.parameter_names
+    p, names = len(fit.parameters), fit.friction_law.parameter_names
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
-        yield f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
-        return
+        return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
+    with np.errstate(all="ignore"):
+        checks = (*_checks_of_numbers(fit), *_checks_of_words(fit))
+    return next((text for wrong, text in checks if wrong), "")
+
+
+def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
+    """Yield what may be wrong with the numbers of a fit: whether it is, and in words."""
+    covariance, variance, found = fit.covariance, np.diag(fit.covariance), fit.statistics
+    std = np.sqrt(variance)
+    # Only the intervals of the covariance are drawn about the estimate; on a bound there are none.
+    plain = "intervals" not in fit.provenance
     for item in fit.parameters:
-        yield from _faults_of_parameter(item, plain="intervals" not in fit.provenance)
-    yield from _faults_of_covariance(fit)
-    yield from _faults_of_statistics(fit.statistics)
+        name, value, (low, high), slack = item.name, item.value, item.ci95, _ROUNDING * abs(item.value)
+        inside = isfinite(value) and item.lower <= value <= item.upper
+        yield (
+            not inside,
+            f"{name} = {value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}",
+        )
+        known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
+        yield not known, f"the standard error of {name} is {item.std:g}"
+        around = low <= high and (not plain or low - slack <= value <= high + slack)
+        yield (
+            not (around or item.at_bound),
+            f"the interval of {name} from {low:g} to {high:g} is none of {value:g}",
+        )
+    yield not np.isfinite(covariance).all(), "the covariance is not finite"
+    yield bool((variance < 0.0).any()), "the covariance has a negative variance"
+    symmetric = np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
+    yield not symmetric, "the covariance is not symmetric"
+    beyond = np.abs(covariance) > np.outer(std, std) * (1.0 + _ROUNDING)
+    yield bool(beyond.any()), "the covariance has a correlation above 1"
+    for item, own in zip(fit.parameters, std, strict=True):
+        unlike = isfinite(item.std) and not np.isclose(item.std, own, rtol=1e-6, atol=0.0)
+        yield unlike, f"the standard error of {item.name} is not that of the covariance"
+    for name in ("n", "n_conditions", "dof"):
+        yield not isinstance(getattr(found, name), int), f"statistics.{name} is no whole number"
+    possible = found.n >= found.n_conditions >= 1 and found.dof <= found.n
+    trials = f"{found.n} trials of {found.n_conditions} conditions"
+    yield not possible, f"{trials} with {found.dof} degrees of freedom"
+    yield not (isfinite(found.chi2) and found.chi2 >= 0.0), f"chi2 is {found.chi2:g}"
+    for name in ("scatter_within", "scatter_between", "interval_dof"):
+        yield getattr(found, name) < 0.0, f"statistics.{name} is {getattr(found, name):g}, negative"
     for name in REGRESSORS:
         low, high = fit.validity.get(name, (1.0, 0.0))
-        if not 0.0 <= low <= high < inf:
-            yield f"validity.{name} is no range"
-    parts = [name for name in _PARTS if not isinstance(fit.provenance.get(name, {}), Mapping)]
-    yield from (f"provenance.{name} is no object" for name in parts)
-    if fit.status is FitStatus.OK:
-        if any(item.at_bound for item in fit.parameters):
-            yield "the status is ok, but a parameter lies on its bound"
-        if not all(isfinite(item.std) for item in fit.parameters):
-            yield "the status is ok, but a parameter has no standard error"
-    elif not fit.advice:
-        yield f"the status is {fit.status}, but there is no advice"
+        yield not 0.0 <= low <= high < inf, f"validity.{name} is no range"
+
+
+def _checks_of_words(fit: FitResult) -> Iterator[tuple[bool, str]]:
+    for name in _PARTS:
+        yield not isinstance(fit.provenance.get(name, {}), Mapping), f"provenance.{name} is no object"
+    ok, on_bound = fit.status is FitStatus.OK, any(item.at_bound for item in fit.parameters)
+    yield ok and on_bound, "the status is ok, but a parameter lies on its bound"
+    unknown = not all(isfinite(item.std) for item in fit.parameters)
+    yield ok and unknown, "the status is ok, but a parameter has no standard error"
+    yield not (ok or fit.advice), f"the status is {fit.status}, but there is no advice"
     texts: tuple[object, ...] = (*fit.advice, *fit.notes)
-    yield from (f"{text!r:.40} is no advice" for text in texts if not isinstance(text, str))
-
-
-def _faults_of_parameter(item: FittedParameter, *, plain: bool) -> Iterator[str]:
-    if not (isfinite(item.value) and item.lower <= item.value <= item.upper):
-        yield f"{item.name} = {item.value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}"
-    if item.std < 0.0 or (isnan(item.std) and not item.at_bound):
-        yield f"the standard error of {item.name} is {item.std:g}"
-    low, high = item.ci95
-    # Only the intervals of the covariance are drawn about the estimate; on a bound there are none.
-    slack = _ROUNDING * abs(item.value)
-    unlike = not (low <= high) or (plain and not low - slack <= item.value <= high + slack)
-    if unlike and not item.at_bound:
-        yield f"the interval of {item.name} from {low:g} to {high:g} is none of {item.value:g}"
-
-
-def _faults_of_covariance(fit: FitResult) -> Iterator[str]:
-    covariance, variance = fit.covariance, np.diag(fit.covariance)
-    if not np.isfinite(covariance).all():
-        yield "the covariance is not finite"
-        return
-    if (variance < 0.0).any():
-        yield "the covariance has a negative variance"
-        return
-    std = np.sqrt(variance)
-    if not np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0):
-        yield "the covariance is not symmetric"
-    elif (np.abs(covariance) > np.outer(std, std) * (1.0 + _ROUNDING)).any():
-        yield "the covariance has a correlation above 1"
-    for item, own in zip(fit.parameters, std, strict=True):
-        if isfinite(item.std) and not np.isclose(item.std, own, rtol=1e-6, atol=0.0):
-            yield f"the standard error of {item.name} is not that of the covariance"
-
-
-def _faults_of_statistics(found: FitStatistics) -> Iterator[str]:
-    for name in ("n", "n_conditions", "dof"):
-        if not isinstance(getattr(found, name), int):
-            yield f"statistics.{name} is no whole number"
-    if not (found.n >= found.n_conditions >= 1 and found.dof <= found.n):
-        yield f"{found.n} trials of {found.n_conditions} conditions with {found.dof} degrees of freedom"
-    if not (isfinite(found.chi2) and found.chi2 >= 0.0):
-        yield f"chi2 is {found.chi2:g}"
-    for name in ("scatter_within", "scatter_between", "interval_dof"):
-        if getattr(found, name) < 0.0:
-            yield f"statistics.{name} is {getattr(found, name):g}, negative"
+    yield from ((not isinstance(text, str), f"{text!r:.40} is no advice") for text in texts)
 
 
 # ---- stored fits made again from their data ----
@@ -272,11 +257,9 @@ def verify_fits(folder: str | os.PathLike[str]) -> tuple[Verification, ...]:
         raise DataError("there is no such folder", path=place, fix="give the folder of the stored fits")
     paths = sorted(place.glob("*.json"))
     if not paths:
-        raise DataError(
-            "the folder holds no *.json",
-            path=place,
-            fix="store one there: `ropefric fit … --out FIT.json`, or save_fit in Python",
-        )
+        text = "the folder holds no *.json"
+        fix = "store one there: `ropefric fit … --out FIT.json`, or save_fit in Python"
+        raise DataError(text, path=place, fix=fix)
     return tuple(verify_fit(path) for path in paths)
 
 
@@ -288,8 +271,7 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
     law, ok, difference = "", False, nan
     try:
         stored = load_fit(path)
-        law = stored.law
-        again = _again(stored, Path(path).parent)
+        law, again = stored.law, _again(stored, Path(path).parent)
     except RopefricError as error:
         message = str(error)
     except Exception as error:  # noqa: BLE001  (whatever is wrong with one file, the others are to be told of)
@@ -305,22 +287,18 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
 
 def _again(stored: FitResult, folder: Path) -> FitResult:
     source: dict[str, Any] = dict(stored.provenance.get("input", {}))
+    path, sha256 = source.get("path"), source.get("sha256")
     if "sha256" not in source:
-        raise DataError(
-            "the fit names no data file, so it cannot be made again",
-            code="RF432",
-            fix="fit a CSV trial table and save the result",
-        )
-    path = source.get("path")
-    if not isinstance(path, str) or not isinstance(source["sha256"], str):
+        text = "the fit names no data file, so it cannot be made again"
+        raise DataError(text, code="RF432", fix="fit a CSV trial table and save the result")
+    if not isinstance(path, str) or not isinstance(sha256, str):
         raise _damaged("provenance.input")
     data = folder / path
     if not kind_of_file(data):
         raise DataError("the data file of the fit is not there", code="RF432", path=data, fix="put it back")
-    if hash_file(data) != source["sha256"]:
-        raise DataError(
-            "the data file has changed since the fit was made", code="RF432", path=data, fix="fit again"
-        )
+    if hash_file(data) != sha256:
+        text = "the data file has changed since the fit was made"
+        raise DataError(text, code="RF432", path=data, fix="fit again")
     try:
         settings = dict(stored.provenance["settings"])
         for key in ("fixed", "start"):
@@ -338,9 +316,8 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
 
 
 def _damaged(key: str) -> DataError:
-    return DataError(
-        "the field is damaged, so the fit cannot be made again", code="RF431", key=key, fix="fit again"
-    )
+    text = "the field is damaged, so the fit cannot be made again"
+    return DataError(text, code="RF431", key=key, fix="fit again")
 
 
 def _difference(stored: FitResult, again: FitResult) -> float:
@@ -349,7 +326,5 @@ def _difference(stored: FitResult, again: FitResult) -> float:
     for old, new in zip(stored.parameters, again.parameters, strict=True):
         known = isfinite(old.std) and old.std > 0
         scale = old.std if known else max(abs(old.value), 1e-12)
-        changes.append(abs(new.value - old.value) / scale)
-        if known:
-            changes.append(abs(new.std - old.std) / scale)
+        changes += [abs(new.value - old.value) / scale, abs(new.std - old.std) / scale if known else 0.0]
     return float(np.max(changes))

@@ -10,12 +10,7 @@ import numpy as np
 from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
-from ropefric.fitting.budgets import (
-    MeasuredCondition,
-    conditions_of_extraction,
-    force_model,
-    state_lift,
-)
+from ropefric.fitting.budgets import MeasuredCondition, conditions_of_extraction, force_model, state_lift
 from ropefric.fitting.design import DesignChart, design_chart
 from ropefric.fitting.next_tests import (
     LabPlan,

@@ -14,9 +14,8 @@ from ropefric.files.plain_text import csv_cell, csv_text, json_document
 from ropefric.fitting.compare import Choice, Comparison, choose_law, compare_laws
 from ropefric.fitting.diagnose import Diagnosis, diagnose
 from ropefric.fitting.predict import Prediction, predict
-from ropefric.fitting.result import FitResult
+from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
-from ropefric.fitting.verdict import Verdict
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.traces.breakaway import Status

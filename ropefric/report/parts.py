@@ -9,8 +9,7 @@ from ropefric.fitting.compare import Comparison
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.next_tests import LabPlan, Outlook
 from ropefric.fitting.predict import REGRESSORS, Candidate, Prediction
-from ropefric.fitting.result import FitResult
-from ropefric.fitting.verdict import Verdict
+from ropefric.fitting.result import FitResult, Verdict
 from ropefric.glossary import counted
 from ropefric.report.section import Section, Table, interval, percent, plain, shorthand
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement, numerical_tolerance

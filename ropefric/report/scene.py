@@ -11,10 +11,9 @@ from ropefric.report.section import Section, Table
 
 if TYPE_CHECKING:
     from ropefric.scenes.kind import Part
-    from ropefric.scenes.plan import Decision, EffectWorth, Explanation
-    from ropefric.scenes.solve import Solution
+    from ropefric.scenes.plan import Decision, Explanation
+    from ropefric.scenes.solve import Solution, Uncertain
     from ropefric.scenes.sweep import Sweep
-    from ropefric.scenes.uncertainty import Uncertain
 
 
 _NAMED = 4
@@ -90,15 +89,14 @@ def _settings(settings: Mapping[str, float]) -> str:
 
 def explanation_sections(told: "Explanation") -> list[Section]:
     """Return the table of effects and the method, with what was measured if anything was."""
-    worth = told.worth
     headings: tuple[str, ...] = ("effect", "fate ", "worth at most")
-    if worth is not None:
+    if told.is_measured:
         headings += ("measured worth", "share of time")
     rows = []
-    for place, decision in enumerate(told.plan.decisions):
+    for decision in told.plan.decisions:
         cells = [decision.name, decision.fate, _bound(decision)]
-        if worth is not None:
-            cells += _measured(worth[place])
+        if told.is_measured:
+            cells += _measured(decision)
         rows.append(tuple(cells))
     plan = told.plan
     bound = "not known" if math.isinf(plan.error_bound) else f"{plan.error_bound:.2g}"
@@ -106,7 +104,7 @@ def explanation_sections(told: "Explanation") -> list[Section]:
         f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
         f"method: {plan.method.name}{_settings(plan.method.settings)}: {plan.method.why}",
     ]
-    if worth is not None:
+    if told.is_measured:
         lines.append(
             f"measured: difference {told.difference:.2g}; {_time(told.planned_s)} as planned, "
             f"{_time(told.all_s)} with everything"
@@ -138,7 +136,7 @@ def _bound(decision: "Decision") -> str:
     return "0" if decision.bound == 0.0 else f"{decision.bound:.2g}"
 
 
-def _measured(worth: "EffectWorth") -> list[str]:
+def _measured(worth: "Decision") -> list[str]:
     return [
         "–" if math.isnan(worth.worth) else f"{worth.worth:.2g}",
         "–" if math.isnan(worth.time_share) else f"{100 * worth.time_share:.0f} %",

@@ -394,13 +394,25 @@ def at_contact(problem: Any, end_tension_N: FloatArray) -> dict[str, FloatArray]
     return {name: getattr(problem, name) for name in names} | {"end_tension_N": end_tension_N}
 
 
-def cells(one: Mapping[str, Any], columns: Iterable[tuple[str, str]]) -> tuple[str, ...]:
-    """Return a row of a table: the numbers of these names, each in its format."""
-    return tuple(in_words(one.get(name), form) for name, form in columns)
+Columns = Mapping[str, tuple[str, str] | tuple[str, str, float]]
+"""Of a table, by heading: the name of a number, its format, and the factor on it if there is one."""
 
 
-def in_words(value: float | None, form: str = ".4g") -> str:
-    """Return a number as a table shows it: a dash where there is none, 0 for what only rounding left."""
+def cells(one: Mapping[str, Any], columns: Iterable[tuple[Any, ...]]) -> tuple[str, ...]:
+    """Return a row of a table: the numbers of these names, each in its format and with its factor."""
+    return tuple(in_words(one.get(name), *form) for name, *form in columns)
+
+
+def by_rows(title: str, what: str, rows: Mapping[str, Any], columns: Columns, **more: Any) -> Part:
+    """Return a part with a table of rows by name, and the lines or notes that come with it."""
+    found = tuple((name, *cells(one, columns.values())) for name, one in rows.items())
+    return Part(title, headings=(what, *columns), rows=found, **more)
+
+
+def in_words(value: float | None, form: str = ".4g", factor: float = 1.0) -> str:
+    """Return a number as a table shows it: a dash where there is none, 0 for what only rounding left; yes or no."""
     if value is None or not math.isfinite(value):
         return "–"
-    return format(0.0 if abs(value) < 1e-12 else value, form)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return format(0.0 if abs(value) < 1e-12 else factor * value, form)

@@ -4,7 +4,8 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
+from itertools import accumulate
 from statistics import median
 from typing import Any, Literal, NamedTuple, TypeVar
 
@@ -23,15 +24,18 @@ _METHOD_SHARE = 0.1
 Fate = Literal["simulated", "left out", "not applicable"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Decision:
-    """What became of one effect, and why."""
+class Decision(NamedTuple):
+    """What became of one effect and why; what it turned out to be worth, and its share of the time, if measured."""
 
     name: str
     fate: Fate
     bound: float
     why: str
     missing: tuple[str, ...] = ()
+    adds: str = ""
+    instead: str = ""
+    worth: float = math.nan
+    time_share: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,84 +74,90 @@ def make_plan(
     """Return the plan for a problem, and the model assembled to it.
 
     With "auto" the effects with the smallest bounds are left out as long as all bounds together, and the method's
-    error, stay within the accuracy. Bounds are of |Δ ln answer|, so they add up.
+    error, stay within the accuracy; none where to solve it whole is quicker than that. Bounds are of
+    |Δ ln answer|, so they add up.
     """
-    wanted = effects if isinstance(effects, tuple) else None
-    missing = {effect.name: effect.needs(problem) for effect in system.effects.values()}
-    if wanted is not None:
-        _refuse_impossible(system, wanted, missing)
-    applicable = [effect for effect in system.effects.values() if not missing[effect.name]]
-    everything = {effect.name for effect in applicable}
-    named = {"all": everything, "auto": set()}.get(str(effects), set(wanted or ()))
+    every = list(system.effects.values())
+    missing = {effect.name: effect.needs(problem) for effect in every}
+    simulated = {name for name, keys in missing.items() if not keys}
+    applicable = [effect for effect in every if effect.name in simulated]
+    chosen = effects == "auto" and not system.solved_whole
+    if isinstance(effects, tuple):
+        simulated = {system.effects[name].name for name in effects}
+        _refuse_impossible({name: missing[name] for name in effects if missing[name]})
     bounds = {
         effect.name: effect.influence(problem)
         for effect in applicable
-        if all_bounds or effect.name not in named
+        if all_bounds or chosen or effect.name not in simulated
     }
-    simulated = everything - _left_out(applicable, bounds, accuracy) if effects == "auto" else named
-    total = sum(bounds[name] for name in bounds if name not in simulated)
+    if chosen:
+        simulated -= _left_out(applicable, bounds, accuracy)
+    total = sum(bound for name, bound in bounds.items() if name not in simulated)
     model = assemble(system, problem, simulated)
-    left_out_error = math.expm1(total) if total < 700.0 else math.inf
+    left_out_error = _relative(total)
     # What the method errs by counts on top of an answer that may be off by what was left out already.
     budget = max(accuracy - left_out_error, _METHOD_SHARE * accuracy) / (1.0 + min(left_out_error, 1.0))
     method = system.method(model, budget)
-    error_bound = math.inf
-    if math.isfinite(left_out_error):
-        error_bound = left_out_error + method.error * (1.0 + left_out_error)
+    error_bound = left_out_error
+    if left_out_error < math.inf:
+        error_bound += method.error * (1.0 + left_out_error)
+    spared = -1.0 if chosen else accuracy
     decisions = tuple(
-        _decide(effect, missing[effect.name], simulated, bounds, named=effects)
-        for effect in system.effects.values()
+        _decide(one, missing[one.name], bounds, is_in=one.name in simulated, effects=effects, spared=spared)
+        for one in every
     )
     return Plan(decisions=decisions, method=method, accuracy=accuracy, error_bound=error_bound), model
 
 
 def _left_out(applicable: list[Effect[Any, Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
     """Return what can be left out: the smallest influence first, the dearer of two equal ones first."""
+    order = sorted(applicable, key=lambda one: (bounds[one.name], -one.cost))
+    spent = accumulate(bounds[one.name] for one in order)
     budget = math.log1p((1.0 - _METHOD_SHARE) * accuracy)
-    spent, names = 0.0, set()
-    for effect in sorted(applicable, key=lambda one: (bounds[one.name], -one.cost)):
-        if spent + bounds[effect.name] > budget:
-            break
-        spent += bounds[effect.name]
-        names.add(effect.name)
-    return names
+    return {one.name for one, sum_so_far in zip(order, spent, strict=True) if sum_so_far <= budget}
 
 
-def _refuse_impossible(
-    system: System[Any, Any, Any], wanted: tuple[str, ...], missing: dict[str, tuple[str, ...]]
-) -> None:
-    for name in wanted:
-        lacking = missing[system.effects[name].name]
-        if lacking:
-            raise InputError(
-                f"the effect {name} cannot be simulated without {' and '.join(lacking)}",
-                code="RF502",
-                key="effects",
-                fix=f"add {' and '.join(lacking)}, or take {name} off the list",
-            )
+def _refuse_impossible(missing: dict[str, tuple[str, ...]]) -> None:
+    for name, keys in missing.items():
+        lacking = " and ".join(keys)
+        raise InputError(
+            f"the effect {name} cannot be simulated without {lacking}",
+            code="RF502",
+            key="effects",
+            fix=f"add {lacking}, or take {name} off the list",
+        )
 
 
 def _decide(
     effect: Effect[Any, Any],
     missing: tuple[str, ...],
-    simulated: set[str],
     bounds: dict[str, float],
     *,
-    named: str | tuple[str, ...],
+    is_in: bool,
+    effects: str | tuple[str, ...],
+    spared: float,
 ) -> Decision:
-    fate: Fate = "simulated" if effect.name in simulated else "left out"
-    log_bound = bounds.get(effect.name, math.nan)
-    bound = math.expm1(log_bound) if not log_bound > 700.0 else math.inf
+    """Return what became of an effect; `spared` is the bound below which it is in because that costs no time."""
+    bound = _relative(bounds.get(effect.name, math.nan))
+    fate: Fate = "simulated" if is_in else "left out"
+    worth = f"worth {'up to' if is_in else 'at most'} {bound:.2g} of the answer"
+    if bound in {0.0, math.inf}:
+        worth = "no bound is known" if bound else "cannot change the answer"
     if missing:
         fate, why = "not applicable", f"the scene does not give {' and '.join(missing)}"
-    elif fate == "left out":
-        reason = "cannot change the answer" if bound == 0.0 else f"worth at most {bound:.2g} of the answer"
-        why = f"{reason}; {effect.instead}"
-    elif named != "auto":
-        why = "all effects are asked for" if named == "all" else "asked for by name"
+    elif not is_in:
+        why = f"{worth}; {effect.instead}"
+    elif effects != "auto":
+        why = "all effects are asked for" if effects == "all" else "asked for by name"
+    elif bound > spared:
+        why = worth
     else:
-        why = "no bound is known" if math.isinf(bound) else f"worth up to {bound:.2g} of the answer"
-    return Decision(name=effect.name, fate=fate, bound=bound, why=why, missing=missing)
+        why = f"{'' if math.isnan(bound) else worth + '; '}leaving it out would save no time"
+    return Decision(effect.name, fate, bound, why, missing, effect.adds, effect.instead)
+
+
+def _relative(log_change: float) -> float:
+    return math.inf if log_change > 700.0 else math.expm1(log_change)
 
 
 def method_tree(method: Method) -> dict[str, Any]:
@@ -159,13 +169,6 @@ def method_tree(method: Method) -> dict[str, Any]:
 _REPEATS = 5
 
 
-class EffectWorth(NamedTuple):
-    """What one effect turned out to be worth, and its share of the time."""
-
-    worth: float = math.nan
-    time_share: float = math.nan
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Explanation:
     """A plan, with what its effects are and what they are worth.
@@ -175,11 +178,7 @@ class Explanation:
     system : str
         Name of the system.
     plan : Plan
-        With the bounds of all effects.
-    effects : tuple of Effect
-        In the order of the plan's decisions.
-    worth : tuple of EffectWorth, or None
-        In the same order; None where it was not measured.
+        With the bounds of all effects, and what they turned out to be worth if that was measured.
     planned_s, all_s : float
         Median time of solving as planned and with all effects [s]; NaN where it was not measured.
     difference : float
@@ -188,15 +187,17 @@ class Explanation:
 
     system: str
     plan: Plan
-    effects: tuple[Effect[Any, Any], ...]
-    worth: tuple[EffectWorth, ...] | None = None
     planned_s: float = math.nan
     all_s: float = math.nan
     difference: float = math.nan
 
+    @property
+    def is_measured(self) -> bool:
+        """Return whether the effects were solved with and without, and the clock read."""
+        return not math.isnan(self.planned_s)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the explanation as a JSON tree; what is not known is null."""
-        worth = self.worth or (EffectWorth(),) * len(self.effects)
         measured = {"planned_s": self.planned_s, "all_effects_s": self.all_s, "difference": self.difference}
         return {
             "system": self.system,
@@ -204,23 +205,13 @@ class Explanation:
             "error_bound": finite(self.plan.error_bound),
             "method": method_tree(self.plan.method),
             "effects": [
-                _effect_tree(decision, effect, found)
-                for decision, effect, found in zip(self.plan.decisions, self.effects, worth, strict=True)
+                one._asdict()
+                | {name: finite(getattr(one, name)) for name in ("bound", "worth", "time_share")}
+                | {"simulated": one.fate == "simulated", "missing": list(one.missing)}
+                for one in self.plan.decisions
             ],
-            "measured": None if self.worth is None else {name: finite(one) for name, one in measured.items()},
+            "measured": {name: finite(one) for name, one in measured.items()} if self.is_measured else None,
         }
-
-
-def _effect_tree(decision: Decision, effect: Effect[Any, Any], worth: EffectWorth) -> dict[str, Any]:
-    return asdict(decision) | {
-        "simulated": decision.fate == "simulated",
-        "bound": finite(decision.bound),
-        "missing": list(decision.missing),
-        "adds": effect.adds,
-        "instead": effect.instead,
-        "worth": finite(worth.worth),
-        "time_share": finite(worth.time_share),
-    }
 
 
 def explain_scene(
@@ -232,7 +223,7 @@ def explain_scene(
         plan, _ = make_plan(
             system, scene.problem, accuracy=scene.accuracy, effects=scene.effects, all_bounds=True
         )
-        told = Explanation(system=scene.kind.name, plan=plan, effects=tuple(system.effects.values()))
+        told = Explanation(system=scene.kind.name, plan=plan)
         return _measured(scene, told, clock) if measure else told
     except RopefricError as error:
         raise placed(error, scene.document) from error
@@ -255,22 +246,22 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
         return answer, median(times)
 
     planned, planned_s = solved(simulated)
-    worth = []
-    for decision in plan.decisions:
-        found = EffectWorth()
+    decisions = []
+    for one in plan.decisions:
+        found = one
         # A model may have no answer without an effect that another one in it relies on.
         with suppress(RopefricError):
-            if decision.fate == "simulated":
-                other, other_s = solved(simulated - {decision.name})
+            if one.fate == "simulated":
+                other, other_s = solved(simulated - {one.name})
                 share = max(0.0, 1.0 - other_s / planned_s) if planned_s > 0.0 else math.nan
-                found = EffectWorth(system.distance(other, planned), share)
-            elif decision.fate == "left out":
-                found = EffectWorth(system.distance(planned, solved(simulated | {decision.name})[0]))
-        worth.append(found)
+                found = one._replace(worth=system.distance(other, planned), time_share=share)
+            elif one.fate == "left out":
+                found = one._replace(worth=system.distance(planned, solved(simulated | {one.name})[0]))
+        decisions.append(found)
     everything, all_s = solved(simulated | set(plan.left_out))
     return replace(
         told,
-        worth=tuple(worth),
+        plan=replace(plan, decisions=tuple(decisions)),
         planned_s=planned_s,
         all_s=all_s,
         difference=system.distance(planned, everything),

@@ -17,7 +17,7 @@ from ropefric.files.toml_model import validate_document
 from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
-from ropefric.friction.condition import Conditions, one_condition
+from ropefric.friction.condition import SETTINGS, Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind, SceneTable, given
@@ -38,10 +38,6 @@ class FrictionSource:
     dof: float = math.inf
     tested: Mapping[str, tuple[float, float]] | None = None
     warnings: tuple[str, ...] = ()
-
-    def with_theta(self, theta: FloatArray) -> WrapFriction:
-        """Return the same friction with other parameters."""
-        return replace(self.friction, theta=theta)
 
 
 def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | None:
@@ -89,8 +85,7 @@ def _find(name: str, folder: Path) -> Path:
 
 def _amid(fit: FitResult) -> Conditions:
     """Return the geometric middle of what was tested; a law changes by factors, not by differences."""
-    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-    middle = {name: np.sqrt([math.prod(fit.validity[name])]) for name in names if name in fit.validity}
+    middle = {name: np.sqrt([math.prod(fit.validity[name])]) for name in SETTINGS if name in fit.validity}
     try:
         return Conditions(**middle)
     except (TypeError, RopefricError):

@@ -3,27 +3,23 @@
 import os
 import re
 from collections.abc import Iterable
-from importlib.resources import files
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ropefric.errors import UnknownNameError
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
 
-if TYPE_CHECKING:
-    from importlib.resources.abc import Traversable
-
-
+_PACKAGE = Path(__file__).parents[1]
 # Where the bundled scenes find their fits, seen from data/scenes; elsewhere the fit stands in the scene's own folder.
 _FIT = re.compile(r'"(fits/[\w-]+\.json)"')
 _BUNDLED_FIT = re.compile(r'"\.\./\.\./(fits/[\w-]+\.json)"')
 
 
 def bundled_scenes() -> dict[str, str]:
-    """Return the scenes as they stand in data/scenes, by name."""
-    entries = [entry for entry in _folder().iterdir() if entry.name.endswith(".toml")]
-    return dict(sorted((Path(entry.name).stem, entry.read_bytes().decode("utf-8")) for entry in entries))
+    """Return the scenes of all machines, which stand in their folders of `systems` and in data/scenes, by name."""
+    found = {path.stem: path for path in _PACKAGE.glob("systems/*/*.toml")}
+    return {name: found[name].read_bytes().decode("utf-8") for name in sorted(found)}
 
 
 def scene_text(name: str) -> str:
@@ -63,21 +59,10 @@ def write_scenes(
     ['hoist.toml', 'prth-coupled.json']
     """
     texts = {f"{name}.toml": scene_text(name) for name in dict.fromkeys(names or bundled_scenes())}
-    fits = dict.fromkeys(fit for text in texts.values() for fit in _FIT.findall(text))
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
-    for fit in fits:
-        content = (_folder() / fit).read_bytes()
-        if not _holds(Path(folder) / fit, content):
-            contents[fit] = content
+    for fit in {fit for text in texts.values() for fit in _FIT.findall(text)}:
+        contents[fit] = (_PACKAGE / "scenes" / fit).read_bytes()
+        with suppress(OSError, ValueError):
+            if (Path(folder) / fit).read_bytes() == contents[fit]:
+                del contents[fit]
     return write_files(folder, contents, overwrite=overwrite)
-
-
-def _holds(path: Path, content: bytes) -> bool:
-    try:
-        return path.read_bytes() == content
-    except (OSError, ValueError):
-        return False
-
-
-def _folder() -> "Traversable":
-    return files("ropefric.scenes") / "templates"

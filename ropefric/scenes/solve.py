@@ -1,19 +1,35 @@
 """A scene solved: the answer, its uncertainty, and what was simulated for it."""
 
 import math
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.predict import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
 from ropefric.scenes.kind import Quantity, finite
 from ropefric.scenes.plan import Plan, make_plan, method_tree
-from ropefric.scenes.scene import Scene, placed
-from ropefric.scenes.uncertainty import Uncertain, carry_through, known
+from ropefric.scenes.scene import FrictionSource, Scene, placed
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
+from ropefric.uncertainty.quantity import directions, quantile
+
+_STEP = 1e-3
+"""Of a standard error, for the derivative along a direction: its square is the error of a central difference."""
+
+
+class Uncertain(NamedTuple):
+    """A number of an answer with its uncertainty."""
+
+    name: str
+    value: FloatArray
+    std: FloatArray
+    interval: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -131,9 +147,7 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
             scene=scene,
             plan=plan,
             answer=answer,
-            quantities=tuple(map(known, quantities))
-            if source is None
-            else carry_through(source, again, quantities, level=level),
+            quantities=carry_through(source, again, quantities, level=level),
             level=level,
             extrapolation=_extrapolation(scene),
             failures=tuple(one.text() for one in kind.failures(answer, problem) if one.fails.any()),
@@ -163,3 +177,52 @@ def _extrapolation(scene: Scene) -> tuple[str, ...]:
 
 def _span(low: float, high: float) -> str:
     return f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g}–{high:.4g}"
+
+
+def carry_through(
+    source: FrictionSource | None,
+    solve: Callable[[WrapFriction], tuple[Quantity, ...]],
+    nominal: tuple[Quantity, ...],
+    *,
+    level: float,
+) -> tuple[Uncertain, ...]:
+    """Return the answer's numbers with their uncertainty because the friction was fitted, to first order: g C gᵀ.
+
+    The gradient is taken along the principal directions of the covariance, by central differences: two solutions
+    a parameter. Forces and coefficients are taken in their logarithm. Without a covariance the numbers are certain;
+    one that is not known leaves every number without an error.
+    """
+    stds, reach, finite = [np.zeros_like(one.value) for one in nominal], 0.0, True
+    if source is not None and source.covariance is not None:
+        finite, reach = bool(np.isfinite(source.covariance).all()), quantile(0.5 + 0.5 * level, source.dof)
+        columns = directions(source.covariance) if finite else np.zeros((0, 0))
+        try:
+            for step in _STEP * columns.T[columns.any(axis=0)]:
+                up, down = (
+                    solve(replace(source.friction, theta=source.friction.theta + way))
+                    for way in (step, -step)
+                )
+                slopes = [(_read(a) - _read(b)) / (2.0 * _STEP) for a, b in zip(up, down, strict=True)]
+                stds = [np.hypot(std, slope) for std, slope in zip(stds, slopes, strict=True)]
+        except RopefricError:
+            # A law at the edge of where it has an answer has no slope there.
+            finite = False
+    return tuple(
+        _with_std(one, std if finite else np.full_like(std, np.nan), reach)
+        for one, std in zip(nominal, stds, strict=True)
+    )
+
+
+def _read(quantity: Quantity) -> FloatArray:
+    return np.log(quantity.value) if quantity.positive else quantity.value
+
+
+def _with_std(quantity: Quantity, std: FloatArray, reach: float) -> Uncertain:
+    value = quantity.value
+    if not std.any():
+        return Uncertain(quantity.name, value, std, np.stack([value, value], axis=-1))
+    middle, half = _read(quantity), reach * std
+    ends = np.stack([middle - half, middle + half], axis=-1)
+    if quantity.positive:
+        std, ends = value * std, np.exp(ends)
+    return Uncertain(quantity.name, value, std, ends)

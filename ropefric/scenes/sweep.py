@@ -7,7 +7,7 @@ may have a million rows.
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import prod
@@ -22,7 +22,8 @@ from ropefric.files.folder import Folder
 from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
-from ropefric.scenes.plan import make_plan
+from ropefric.scenes.kind import Failure, Quantity
+from ropefric.scenes.plan import Plan, make_plan
 from ropefric.scenes.scene import Scene, read_scene, source_of
 
 MOST_POINTS = 10_000_000
@@ -42,8 +43,8 @@ class Axis:
 
 def parse_axis(scene: Scene, text: str) -> Axis:
     """Return the axis that "KEY=START:STOP:COUNT" or "KEY=A,B,C" asks for."""
-    key, equals, values = (part.strip() for part in text.partition("="))
-    if not equals or not key or not values:
+    key, equals, asked = (part.strip() for part in text.partition("="))
+    if not equals or not key or not asked:
         raise InputError(
             f"--sweep {text!r} is not KEY=START:STOP:COUNT or KEY=A,B,C",
             key="--sweep",
@@ -56,31 +57,34 @@ def parse_axis(scene: Scene, text: str) -> Axis:
             key="--sweep",
             fix=f"{did_you_mean(key, known)}; a key that the scene leaves out must be written into it first",
         )
-    if ":" in values:
-        return _range(scene, key, values)
-    texts = [part.strip() for part in values.split(",")]
-    found = np.array([_si(scene, key, part) for part in texts])
-    unit, factor = _unit(texts[-1], float(found[-1]))
-    return Axis(key=key, values=found, unit=unit, factor=factor)
+    texts, between = [part.strip() for part in asked.split(":" if ":" in asked else ",")], None
+    if ":" in asked:
+        texts, between = texts[:2], _between(asked, texts[2:])
+    values = np.array([_si(scene, key, part) for part in texts])
+    # The unit is that of the last value.
+    found, si_value = _NUMBER.match(texts[-1]), float(values[-1])
+    unit = texts[-1][found.end() :].strip() if found else texts[-1]
+    written = float(found[1]) if found else 1.0
+    factor = si_value / written if unit and written else 1.0
+    if between is not None:
+        spaced, count = between
+        if spaced == "log" and not (values > 0.0).all():
+            raise InputError(f"{asked!r} has no equal ratios: both ends must be positive", key="--sweep")
+        values = (np.geomspace if spaced == "log" else np.linspace)(values[0], values[1], count)
+    return Axis(key=key, values=values, unit=unit, factor=factor)
 
 
-def _range(scene: Scene, key: str, text: str) -> Axis:
-    parts = [part.strip() for part in text.split(":")]
-    spaced = parts[3] if len(parts) == 4 else "linear"
-    counted = len(parts) in (3, 4) and parts[2].isdecimal() and len(parts[2]) < 20
-    count = int(parts[2]) if counted else 0
-    if not 2 <= count <= MOST_POINTS or spaced not in {"linear", "log"}:
+def _between(asked: str, parts: list[str]) -> tuple[str, int]:
+    """Return how the values of a range are spaced, and how many there are."""
+    count, spaced = parts if len(parts) == 2 else ("".join(parts[:1]), "linear")
+    counted = int(count) if len(parts) <= 2 and count.isdecimal() and len(count) < 20 else 0
+    if not 2 <= counted <= MOST_POINTS or spaced not in {"linear", "log"}:
         raise InputError(
-            f"{text!r} is not START:STOP:COUNT with a count from 2 to {MOST_POINTS}",
+            f"{asked!r} is not START:STOP:COUNT with a count from 2 to {MOST_POINTS}",
             key="--sweep",
             fix="write it like  90deg:1440deg:50  or, in equal ratios,  90deg:1440deg:50:log",
         )
-    start, stop = (_si(scene, key, part) for part in parts[:2])
-    if spaced == "log" and not (start > 0.0 and stop > 0.0):
-        raise InputError(f"{text!r} has no equal ratios: both ends must be positive", key="--sweep")
-    values = (np.geomspace if spaced == "log" else np.linspace)(start, stop, count)
-    unit, factor = _unit(parts[1], stop)
-    return Axis(key=key, values=values, unit=unit, factor=factor)
+    return spaced, counted
 
 
 def _si(scene: Scene, key: str, text: str) -> float:
@@ -95,16 +99,6 @@ def _si(scene: Scene, key: str, text: str) -> float:
     data = _replaced(scene.document.data, key, written)
     changed = read_scene(TomlDocument(path=scene.document.path, data=data, lines={}), scene.folder)
     return float(_at(changed.table, key))
-
-
-def _unit(text: str, si_value: float) -> tuple[str, float]:
-    """Return the unit in which a value was written, and how much of SI one of it is."""
-    found = _NUMBER.match(text)
-    unit = text[found.end() :].strip() if found else text
-    if not unit:
-        return "", 1.0
-    written = float(found[1]) if found else 1.0
-    return unit, si_value / written if written else 1.0
 
 
 def scalar_keys(scene: Scene) -> tuple[str, ...]:
@@ -212,100 +206,99 @@ def sweep_scene(scene: Scene, axes: tuple[Axis, ...], *, progress: Progress | No
             key="--sweep",
             fix="ask for fewer values of each key",
         )
-    by_array = all(key in scene.kind.sweep_fields for key in keys) and scene.kind.in_one_call(scene.problem)
-    found = _Found(scene, keys, total)
-    size = _BLOCK if by_array else 1
-    for start in range(0, total, size):
-        places = np.arange(start, min(start + size, total))
-        grid = np.unravel_index(places, shape)
-        values = [axis.values[place] for axis, place in zip(axes, grid, strict=True)]
-        (found.solve_answerable if by_array else found.solve_point)(places, values)
-        if progress is not None:
-            progress(int(places[-1]) + 1, total, "points")
-    if found.failed == total:
+    columns: dict[str, FloatArray] = {}
+    failed, first_failure, error_bound = 0, "", 0.0
+    simulated: set[str] = set()
+    failures: Counter[str] = Counter()
+    for places, found in _outcomes(scene, axes, total, progress):
+        if isinstance(found, RopefricError):
+            failed += places.size
+            first_failure = first_failure or found.problem.message
+            continue
+        plan, quantities, ways = found
+        for quantity in quantities:
+            columns.setdefault(quantity.name, np.full(total, np.nan))[places] = quantity.value
+        simulated.update(plan.simulated)
+        error_bound = max(error_bound, plan.error_bound)
+        for way in ways:
+            failures[way.words] += int(way.fails.sum())
+    if failed == total:
         raise InputError(
-            f"no point of the sweep has an answer; the first says: {found.first_failure}",
+            f"no point of the sweep has an answer; the first says: {first_failure}",
             code="RF503",
             key="--sweep",
             fix="sweep over values that this scene can take",
         )
     return Sweep(
         axes=axes,
-        columns=found.columns,
-        failed=found.failed,
-        first_failure=found.first_failure,
-        simulated=tuple(name for name in scene.kind.system.effects if name in found.simulated),
-        error_bound=found.error_bound,
+        columns=columns,
+        failed=failed,
+        first_failure=first_failure,
+        simulated=tuple(name for name in scene.kind.system.effects if name in simulated),
+        error_bound=error_bound,
         accuracy=scene.accuracy,
-        failures=dict(+found.failures),
+        failures=dict(+failures),
     )
 
 
-class _Found:
-    """The points of a sweep, block by block: what has come in so far."""
+Outcome = tuple[Plan, tuple[Quantity, ...], tuple[Failure, ...]] | RopefricError
+Build = Callable[[list[FloatArray]], Any]
+"""Returns the problem of some points from the values of all axes there."""
 
-    def __init__(self, scene: Scene, keys: list[str], total: int) -> None:
-        self.scene, self.keys, self.total = scene, keys, total
-        self.effects = scene.effects if scene.effects != "auto" or total <= _PLANNED_POINTS else "all"
-        self.columns: dict[str, FloatArray] = {}
-        self.failed, self.first_failure, self.error_bound = 0, "", 0.0
-        self.simulated: set[str] = set()
-        self.failures: Counter[str] = Counter()
 
-    def solve_answerable(self, places: IntArray, values: list[FloatArray]) -> None:
-        """Solve the points that can have an answer in one call, and one of the others, to hear why not."""
-        possible = self.scene.kind.answerable(self._problem(values))
+def _outcomes(
+    scene: Scene, axes: tuple[Axis, ...], total: int, progress: Progress | None
+) -> Iterator[tuple[IntArray, Outcome]]:
+    """Yield what the points give, block by block; point by point where a key does not go in one call."""
+    kind = scene.kind
+    shape = tuple(axis.values.size for axis in axes)
+    fields = [kind.sweep_fields.get(axis.key) for axis in axes]
+    by_array = None not in fields and kind.in_one_call(scene.problem)
+    effects = "all" if by_array and scene.effects == "auto" and total > _PLANNED_POINTS else scene.effects
+
+    def build(values: list[FloatArray]) -> Any:
+        if by_array:
+            swept = {one.field: one.factor * value for one, value in zip(fields, values, strict=True) if one}
+            return replace(scene.problem, **swept)
+        table = scene.table
+        for axis, value in zip(axes, values, strict=True):
+            table = _replaced(table, axis.key, float(value[0]))
+        source = source_of(kind, table, scene.folder)
+        return kind.problem(table, None if source is None else source.friction)
+
+    size = _BLOCK if by_array else 1
+    for start in range(0, total, size):
+        places = np.arange(start, min(start + size, total))
+        grid = np.unravel_index(places, shape)
+        values = [axis.values[place] for axis, place in zip(axes, grid, strict=True)]
+        possible = kind.answerable(build(values)) if by_array else np.ones(1, dtype=np.bool_)
+        # Of the points that cannot have an answer one is solved, to hear why not.
         hopeless = np.flatnonzero(~possible)
-        if hopeless.size:
-            first = hopeless[:1]
-            self._solve_block(places[first], [value[first] for value in values])
-            self.failed += hopeless.size - 1
-        if possible.any():
-            self._solve_block(places[possible], [value[possible] for value in values])
+        for some in (hopeless[:1], np.flatnonzero(possible)):
+            if some.size:
+                yield from _solved(scene, build, places[some], [value[some] for value in values], effects)
+        if hopeless.size > 1:
+            yield places[hopeless[1:]], InputError("there is no answer")
+        if progress is not None:
+            progress(int(places[-1]) + 1, total, "points")
 
-    def solve_point(self, places: IntArray, values: list[FloatArray]) -> None:
-        """Solve a point from its own checked table."""
-        scene, table = self.scene, self.scene.table
-        for key, value in zip(self.keys, values, strict=True):
-            table = _replaced(table, key, float(value[0]))
-        try:
-            source = source_of(scene.kind, table, scene.folder)
-            problem = scene.kind.problem(table, None if source is None else source.friction)
-            self._solve(problem, places, scene.effects)
-        except RopefricError as error:
-            self._fail(error)
 
-    def _problem(self, values: list[FloatArray]) -> Any:
-        becomes = [self.scene.kind.sweep_fields[key] for key in self.keys]
-        swept = {one.field: one.factor * value for one, value in zip(becomes, values, strict=True)}
-        return replace(self.scene.problem, **swept)
-
-    def _solve_block(self, places: IntArray, values: list[FloatArray]) -> None:
-        """Solve points in one call; where one of them has no answer, halve the block until it stands alone."""
-        try:
-            self._solve(self._problem(values), places, self.effects)
-        except RopefricError as error:
-            if places.size == 1:
-                self._fail(error)
-                return
-            for half in np.array_split(np.arange(places.size), 2):
-                self._solve_block(places[half], [value[half] for value in values])
-
-    def _fail(self, error: RopefricError) -> None:
-        self.first_failure = self.first_failure or error.problem.message
-        self.failed += 1
-
-    def _solve(self, problem: Any, places: IntArray, effects: str | tuple[str, ...]) -> None:
-        kind = self.scene.kind
-        plan, model = make_plan(kind.system, problem, accuracy=self.scene.accuracy, effects=effects)
+def _solved(
+    scene: Scene, build: Build, places: IntArray, values: list[FloatArray], effects: str | tuple[str, ...]
+) -> Iterator[tuple[IntArray, Outcome]]:
+    """Yield what points give, solved in one call; where one has no answer, the block is halved until it stands alone."""
+    kind = scene.kind
+    try:
+        problem = build(values)
+        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=effects)
         answer = kind.system.solve(model, plan.method)
-        for quantity in kind.quantities(answer, problem):
-            column = self.columns.setdefault(quantity.name, np.full(self.total, np.nan))
-            column[places] = quantity.value
-        self.simulated.update(plan.simulated)
-        for failure in kind.failures(answer, problem):
-            self.failures[failure.words] += int(failure.fails.sum())
-        self.error_bound = max(self.error_bound, plan.error_bound)
+        yield places, (plan, kind.quantities(answer, problem), kind.failures(answer, problem))
+    except RopefricError as error:
+        if places.size == 1:
+            yield places, error
+            return
+        for half in np.array_split(np.arange(places.size), 2):
+            yield from _solved(scene, build, places[half], [value[half] for value in values], effects)
 
 
 def header_of(sweep: Sweep) -> tuple[str, ...]:

@@ -1,7 +1,10 @@
 """Numbers that people give: finite, of the right sign, of a size that a machine has, and of one length."""
 
+import math
 from collections.abc import Mapping
-from typing import Literal
+from dataclasses import dataclass, field, fields
+from functools import lru_cache
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -48,6 +51,18 @@ def refuse_out_of_scale(name: str, values: npt.ArrayLike, *, may_vanish: bool) -
         )
 
 
+def refuse(wrong: BoolArray, words: str, *, key: str, fix: str = "", code: str = "", **values: Any) -> None:
+    """Refuse the first of many cases in which something is wrong.
+
+    In the words and the fix `{name}` stands for its value there and `{place}` for which case it is, if there are many.
+    """
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        here = {name: np.broadcast_to(value, wrong.shape)[first] for name, value in values.items()}
+        here["place"] = f" at case {first}" if wrong.size > 1 else ""
+        raise InputError(words.format(**here), code=code, key=key, fix=fix.format(**here))
+
+
 def side_by_side(
     values: Mapping[str, npt.ArrayLike | None], rules: Mapping[str, Rule]
 ) -> dict[str, FloatArray]:
@@ -65,3 +80,40 @@ def side_by_side(
             f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
         ) from None
     return {name: np.broadcast_to(array, shape) for name, array in given.items()}
+
+
+Positive = Annotated[FloatArray, "positive"]
+ZeroOrMore = Annotated[FloatArray, "zero or more"]
+AnyNumber = Annotated[FloatArray, "any"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)  # no slots: those who have it as base need none
+class Cases:
+    """Quantities by name, n cases side by side: scalars are spread; each field's type says what it may be."""
+
+    n: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        rules = _rules(type(self))  # type: ignore[arg-type]  # a class is hashable
+        for name, array in side_by_side({name: getattr(self, name) for name in rules}, rules).items():
+            if array.ndim != 1:
+                raise InputError(f"{name} has {array.ndim} axes; it has one, of its cases", key=name)
+            refuse_out_of_scale(name, array, may_vanish=rules[name] != "positive")
+            object.__setattr__(self, name, array)
+            object.__setattr__(self, "n", array.size)
+
+    def product(self, *names: str) -> FloatArray:
+        """Return the product of quantities, shape (n,); zero where one of them is not given."""
+        factors = [getattr(self, name) for name in names]
+        return np.zeros(self.n) if any(one is None for one in factors) else np.asarray(math.prod(factors))
+
+
+@lru_cache(maxsize=32)
+def _rules(kind: Any) -> dict[str, Rule]:
+    """Return the rules of the fields that are `Positive` and the like, or None."""
+    return {
+        one.name: rule
+        for one in fields(kind)
+        for part in (one.type, *get_args(one.type))
+        for rule in getattr(part, "__metadata__", ())
+    }

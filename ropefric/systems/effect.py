@@ -72,7 +72,10 @@ class Method:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System(Generic[P, M, A]):
-    """A kind of machine: its bare model, the effects it may have, how it is solved."""
+    """A kind of machine: its bare model, the effects it may have, how it is solved.
+
+    `solved_whole`: simulating everything is quicker than to find out what could be left out.
+    """
 
     name: str
     effects: Registry[Effect[P, M]]
@@ -80,6 +83,7 @@ class System(Generic[P, M, A]):
     method: Callable[[M, float], Method]
     solve: Callable[[M, Method], A]
     distance: Callable[[A, A], float]
+    solved_whole: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes
@@ -88,6 +92,12 @@ class Model(Generic[P]):
 
     problem: P
     effects: frozenset[str] = frozenset()
+
+    def part(self, effect: str, value: FloatArray | None) -> FloatArray:
+        """Return what an effect brings in where it is simulated; zeros where it is not, or nothing is given."""
+        if value is None or effect not in self.effects:
+            return np.zeros(self.problem.n)  # type: ignore[attr-defined]
+        return value
 
 
 def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:

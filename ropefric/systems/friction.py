@@ -1,8 +1,9 @@
 """The friction of a machine: a law, the condition it falls back on, and what of a contact it is told."""
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,18 +24,11 @@ def told_by(effects: Collection[str]) -> frozenset[str]:
     return frozenset().union(*(told for name, told in TOLD.items() if name in effects))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScaleTo:
-    """A coefficient that a law is scaled to."""
+class ScaleTo(NamedTuple):
+    """A coefficient that a law is scaled to, and the wrap over which it then has it at its reference."""
 
     mu: float
     wrap_angle_rad: float
-
-    def __post_init__(self) -> None:
-        for name in ("mu", "wrap_angle_rad"):
-            value = getattr(self, name)
-            if not 0.0 < value < np.inf:
-                raise InputError(f"a law cannot be scaled to {name} = {value:g}", fix="give it positive")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,12 +53,7 @@ class WrapFriction:
         """Return the factor on every coefficient of the law; 1 unless it is scaled."""
         if self.scale_to is None:
             return 1.0
-        at = Conditions(
-            wheel_radius_m=self.reference.wheel_radius_m,
-            rope_radius_m=self.reference.rope_radius_m,
-            wrap_angle_rad=np.array([self.scale_to.wrap_angle_rad]),
-            end_tension_N=self.reference.end_tension_N,
-        )
+        at = replace(self.reference, wrap_angle_rad=np.array([self.scale_to.wrap_angle_rad]))
         own = float(self.law.average_mu(self.theta, at)[0])
         if not own > 0.0:
             raise InputError(
@@ -84,16 +73,22 @@ class WrapFriction:
         told: frozenset[str] = EVERYTHING,
     ) -> FloatArray:
         """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17)."""
-        own = {
-            "wheel_radius_m": wheel_radius_m,
-            "rope_radius_m": rope_radius_m,
-            "wrap_angle_rad": wrap_angle_rad,
-            "end_tension_N": slack_tension_N,
+        arrays = {
+            "wheel_radius_m": np.asarray(wheel_radius_m, dtype=np.float64),
+            "rope_radius_m": np.asarray(rope_radius_m, dtype=np.float64),
+            "wrap_angle_rad": np.asarray(wrap_angle_rad, dtype=np.float64),
+            "end_tension_N": np.asarray(slack_tension_N, dtype=np.float64),
         }
-        arrays = {name: np.asarray(value, dtype=np.float64) for name, value in own.items()}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
-        contacts, seen_shape = self._seen(arrays, told)
-        coefficient = self.scale * self.law.average_mu(self.theta, contacts).reshape(seen_shape)
+        # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
+        seen = {
+            name: array if _OWNER[name] in told else getattr(self.reference, name)
+            for name, array in arrays.items()
+        }
+        seen["wrap_angle_rad"] = np.where(seen["wrap_angle_rad"] == 0.0, 1.0, seen["wrap_angle_rad"])
+        spread = np.broadcast_arrays(*seen.values())
+        contacts = Conditions(**{name: one.ravel() for name, one in zip(arrays, spread, strict=True)})
+        coefficient = self.scale * self.law.average_mu(self.theta, contacts).reshape(spread[0].shape)
         if (coefficient < 0.0).any():
             raise InputError(
                 f"{self.law.name} gives the negative coefficient {coefficient.min():.4g} where the machine uses it",
@@ -120,20 +115,6 @@ class WrapFriction:
             end_tension_N=slack_tension_N,
         )
         return self.law.answers(self.theta, contacts)
-
-    def _seen(
-        self, arrays: dict[str, FloatArray], told: frozenset[str]
-    ) -> tuple[Conditions, tuple[int, ...]]:
-        """Return what the law gets to see of the contacts, on one axis, and the shape it came in."""
-        seen = {
-            name: array if _OWNER[name] in told else getattr(self.reference, name)
-            for name, array in arrays.items()
-        }
-        # Over a wrap of zero there is no average coefficient, and none is needed.
-        seen["wrap_angle_rad"] = np.where(seen["wrap_angle_rad"] == 0.0, 1.0, seen["wrap_angle_rad"])
-        spread = np.broadcast_arrays(*seen.values())
-        flat = {name: array.ravel() for name, array in zip(seen, spread, strict=True)}
-        return Conditions(**flat), spread[0].shape
 
 
 _OWNER = {

@@ -32,7 +32,7 @@ _UNANSWERED = 0.01
 _ONE_SIGMA = 0.8413447460685429
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class MeasurementModel:
     """A measurement equation y = f(x), x the k single quantities and then the q of a block."""
 
@@ -45,11 +45,6 @@ class MeasurementModel:
     block: Block | None = None
 
     def __post_init__(self) -> None:
-        if self.sensitivities.shape != self.inputs.shape:
-            raise InputError(
-                f"{self.name}: {self.sensitivities.size} sensitivities for {self.inputs.size} inputs",
-                key=self.name,
-            )
         if not (np.isfinite(self.estimate) and np.isfinite(self.sensitivities).all()):
             raise InputError(f"{self.name}: there is no answer at the estimates of the inputs", key=self.name)
 
@@ -72,7 +67,7 @@ class MeasurementModel:
         return self.evaluate(np.hstack(columns))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class BudgetLine:
     """One source of uncertainty."""
 
@@ -106,23 +101,19 @@ class BudgetLine:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the line as JSON-able values; what a block has none of is None."""
-        item = self.source
-        row: dict[str, Any] = {
+        item, family = self.source, "multivariate normal" if math.isinf(self.dof) else "multivariate t"
+        names = ("name", "type", "unit", "estimate", "stated", "divisor")
+        row = {name: getattr(item, name, None) for name in names} | {
             "contribution": self.contribution,
             "share": self.share,
             "dof": self.dof if math.isfinite(self.dof) else None,
             "correlated": list(self.correlated),
         }
-        row |= {
-            name: getattr(item, name, None)
-            for name in ("name", "type", "unit", "estimate", "stated", "divisor")
-        }
-        if isinstance(item, Quantity):
-            row |= {"symbol": item.symbol, "standard_uncertainty": item.std, "sensitivity": self.sensitivity}
-            return row | {"distribution": item.distribution, "assumed": item.assumed or None}
-        family = "multivariate normal" if math.isinf(self.dof) else "multivariate t"
-        row |= {"symbol": ", ".join(item.symbols), "standard_uncertainty": None, "sensitivity": None}
-        return row | {"distribution": family}
+        if isinstance(item, Block):
+            row |= {"symbol": ", ".join(item.symbols), "standard_uncertainty": None, "sensitivity": None}
+            return row | {"distribution": family}
+        row |= {"symbol": item.symbol, "standard_uncertainty": item.std, "sensitivity": self.sensitivity}
+        return row | {"distribution": item.distribution, "assumed": item.assumed or None}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,30 +151,24 @@ def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float
 def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudget:
     """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100."""
     check_level(level)
-    k, block = len(model.quantities), model.block
-    found: list[tuple[Quantity | Block, float, float, tuple[dict[str, Any], ...]]] = [
-        (item, float(c), abs(float(c)) * item.std, ())
-        for item, c in zip(model.quantities, model.sensitivities[:k], strict=True)
-    ]
+    k, block, parts = len(model.quantities), model.block, []
+    sources: list[Quantity | Block] = [*model.quantities]
+    slopes = model.sensitivities[:k].tolist()
+    sizes = [abs(c) * item.std for item, c in zip(model.quantities, slopes, strict=True)]
     if block is not None:
         columns = directions(block.covariance)
-        worth = model.sensitivities[k:] @ columns
-        parts = tuple(
-            {
-                "changes": dict(zip(block.symbols, columns[:, i].tolist(), strict=True)),
-                "contribution": float(worth[i]),
-            }
-            for i in np.argsort(-np.abs(worth), kind="stable")
-        )
-        found.append((block, math.nan, math.hypot(*worth.tolist()), parts))
-    combined = math.hypot(*(contribution for _, _, contribution, _ in found))
+        worth = (model.sensitivities[k:] @ columns).tolist()
+        for i in np.argsort(-np.abs(worth), kind="stable"):
+            changes = dict(zip(block.symbols, columns[:, i].tolist(), strict=True))
+            parts.append({"changes": changes, "contribution": worth[i]})
+        sources, slopes, sizes = [*sources, block], [*slopes, math.nan], [*sizes, math.hypot(*worth)]
+    combined = math.hypot(*sizes)
     if combined == 0.0:
-        raise InputError(
-            f"nothing that goes into {model.name} is uncertain", key=model.name, fix="give an uncertainty"
-        )
+        text = f"nothing that goes into {model.name} is uncertain"
+        raise InputError(text, key=model.name, fix="give an uncertainty")
     lines = [
-        BudgetLine(source=source, sensitivity=c, contribution=u, share=(u / combined) ** 2, correlated=parts)
-        for source, c, u, parts in found
+        BudgetLine(source, slope, size, (size / combined) ** 2, tuple(parts) if source is block else ())
+        for source, slope, size in zip(sources, slopes, sizes, strict=True)
     ]
     dof = effective_dof([line.contribution for line in lines], [line.dof for line in lines])
     return LinearBudget(
@@ -243,21 +228,15 @@ def propagate(
 ) -> DrawnAnswer:
     """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
     if not _FEWEST <= draws <= _MOST or seed < 0:
-        raise InputError(
-            f"{draws} draws with seed {seed}",
-            key="draws",
-            fix=f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more",
-        )
+        fix = f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more"
+        raise InputError(f"{draws} draws with seed {seed}", key="draws", fix=fix)
     values = model.draw(np.random.default_rng(seed), draws)
     values = np.sort(values[np.isfinite(values)])
     unanswered = draws - values.size
     if 2 * unanswered > draws:
-        raise InputError(
-            f"{model.name} has no answer for {unanswered} of {draws} draws of its inputs",
-            code="RF420",
-            key="draws",
-            fix="the inputs are too uncertain for any budget; measure them better",
-        )
+        text = f"{model.name} has no answer for {unanswered} of {draws} draws of its inputs"
+        fix = "the inputs are too uncertain for any budget; measure them better"
+        raise InputError(text, code="RF420", key="draws", fix=fix)
     tail = 0.5 * (1.0 - budget.level)
     at = [tail, 1.0 - tail, 1.0 - _ONE_SIGMA, 0.5, _ONE_SIGMA]
     low, high, below, median, above = (float(end) for end in np.quantile(values, at))
@@ -351,16 +330,15 @@ class Statement:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.uncertainty/1`; infinite degrees of freedom are None."""
-        found = self.budget
-        names = ("estimate", "combined", "coverage_factor", "level", "expanded")
+        found, model = self.budget, self.model
+        names = ("estimate", "combined", "coverage_factor", "level", "expanded", "interval")
         return {name: getattr(found, name) for name in names} | {
             "schema": SCHEMA,
-            "quantity": self.model.name,
-            "symbol": self.model.symbol,
-            "unit": self.model.unit,
+            "quantity": model.name,
+            "symbol": model.symbol,
+            "unit": model.unit,
             "lines": [line.to_dict() for line in found.lines],
             "effective_dof": found.effective_dof if math.isfinite(found.effective_dof) else None,
-            "interval": list(found.interval),
             "monte_carlo": self.drawn.to_dict(),
             "improvements": [asdict(item) for item in self.improvements],
             "status": self.status.value,
@@ -385,18 +363,16 @@ def state_uncertainty(
     if status is BudgetStatus.OK and not drawn.agrees:
         status = BudgetStatus.DRAWS_DISAGREE
     exact = [item.name for item in model.quantities if not item.std]
-    assumed = [
-        f"{item.name} is assumed, nobody stated it: state {item.assumed}"
-        for item in model.quantities
-        if item.assumed and item.std
-    ]
+    notes += (f"taken as exact: {', '.join(exact)}",) if exact else ()
+    assumed = [item for item in model.quantities if item.assumed and item.std]
+    notes += tuple(f"{item.name} is assumed, nobody stated it: state {item.assumed}" for item in assumed)
     return Statement(
         model=model,
         budget=budget,
         drawn=drawn,
         improvements=improvements(budget),
         status=status,
-        notes=(*notes, *([f"taken as exact: {', '.join(exact)}"] if exact else []), *assumed),
+        notes=notes,
     )
 
 
@@ -407,23 +383,25 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
     freedom; twice the conditions behind a fit are taken to shrink its part by √2 too, which they do if they lie like
     those there are.
     """
-    found: list[Improvement] = []
+    found = []
     for place, line in enumerate(budget.lines):
         if line.share < _WORTH_A_WORD:
             continue
         contributions, dof = ([getattr(one, key) for one in budget.lines] for key in ("contribution", "dof"))
+        factor = math.sqrt(0.5)
         if isinstance(line.source, Block):
             # k − q degrees of freedom become 2k − q.
-            action, factor = f"twice the conditions behind the {line.name}", math.sqrt(0.5)
+            action = f"twice the conditions behind the {line.name}"
             dof[place] += dof[place] + len(line.source.symbols)
         elif n := line.source.repeats:
-            action, factor = f"{2 * n} instead of {n} repeats", math.sqrt(0.5)
+            action = f"{2 * n} instead of {n} repeats"
             dof[place] += n
         else:
             action, factor = f"halve the uncertainty of {line.name}", 0.5
         contributions[place] *= factor
-        coverage_factor = quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof))
-        expanded = coverage_factor * math.hypot(*contributions)
+        expanded = quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof)) * math.hypot(
+            *contributions
+        )
         saving = 1.0 - expanded / budget.expanded
         if saving >= _NOTICED:
             found.append(Improvement(source=line.name, action=action, expanded=expanded, saving=saving))

@@ -87,11 +87,8 @@ class Quantity:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.estimate) and math.isfinite(self.stated) and self.stated >= 0.0):
-            raise InputError(
-                f"{self.name}: {self.estimate:g} with {self.stated:g}/{self.divisor:g} is no standard uncertainty",
-                key=self.name,
-                fix="give a finite number from 0",
-            )
+            text = f"{self.name}: {self.estimate:g} with {self.stated:g}/{self.divisor:g} is no standard uncertainty"
+            raise InputError(text, key=self.name, fix="give a finite number from 0")
 
     @property
     def std(self) -> float:
@@ -122,11 +119,9 @@ class Block:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.estimates).all() and np.isfinite(self.covariance).all()):
-            raise InputError(
-                f"{self.name}: the covariance is not finite, so the data do not show all of {self.symbols}",
-                key=self.name,
-                fix="measure the conditions that would show it, or fit a simpler law",
-            )
+            text = f"{self.name}: the covariance is not finite, so the data do not show all of {self.symbols}"
+            fix = "measure the conditions that would show it, or fit a simpler law"
+            raise InputError(text, key=self.name, fix=fix)
 
     def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
         """Return n draws, shape (n, q); see `joint_draws`."""

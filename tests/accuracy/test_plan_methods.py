@@ -2,18 +2,19 @@
 
 import numpy as np
 import pytest
+from ropefric.systems.hoist.effects import SYSTEM as HOIST
 
 from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, scenes
 from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
 from ropefric.scenes.plan import make_plan
+from ropefric.systems.bandsaw.answer import SYSTEM as SAW
 from ropefric.systems.bandsaw.beam import ScaledBeam, scaled_beams, solve_beam
-from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.span import CLAMPED, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.effects import SYSTEM as HOIST
-from ropefric.systems.press.answer import PressProblem, StartUpTask
+from ropefric.systems.hoist.contact import SYSTEM as HOIST
+from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 
@@ -102,10 +103,8 @@ def test_a_press_without_start_up_has_one_linear_solution():
 @pytest.fixture(scope="module", params=list(press_transient.BELTS))
 def started(request):
     """The study's press as a scene with a start-up: its model with all effects, and the study's case."""
-    speed = DRIVE_LAWS["s-curve"].speed(
-        speed_m_s=press_transient.SPEED_M_S, duration_s=press_transient.RUN_UP_S
-    )
-    task = StartUpTask(speed=speed, time_s=np.array(press_transient.TIMES_S), slip=False, loads="with-speed")
+    speed = DRIVE_LAWS["s-curve"](speed_m_s=press_transient.SPEED_M_S, duration_s=press_transient.RUN_UP_S)
+    task = {"speed": speed, "time_s": np.array(press_transient.TIMES_S), "slip": False, "loads": "with-speed"}
     problem = PressProblem(
         press=press_transient.machine(*press_transient.BELTS[request.param]),
         closure="share",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.slip import steady_contacts, utilisation
+from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 
@@ -38,7 +38,7 @@ def points():
 
 def run(statics, points):
     state = steady_state(statics, **points)
-    return state.effective_tension_N, utilisation(steady_contacts(state), 1.2)
+    return state.effective_tension_N, SlipTable(state.press, state.effective_tension_N, 1.2).utilisation
 
 
 def test_the_yardstick_a_million_exponentials(benchmark):

@@ -12,8 +12,8 @@ import pytest
 from ropefric.fitting import fit as fitting
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.result import ADVICE, FitStatus
 from ropefric.fitting.statistics import find_trends, identify
-from ropefric.fitting.verdict import ADVICE, FitStatus
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.trials.table import TrialTable

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
+from ropefric.fitting.result import FitStatus
 from ropefric.fitting.store import fit_text, load_fit, verify_fit
-from ropefric.fitting.verdict import FitStatus
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable

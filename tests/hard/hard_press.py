@@ -6,7 +6,7 @@ import numpy as np
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import press_inputs
 from ropefric.systems.press.transient.integrators import LinearStartUp
-from ropefric.systems.press.transient.motion import elastic_press
+from ropefric.systems.press.transient.motion import ElasticPress
 
 __all__ = ["WRAP_RAD", "linear_start", "small_press", "true_state"]
 
@@ -49,7 +49,7 @@ def small_press(*, EA_N, eta_s, load_N_m=20.0):
 
 def linear_start(press, speed, loads="with-speed"):
     """Return the linear start-up of a press."""
-    model = elastic_press(press)
+    model = ElasticPress(press)
     return LinearStartUp(model=model, inputs=press_inputs(model.overspeed, speed, loads))
 
 

@@ -12,7 +12,7 @@ from hard_regime import Regime, once
 from ropefric.files.digits import STD_DIGITS, significant, to_share
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
-from ropefric.fitting.verdict import FitStatus
+from ropefric.fitting.result import FitStatus
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.trials.table import TrialTable

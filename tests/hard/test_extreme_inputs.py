@@ -6,7 +6,7 @@ from hard_hoist import lifted
 from hard_regime import Regime, once, worst_law_error
 
 from ropefric.fitting.fit import fit_law, guess
-from ropefric.fitting.verdict import FitStatus
+from ropefric.fitting.result import FitStatus
 from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS

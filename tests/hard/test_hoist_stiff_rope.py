@@ -7,7 +7,7 @@ import pytest
 from hard_hoist import DENSITY, SPEED, lifted, rope, true_log_lift
 from hard_regime import Regime, once, relative
 
-from ropefric.systems.hoist.contact import lifted_arc_rad
+from ropefric.friction.laws.bending import lifted_arc_rad
 
 REGIME = Regime(
     name="stiff rope",
@@ -29,7 +29,7 @@ def cases():
                 yield {"mu": mu, "wrap": WRAP, "stiffness_N": pulling * (1.0 - below), "moving": moving}
             for share in (2.0**-20, 0.375, 1.0 - 2.0**-10):
                 for above in (1e-3, 1e-8, 1e-14):
-                    arcs = 2.0 * float(lifted_arc_rad(share, 1.0))
+                    arcs = 2.0 * float(lifted_arc_rad(share))
                     yield {
                         "mu": mu,
                         "wrap": arcs * (1 + above),
@@ -63,7 +63,7 @@ def test_a_rope_without_stiffness_is_left_with_the_root_of_it():
 
 def test_a_rope_that_hardly_touches_lifts_what_pulls_it():
     share = 0.375
-    arcs = 2.0 * float(lifted_arc_rad(share, 1.0))
+    arcs = 2.0 * float(lifted_arc_rad(share))
     found = lifted(rope(wrap=arcs * (1.0 + 1e-14), tension=TENSION, stiffness_N=share * TENSION))
     assert 0.0 <= found.contact_rad[0] < 1e-13
     assert found.log_lift[0] == pytest.approx(math.log(TENSION), rel=1e-14)
@@ -82,7 +82,7 @@ def test_a_rope_that_cannot_follow_the_wheel_is_refused(moving, more, refused):
 @pytest.mark.parametrize("moving", [False, True])
 @pytest.mark.parametrize("less", [1e-12, 1e-3, 1.0 - 1e-12])
 def test_a_rope_that_never_touches_is_refused(moving, less, refused):
-    arcs = 2.0 * float(lifted_arc_rad(0.375, 1.0))
+    arcs = 2.0 * float(lifted_arc_rad(0.375))
     stiff = rope(wrap=arcs * (1.0 - less), tension=TENSION, stiffness_N=LEFT[moving] * 0.375, moving=moving)
     refused(lambda: lifted(stiff), f"is less than the {arcs:.6g} rad by which this stiff rope stands off")
 

@@ -18,7 +18,7 @@ CASES = [(1e5, 0.0), (2e5, 2e-3), (1e7, 1e-3), (1e8, 1e-4)]
 
 
 def thrown(EA_N, eta_s):
-    speed = DRIVE_LAWS["constant"].speed(speed_m_s=1.0)
+    speed = DRIVE_LAWS["constant"](speed_m_s=1.0)
     return start_up(
         small_press(EA_N=EA_N, eta_s=eta_s), speed=speed, time_s=np.linspace(0.0, 0.3, 601), friction=0.6
     )

@@ -20,7 +20,7 @@ DRIVE_MASS_KG = 8.0 * 0.1 * 3.0
 def ratio_over_limit(EA_N, eta_s, mu):
     """Return T'_tight/T'_slack over e^M at the first slip, with q = ρAR²θ''/μ as in eq. (37)."""
     press = small_press(EA_N=EA_N, eta_s=eta_s, load_N_m=30.0)
-    speed = DRIVE_LAWS["s-curve"].speed(speed_m_s=1.0, duration_s=0.5)
+    speed = DRIVE_LAWS["s-curve"](speed_m_s=1.0, duration_s=0.5)
     found = start_up(press, speed=speed, time_s=[0.5], friction=mu)
     slip = found.slips[0]
     problem = linear_start(press, speed)

@@ -5,7 +5,7 @@ from hard_press import linear_start, small_press, true_state
 from hard_regime import Regime, once
 
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
+from ropefric.systems.press.transient.integrators import INTEGRATORS
 
 REGIME = Regime(
     name="EA → 1e10 N",
@@ -22,13 +22,13 @@ def tensions(problem, state):
 
 @once(REGIME)
 def measured():
-    speed = DRIVE_LAWS["s-curve"].speed(speed_m_s=1.0, duration_s=2.0)
+    speed = DRIVE_LAWS["s-curve"](speed_m_s=1.0, duration_s=2.0)
     worst = 0.0
     for EA_N, eta_s in CASES:
         problem = linear_start(small_press(EA_N=EA_N, eta_s=eta_s), speed)
         true = tensions(problem, true_state(problem, TIME_S))
         for times_s in ([TIME_S], np.linspace(0.0, TIME_S, 131)):
-            states = INTEGRATORS["exact"].solve(problem, np.array(times_s), Settings())
+            states = INTEGRATORS["exact"](problem, np.array(times_s))
             found = tensions(problem, states[-1, : problem.n_state])
             worst = max(worst, float((np.abs(found - true) / true).max()))
     return worst

@@ -3,28 +3,20 @@
 import math
 
 import mpmath as mp
-import numpy as np
 import pytest
 from hard_regime import Regime, once, relative
 from hard_saw import first_of_string_Hz
 
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
-from ropefric.systems.bandsaw.span import (
-    PINNED,
-    Span,
-    frequency_at_shortfall_Hz,
-    frequency_Hz,
-    string_frequencies_Hz,
-)
+from ropefric.systems.bandsaw.span import PINNED, Span, string_frequencies_Hz
 
 REGIME = Regime(
     name="v → c⁻, string",
-    statement="1 − v/c = 1e-3 … 1e-15: frequencies from c and v, from the shortfall, and from tension, mass, "
-    "mounting and speed",
+    statement="1 − v/c = 1e-3 … 1e-15: frequencies from tension, mass, mounting and speed",
     accuracy=1e-14,
 )
 SHORTFALLS = [10.0**-k for k in range(3, 16)]
-LENGTH, WAVE_SPEED = 1.6, 77.123456789
+LENGTH = 1.6
 BLADE = {"free_span_m": LENGTH, "linear_density_kg_m": 0.5967, "preload_N": 3412.0, "pull_N": -105.475}
 
 
@@ -51,13 +43,7 @@ def near_critical(kappa, shortfall):
 def measured():
     errors = []
     with mp.workdps(60):
-        c = mp.mpf(WAVE_SPEED)
         for shortfall in SHORTFALLS:
-            v = WAVE_SPEED * (1.0 - shortfall)
-            truth = first_of_string_Hz(c=c, v=mp.mpf(v), length=mp.mpf(LENGTH))
-            errors.append(relative(frequency_Hz(1, LENGTH, WAVE_SPEED, v), truth))
-            truth = first_of_string_Hz(c=c, v=c * (1 - mp.mpf(shortfall)), length=mp.mpf(LENGTH))
-            errors.append(relative(frequency_at_shortfall_Hz(1, LENGTH, WAVE_SPEED, shortfall), truth))
             for kappa in (0.0, 0.3, 0.75):
                 span = near_critical(kappa, shortfall)
                 found = string_frequencies_Hz(span, 6)[0]
@@ -75,24 +61,15 @@ def test_the_last_speed_below_is_answered_and_the_next_is_refused_with_the_criti
     """√(100/0.25) = 20 exactly."""
     blade = {"free_span_m": 1.0, "linear_density_kg_m": 0.25, "preload_N": 100.0}
     below = math.nextafter(20.0, 0.0)
-    answers = (
-        string_frequencies_Hz(Span(**blade, travel_speed_m_s=below), 1)[0, 0],
-        float(frequency_Hz(1, 1.0, 20.0, below)),
-    )
+    found = string_frequencies_Hz(Span(**blade, travel_speed_m_s=below), 1)[0, 0]
     with mp.workdps(60):
         truth = first_of_string_Hz(c=mp.mpf(20), v=mp.mpf(below), length=1)
-    assert max(relative(found, truth) for found in answers) <= REGIME.accuracy
+    assert relative(found, truth) <= REGIME.accuracy
     for speed in (20.0, math.nextafter(20.0, 21.0), 1e3, 1e30, -20.0):
         refused(
             lambda speed=speed: string_frequencies_Hz(Span(**blade, travel_speed_m_s=speed), 1),
             "its critical speed is 20 m/s: there its first frequency is zero",
         )
-        refused(lambda speed=speed: frequency_Hz(1, 1.0, 20.0, speed), "below the critical speed c = 20 m/s")
-
-
-@pytest.mark.parametrize("shortfall", [0.0, -1e-3, 2.0, 5.0, np.nan])
-def test_a_shortfall_that_is_none_is_refused(shortfall, refused):
-    refused(lambda: frequency_at_shortfall_Hz(1, LENGTH, WAVE_SPEED, shortfall), "the shortfall is|shortfall")
 
 
 @pytest.mark.parametrize("kappa", [0.0, 0.5, 0.99])

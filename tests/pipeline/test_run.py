@@ -11,7 +11,7 @@ import pytest
 from ropefric.errors import DataError, FitError, UnknownNameError
 from ropefric.files.folder import OutputFolder
 from ropefric.fitting.compare import choose_law, compare_laws
-from ropefric.fitting.verdict import FitStatus
+from ropefric.fitting.result import FitStatus
 from ropefric.pipeline.run import answer_trials, run_campaign, write_answer
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import DesignWheel

@@ -15,7 +15,7 @@ from ropefric.plotting.press import (
     draw_roller_maps,
     name_lines,
 )
-from ropefric.systems.press.critical import sweep_press
+from ropefric.systems.press.critical import PressSweep
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import solve_statics
@@ -42,11 +42,11 @@ def statics():
 
 @pytest.fixture(scope="module")
 def grid(statics):
-    return sweep_press(statics, 0.6, preload_N=PRELOADS, speed_m_s=SPEEDS)
+    return PressSweep(statics, 0.6, preload_N=PRELOADS, speed_m_s=SPEEDS)
 
 
 def test_tensions_are_drawn_once_and_named(statics):
-    sweep = sweep_press(statics, 0.6, speed_m_s=SPEEDS)
+    sweep = PressSweep(statics, 0.6, speed_m_s=SPEEDS)
     made = draw_press_tension(sweep)
     (axes,) = made.figure.axes
     assert [text.get_text() for text in axes.texts] == [
@@ -60,7 +60,7 @@ def test_tensions_are_drawn_once_and_named(statics):
 
 
 def test_slip_is_drawn_over_preload_with_its_limit(statics):
-    sweep = sweep_press(statics, 0.6, preload_N=PRELOADS[3:])
+    sweep = PressSweep(statics, 0.6, preload_N=PRELOADS[3:])
     made = draw_press_slip(sweep)
     (axes,) = made.figure.axes
     assert axes.get_yscale() == "log"
@@ -74,7 +74,7 @@ def test_slip_is_drawn_over_preload_with_its_limit(statics):
 
 @pytest.mark.parametrize("measure", MEASURES)
 def test_every_measure_can_be_drawn(statics, measure):
-    made = draw_press_slip(sweep_press(statics, 0.6, speed_m_s=SPEEDS), measure=measure, rollers=["load"])
+    made = draw_press_slip(PressSweep(statics, 0.6, speed_m_s=SPEEDS), measure=measure, rollers=["load"])
     assert made.tables[0].header == ("speed_m_s", "roller", measure)
     assert made.figure.axes[0].get_ylabel().startswith(MEASURE_LABELS[measure][:10])
     assert all(np.isfinite(row[2]) for row in made.tables[0].rows)
@@ -106,7 +106,7 @@ def test_maps_of_rollers_and_spans_stand_side_by_side(grid):
 
 
 def test_a_sweep_of_the_wrong_kind_is_refused(statics, grid):
-    line = sweep_press(statics, 0.6, speed_m_s=SPEEDS)
+    line = PressSweep(statics, 0.6, speed_m_s=SPEEDS)
     for draw in (draw_press_tension, draw_press_slip):
         with pytest.raises(InputError, match="a sweep of 10 preloads and 9 speeds"):
             draw(grid)

@@ -35,7 +35,7 @@ def press():
 
 
 def started(press, friction):
-    speed = DRIVE_LAWS["ramp"].speed(speed_m_s=1.0, duration_s=0.5)
+    speed = DRIVE_LAWS["ramp"](speed_m_s=1.0, duration_s=0.5)
     return start_up(press, speed=speed, time_s=np.linspace(0.0, 1.5, 76), friction=friction)
 
 

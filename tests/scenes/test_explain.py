@@ -5,7 +5,7 @@ from itertools import count
 import pytest
 
 from ropefric.scenes.plan import explain_scene
-from ropefric.systems.hoist.effects import SYSTEM
+from ropefric.systems.hoist.contact import SYSTEM
 
 
 def test_every_effect_is_told_of(loaded):
@@ -14,8 +14,12 @@ def test_every_effect_is_told_of(loaded):
     by_name = {effect["name"]: effect for effect in told["effects"]}
     assert by_name["bending-stiffness"]["fate"] == "not applicable"
     assert by_name["bending-stiffness"]["missing"] == ["rope.bending_stiffness"]
-    assert by_name["centrifugal"]["simulated"] is False
     assert 0.0 < by_name["centrifugal"]["bound"] < 0.01
+    assert by_name["centrifugal"]["simulated"] is True, "a closed form is solved whole"
+    assert by_name["size"]["why"] == "worth up to 0.23 of the answer"
+    assert by_name["centrifugal"]["why"].endswith("of the answer; leaving it out would save no time")
+    saw = {effect["name"]: effect for effect in explain_scene(loaded("band-saw")).to_dict()["effects"]}
+    assert saw["torsion"]["simulated"] is False
     assert told["measured"] is None
 
 

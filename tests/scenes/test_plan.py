@@ -10,7 +10,7 @@ from ropefric.registry import Registry
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.systems.effect import Effect, Method, System, assemble
-from ropefric.systems.hoist.effects import SYSTEM
+from ropefric.systems.hoist.contact import SYSTEM
 
 
 def toy(bounds, method_error=0.0):
@@ -81,11 +81,26 @@ def test_named_effects_are_simulated_and_the_others_bound_the_error():
     assert not plan.keeps_accuracy
 
 
+@pytest.mark.parametrize("name", ["hoist", "traction", "belt-drive"])
+def test_a_closed_form_is_solved_whole_and_no_bound_of_it_is_searched(loaded, name):
+    def fail(problem):
+        raise AssertionError("searched for a bound")
+
+    scene = loaded(name)
+    system = scene.kind.system
+    effects = [replace(effect, influence=fail) for effect in system.effects.values()]
+    quick = replace(system, effects=Registry("effect", effects))
+    plan, _ = make_plan(quick, scene.problem, accuracy=0.5, effects="auto")
+    assert plan.simulated == make_plan(quick, scene.problem, accuracy=0.5, effects="all")[0].simulated
+    assert plan.error_bound <= 1e-11
+
+
 @pytest.mark.parametrize("accuracy", [0.3, 0.1, 0.03, 0.01, 1e-4, 1e-8])
-def test_the_promise_holds_for_the_bundled_hoists(loaded, accuracy):
+def test_the_promise_would_hold_for_hoists_whose_effects_are_left_out(loaded, accuracy):
+    planning = replace(SYSTEM, solved_whole=False)
     for name in ("hoist", "climbing-hoist", "small-wheel", "many-turns"):
         scene = loaded(name)
-        plan, model = make_plan(SYSTEM, scene.problem, accuracy=accuracy, effects="auto")
+        plan, model = make_plan(planning, scene.problem, accuracy=accuracy, effects="auto")
         everything, full = make_plan(SYSTEM, scene.problem, accuracy=accuracy, effects="all")
         difference = SYSTEM.distance(SYSTEM.solve(model, plan.method), SYSTEM.solve(full, everything.method))
         assert difference <= min(accuracy, plan.error_bound), name
@@ -105,9 +120,10 @@ def failing(system, names):
 
 def test_what_is_left_out_is_not_evaluated(loaded):
     scene = loaded("climbing-hoist")
-    plan, _ = make_plan(SYSTEM, scene.problem, accuracy=0.5, effects="auto")
+    planning = replace(SYSTEM, solved_whole=False)
+    plan, _ = make_plan(planning, scene.problem, accuracy=0.5, effects="auto")
     assert plan.left_out, plan.simulated
-    broken = failing(SYSTEM, plan.left_out)
+    broken = failing(planning, plan.left_out)
     again, model = make_plan(broken, scene.problem, accuracy=0.5, effects="auto")
     assert repr(again) == repr(plan), "a worth may be NaN, which equals nothing"
     assert broken.solve(model, again.method).log_lift > 0.0

@@ -12,8 +12,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import HoistProblem
-from ropefric.systems.hoist.effects import SYSTEM, answerable
+from ropefric.systems.hoist.contact import SYSTEM, HoistProblem, answerable
 
 LAWS = {
     "constant": [(0.05, 0.4)],

@@ -1,5 +1,7 @@
 """The bundled scenes of the papers give the papers' numbers."""
 
+import math
+
 import pytest
 
 from ropefric.scenes.solve import solve_scene
@@ -131,3 +133,13 @@ def test_the_fields_of_the_contract(loaded, name):
     if name == "band-saw":
         for side in ("tight", "slack", "rest"):
             assert {"frequencies_Hz", "critical_speed_m_s"} <= set(tree[side])
+
+
+def test_a_frequency_measured_at_another_speed_is_compared_with_the_models_there(scene_of, loaded):
+    tree = loaded("band-saw").document.data
+    point = {"side": "tight", "frequency": "24.9 Hz", "speed": "20 m/s"}
+    solution = solve_scene(scene_of(**(tree | {"measured": [point]})))
+    rows = {row["model"]: row["model_Hz"] for row in solution.to_dict()["comparison"]["deviations"]}
+    density, tension_N = 0.5967, 3412.0 + solution.scene.problem.pull_N[0]
+    c = math.sqrt(tension_N / density)
+    assert rows["string-fixed-axles"] == pytest.approx((c**2 - 20.0**2) / (2.0 * 1.6 * c), rel=1e-12)

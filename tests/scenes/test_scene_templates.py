@@ -13,9 +13,9 @@ def files_below(folder, pattern):
 
 
 def test_the_package_holds_the_bundled_scenes_and_their_fits_byte_by_byte(scenes_folder):
-    """After a change in data/scenes or fits/, copy it into ropefric/scenes/templates."""
+    """After a change in data/scenes or fits/, copy it into the machine's folder, or into ropefric/scenes/fits."""
     root = scenes_folder.parents[1]
-    package = root / "ropefric" / "scenes" / "templates"
+    package = root / "ropefric" / "scenes"
     bundled = {f"{name}.toml": text.encode() for name, text in bundled_scenes().items()}
     assert bundled == files_below(scenes_folder, "*.toml")
     fits = files_below(package, "*.json")

@@ -33,7 +33,7 @@ def drawn(scene, solution):
     simulated = set(solution.plan.simulated) - {"bending"}  # which takes its time and has no part in friction
     found = []
     for theta in rng.multivariate_normal(source.friction.theta, source.covariance, size=DRAWS):
-        problem = replace(scene.problem, friction=source.with_theta(theta))
+        problem = replace(scene.problem, friction=replace(source.friction, theta=theta))
         try:
             answer = system.solve(assemble(system, problem, simulated), solution.plan.method)
         except RopefricError:

@@ -1,6 +1,5 @@
 """The start-up of a belt press: integrators by step and tolerance, on a pliant and on a stiff belt."""
 
-from dataclasses import dataclass, field
 from functools import cache, partial
 
 import numpy as np
@@ -20,8 +19,8 @@ from ropefric.accuracy.study import (
 from ropefric.arrays import FloatArray
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings, rk4_limit_s
-from ropefric.systems.press.transient.motion import elastic_press
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, rk4_limit_s
+from ropefric.systems.press.transient.motion import ElasticPress
 
 TIMES_S = (0.1, 0.2, 0.4)
 SPEED_M_S, RUN_UP_S = 0.916, 0.3
@@ -47,14 +46,13 @@ _QUICK = {"pliant": {4.0, 2.0, 1e-4, 1e-7}, "stiff": {0.5, 1e-4, 1e-7}}
 _TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class _Counting(LinearStartUp):
     """A start-up that counts the evaluations of its rate."""
 
-    evaluations: list[int] = field(default_factory=lambda: [0])
+    evaluations = 0
 
     def rate(self, y: FloatArray, u: FloatArray) -> FloatArray:
-        self.evaluations[0] += 1
+        self.evaluations += 1
         return super().rate(y, u)
 
 
@@ -91,15 +89,15 @@ def machine(stiffness_N: float, damping_s: float) -> Press:
 @cache
 def start_up(case: str) -> LinearStartUp:
     """Return the start-up of a case: a smooth run-up in 0.3 s, the loads in proportion to the speed."""
-    model = elastic_press(machine(*BELTS[case]))
-    speed = DRIVE_LAWS["s-curve"].speed(speed_m_s=SPEED_M_S, duration_s=RUN_UP_S)
+    model = ElasticPress(machine(*BELTS[case]))
+    speed = DRIVE_LAWS["s-curve"](speed_m_s=SPEED_M_S, duration_s=RUN_UP_S)
     return LinearStartUp(model=model, inputs=press_inputs(model.overspeed, speed, "with-speed"))
 
 
-def tensions_N(problem: LinearStartUp, integrator: str, settings: Settings) -> FloatArray:
+def tensions_N(problem: LinearStartUp, integrator: str, settings: dict[str, float]) -> FloatArray:
     """Return the tensions of all spans at `TIMES_S`, shape (3, 4) [N]."""
     times_s = np.array(TIMES_S)
-    states = INTEGRATORS[integrator].solve(problem, times_s, settings)[:, : problem.n_state]
+    states = INTEGRATORS[integrator](problem, times_s, **settings)[:, : problem.n_state]
     rows = np.hstack([states, problem.inputs.at(times_s)])
     return np.asarray(rows @ problem.motion.tension_N.T)
 
@@ -107,28 +105,28 @@ def tensions_N(problem: LinearStartUp, integrator: str, settings: Settings) -> F
 def _settings(case: str) -> tuple[Setting, ...]:
     problem, exact = start_up(case), np.array(TENSIONS_N[case])
 
-    def setting(integrator: str, text: str, chosen: Settings, *, quick: bool) -> Setting:
+    def setting(integrator: str, text: str, chosen: dict[str, float], *, quick: bool) -> Setting:
         def assess() -> Outcome:
             counting = _Counting(model=problem.model, inputs=problem.inputs)
             error = largest_error(tensions_N(counting, integrator, chosen), exact)
-            return Outcome(error=error, evaluations=float(counting.evaluations[0]))
+            return Outcome(error=error, evaluations=float(counting.evaluations))
 
         return Setting(integrator, text, partial(tensions_N, problem, integrator, chosen), assess, quick)
 
     quick = _QUICK[case]
     steps = [
-        setting("rk4", f"step {ms:g} ms", Settings(step_s=1e-3 * ms), quick=ms in quick)
+        setting("rk4", f"step {ms:g} ms", {"step_s": 1e-3 * ms}, quick=ms in quick)
         for ms in _RK4_STEPS_MS[case]
     ]
     # Explicit steps on a stiff belt take the same time at every tolerance: once is enough. Beyond 1e-8 the method of
     # fifth order, and the explicit one on a stiff belt, take seconds.
     tolerated = [
-        setting(name, f"tolerance {one:g}", Settings(tolerance=one),
+        setting(name, f"tolerance {one:g}", {"tolerance": one},
                 quick=one in quick and (one < 1e-6 or (name, case) != ("dop853", "stiff")))
         for name in ("dop853", "radau", "lsoda") for one in _TOLERANCES
         if one >= 1e-8 or name == "lsoda" or (name, case) == ("dop853", "pliant")
     ]  # fmt: skip
-    return (*steps, *tolerated, setting("exact", "", Settings(), quick=True))
+    return (*steps, *tolerated, setting("exact", "", {}, quick=True))
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:

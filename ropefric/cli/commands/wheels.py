@@ -246,12 +246,7 @@ def plan_tests(
     radii_m = read_levels(wheels, "m", "--wheels", levels)
     wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
     loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
-    from ropefric.fitting.next_tests import (  # noqa: PLC0415
-        MeanScatter,
-        RigLimits,
-        planned_fit,
-        planned_guess,
-    )
+    from ropefric.fitting.next_tests import MeanScatter, RigLimits, planned_fit, planned_guess  # noqa: PLC0415
     from ropefric.fitting.next_tests import plan_tests as find_plan  # noqa: PLC0415
     from ropefric.friction.condition import one_condition  # noqa: PLC0415
     from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415

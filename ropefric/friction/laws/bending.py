@@ -43,7 +43,7 @@ class Bending:
     def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
         """Return d ln F/dφ = μ (1 − E/F), zero where the rope has not touched yet."""
         mu, e = columns[0], _ratio(columns, conditions)
-        since_contact = wrap_rad - _lifted(e)
+        since_contact = wrap_rad - lifted_arc_rad(e)
         # F/E − 1 grows as e^{μφ} from (1 − e)/e
         local = mu * (1.0 - e) / (1.0 - e + e * np.exp(-mu * np.maximum(since_contact, 0.0)))
         return np.where(since_contact >= 0.0, local, 0.0)
@@ -60,7 +60,7 @@ class Bending:
         e = _ratio(columns, conditions)
         yield Refusal(e >= 1.0, e * conditions.end_tension_N, "EI/(2 R^2) = {value} N is not below F_B: the end"
                      " tension cannot bend the rope round the wheel", "raise F_B or the wheel radius")  # fmt: skip
-        need = 2.0 * _lifted(np.minimum(e, 1.0))
+        need = 2.0 * lifted_arc_rad(np.minimum(e, 1.0))
         yield Refusal((conditions.wrap_angle_rad < need) & (e < 1.0), need,
                      "the rope is too stiff to touch the wheel: it needs a wrap above {value} rad",
                      "raise the wrap or the end tension")  # fmt: skip
@@ -68,11 +68,16 @@ class Bending:
 
 def _ratio(columns: Columns, conditions: Conditions) -> FloatArray:
     """Return e_B = EI/(2 R² F_B)."""
-    return columns[1] / (2.0 * conditions.centreline_radius_m**2 * conditions.end_tension_N)
+    return bending_N(columns[1], conditions.centreline_radius_m) / conditions.end_tension_N
 
 
-def _lifted(e: FloatArray) -> FloatArray:
-    """Return θ = arccos(1 − e) without its loss of digits for small e."""
+def bending_N(rigidity_N_m2: FloatArray, centreline_radius_m: FloatArray) -> FloatArray:
+    """Return E = EI/(2 R²), the part of the tension that keeps a stiff rope bent [N]."""
+    return rigidity_N_m2 / (2.0 * centreline_radius_m**2)
+
+
+def lifted_arc_rad(e: FloatArray) -> FloatArray:
+    """Return θ = arccos(1 − e), e = E/F, by which a stiff rope leaves the wheel early; exact for small e, too."""
     return 2.0 * np.arcsin(np.sqrt(0.5 * e))
 
 
@@ -82,13 +87,12 @@ def _lifted_slope(e: FloatArray) -> FloatArray:
 
 
 def _solve(mu: FloatArray, e: FloatArray, phi: FloatArray) -> FloatArray:
-    lifted = _lifted(e)
+    lifted = lifted_arc_rad(e)
     low = np.zeros(np.broadcast_shapes(mu.shape, e.shape, phi.shape))
-    high = low + mu * np.maximum(phi - lifted, 0.0)
-    h = high
+    h = high = low + mu * np.maximum(phi - lifted, 0.0)
     for _ in range(_MAX_STEPS):
         tight = e * np.exp(-h)
-        value = h + np.log1p(-e * np.expm1(-h) / (1.0 - e)) + mu * (_lifted(tight) + lifted - phi)
+        value = h + np.log1p(-e * np.expm1(-h) / (1.0 - e)) + mu * (lifted_arc_rad(tight) + lifted - phi)
         low, high = np.where(value < 0.0, h, low), np.where(value < 0.0, high, h)
         new = h - value / (1.0 / (1.0 - tight) - mu * _lifted_slope(tight))
         # A Newton step that leaves the bracket is replaced by halving it.
@@ -105,9 +109,8 @@ def _partials(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return φ_c, −∂f/∂ln E, −∂f/∂ln F_B and ∂f/∂h of the equation f = 0 at its root h."""
     mu, e = columns[0], _ratio(columns, conditions)
-    phi = conditions.wrap_angle_rad
     tight = e * np.exp(-h)
-    contact = phi - _lifted(tight) - _lifted(e)
+    contact = conditions.wrap_angle_rad - lifted_arc_rad(tight) - lifted_arc_rad(e)
     s_A, s_B = _lifted_slope(tight), _lifted_slope(e)
     gain_A, gain_B = 1.0 / (1.0 - tight), 1.0 / (1.0 - e)
     by_log_E = (tight * gain_A - e * gain_B) - mu * (s_A + s_B)

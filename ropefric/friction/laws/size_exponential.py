@@ -1,11 +1,8 @@
 """Eq. (4): the coefficient approaches that of a very large wheel exponentially in R_w/R_r."""
 
-import math
-
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes, combinations
 from ropefric.friction.laws.constant import LAW as CONSTANT
@@ -56,24 +53,6 @@ def size_candidates(conditions: Conditions) -> tuple[FloatArray, FloatArray]:
     """Return values of a and b worth trying on these wheels."""
     r = float(np.median(conditions.size_ratio))
     return np.array([-4.0, -1.5, -0.5, -0.15]) / r, np.array([-3.0, -1.0, -0.2])
-
-
-def printed_form(mu_inf: float, b: float) -> tuple[float, float]:
-    """Return (μ∞, b) of μ_R = μ∞ (1 − e^{a r}) + b, the bracket of eq. (16), from those of eq. (4).
-
-    Both are one family A − B e^{a r}; the rate a is the same.
-    """
-    return mu_inf * math.exp(b), -mu_inf * math.expm1(b)
-
-
-def from_printed_form(mu_inf: float, b: float) -> tuple[float, float]:
-    """Return (μ∞, b) of μ_R = μ∞ (1 − e^{a r + b}), eq. (4), from those of μ_R = μ∞ (1 − e^{a r}) + b."""
-    if not (mu_inf > 0.0 and mu_inf + b > 0.0):
-        raise InputError(
-            f"mu_inf = {mu_inf:g} and b = {b:g} have no form mu_inf (1 - exp(a r + b))",
-            fix="both mu_inf and mu_inf + b must be positive",
-        )
-    return mu_inf + b, -math.log1p(b / mu_inf)
 
 
 def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> FloatArray:

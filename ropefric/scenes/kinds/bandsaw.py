@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 from functools import partial
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -13,26 +14,9 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.files.digits import significant
 from ropefric.files.toml_model import choice, reject, whole_number
-from ropefric.scenes.kind import (
-    Becomes,
-    Figure,
-    Kind,
-    Part,
-    Quantity,
-    SceneTable,
-    Table,
-    arrays,
-    cells,
-    finite,
-    first,
-    given,
-    in_words,
-    key,
-    number_where,
-)
+from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
-from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem
-from ropefric.systems.bandsaw.effects import SYSTEM, answerable
+from ropefric.systems.bandsaw.answer import SYSTEM, SawAnswer, SawProblem, answerable
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
@@ -42,17 +26,21 @@ _SIDES = tuple(side.value for side in Side)
 _RUNNING = (Side.TIGHT, Side.SLACK)
 
 
-class BladeTable(Table):
+class BladeTable(kind.Table):
     """`[blade]`."""
 
-    free_span: Annotated[float, key("m", "1.6 m", "free_span_m")]
-    linear_density: Annotated[float | None, key("kg/m", "0.6 kg/m", "linear_density_kg_m", many=False)] = None
-    width: Annotated[float | None, key("m", "85 mm")] = None
-    thickness: Annotated[float | None, key("m", "0.9 mm")] = None
-    density: Annotated[float | None, key("kg/m^3", "7800 kg/m^3")] = None
-    youngs_modulus: Annotated[float | None, key("Pa", "206 GPa")] = None
-    shear_modulus: Annotated[float | None, key("Pa", "79 GPa")] = None
-    bending_stiffness: Annotated[float | None, key("N*m^2", "1.06 N*m^2", "bending_stiffness_N_m2")] = None
+    free_span: Annotated[float, kind.key("m", "1.6 m", "free_span_m")]
+    linear_density: Annotated[
+        float | None, kind.key("kg/m", "0.6 kg/m", "linear_density_kg_m", many=False)
+    ] = None
+    width: Annotated[float | None, kind.key("m", "85 mm")] = None
+    thickness: Annotated[float | None, kind.key("m", "0.9 mm")] = None
+    density: Annotated[float | None, kind.key("kg/m^3", "7800 kg/m^3")] = None
+    youngs_modulus: Annotated[float | None, kind.key("Pa", "206 GPa")] = None
+    shear_modulus: Annotated[float | None, kind.key("Pa", "79 GPa")] = None
+    bending_stiffness: Annotated[float | None, kind.key("N*m^2", "1.06 N*m^2", "bending_stiffness_N_m2")] = (
+        None
+    )
     ends: Annotated[str, PlainValidator(choice(lambda: ENDS))] = "clamped"
     modes: Annotated[int, PlainValidator(whole_number(1, 40))] = 6
 
@@ -72,39 +60,14 @@ class BladeTable(Table):
                 key="linear_density",
             )
 
-    def mass(self) -> float:
-        """Return ρA [kg/m]."""
-        if self.linear_density is not None:
-            return self.linear_density
-        return (self.width or 0.0) * (self.thickness or 0.0) * (self.density or 0.0)
 
-    def stiffness(self) -> float | None:
-        """Return EI [N m2] where it is given or follows."""
-        if self.bending_stiffness is not None:
-            return self.bending_stiffness
-        if self.width is None or self.thickness is None or self.youngs_modulus is None:
-            return None
-        return self.youngs_modulus * self.width * self.thickness**3 / 12.0
-
-    def section(self) -> Section | None:
-        """Return the cross-section where all of it is given."""
-        if self.width is None or self.thickness is None or self.shear_modulus is None:
-            return None
-        return Section(
-            width_m=self.width,
-            thickness_m=self.thickness,
-            density_kg_m3=self.mass() / (self.width * self.thickness),
-            shear_modulus_Pa=self.shear_modulus,
-        )
-
-
-class WheelTable(Table):
+class WheelTable(kind.Table):
     """`[wheel]`."""
 
-    radius: Annotated[float | None, key("m", "0.35 m")] = None
-    diameter: Annotated[float | None, key("m", "0.7 m")] = None
-    speed: Annotated[float, key("rad/s", "970 rpm", "wheel_speed_rad_s", many=False, above=None)] = 0.0
-    wrap: Annotated[float, key("rad", "180 deg")] = np.pi
+    radius: Annotated[float | None, kind.key("m", "0.35 m", "wheel_radius_m", many=False)] = None
+    diameter: Annotated[float | None, kind.key("m", "0.7 m", "wheel_radius_m", factor=0.5, many=False)] = None
+    speed: Annotated[float, kind.key("rad/s", "970 rpm", "wheel_speed_rad_s", many=False, above=None)] = 0.0
+    wrap: Annotated[float, kind.key("rad", "180 deg", "wheel_wrap_rad", many=False)] = np.pi
 
     def _check(self) -> None:
         if (self.radius is None) == (self.diameter is None):
@@ -112,31 +75,29 @@ class WheelTable(Table):
         if self.speed < 0.0:
             reject("RF110", "a wheel's speed is counted without sign", fix="remove the minus", key="speed")
 
-    def radius_m(self) -> float:
-        """Return R [m]."""
-        return self.radius if self.radius is not None else 0.5 * (self.diameter or 0.0)
 
-
-_share = number_where(
+_share = kind.number_where(
     lambda one: 0.0 <= one <= 1.0,
     "a mounting factor of {} is not from 0 to 1",
     "give 0 for fixed wheel axles, 1 for a constant-force mounting",
 )
 
 
-class TensionTable(Table):
+class TensionTable(kind.Table):
     """`[tension]`."""
 
-    preload: Annotated[float, key("N", "3412 N", "preload_N")]
-    mounting_factor: Annotated[float | None, PlainValidator(_share), Becomes("mounting_factor")] = None
+    preload: Annotated[float, kind.key("N", "3412 N", "preload_N")]
+    mounting_factor: Annotated[float | None, PlainValidator(_share), kind.Becomes("mounting_factor")] = None
 
 
-class DriveTable(Table):
+class DriveTable(kind.Table):
     """`[drive]`."""
 
-    power: Annotated[float | None, key("W", "7.5 kW", above=None)] = None
-    torque: Annotated[float | None, key("N*m", "73.8 N*m", above=None)] = None
-    tension_difference: Annotated[float | None, key("N", "211 N", "tension_difference_N", above=None)] = None
+    power: Annotated[float | None, kind.key("W", "7.5 kW", above=None)] = None
+    torque: Annotated[float | None, kind.key("N*m", "73.8 N*m", above=None)] = None
+    tension_difference: Annotated[
+        float | None, kind.key("N", "211 N", "tension_difference_N", above=None)
+    ] = None
     printed_factor: bool = False
 
     def _check(self) -> None:
@@ -151,19 +112,19 @@ class DriveTable(Table):
             reject("RF110", f"{said[0]} is negative", fix="give it zero or more", key=said[0])
 
 
-_margin = number_where(
+_margin = kind.number_where(
     lambda one: 0.0 < one < 1.0, "a margin of {} is not between 0 and 1", "write 0.1 for 10 %"
 )
 
 
-class ExcitationTable(Table):
+class ExcitationTable(kind.Table):
     """`[excitation]`."""
 
     wheel_harmonics: Annotated[int, PlainValidator(whole_number(0, 50))] = 3
-    tooth_pitch: Annotated[float | None, key("m", "22 mm")] = None
-    frequencies: list[Annotated[float, key("Hz", "50 Hz")]] = Field(default_factory=list)
+    tooth_pitch: Annotated[float | None, kind.key("m", "22 mm")] = None
+    frequencies: list[Annotated[float, kind.key("Hz", "50 Hz")]] = Field(default_factory=list)
     margin: Annotated[float | None, PlainValidator(_margin)] = None
-    preload_range: list[Annotated[float, key("N", "3000 N")]] | None = None
+    preload_range: list[Annotated[float, kind.key("N", "3000 N")]] | None = None
 
     def _check(self) -> None:
         if (self.margin is None) != (self.preload_range is None):
@@ -178,16 +139,17 @@ class ExcitationTable(Table):
             reject("RF110", "a range is two preloads, the lower first", key="preload_range")
 
 
-class MeasuredTable(Table):
+class MeasuredTable(kind.Table):
     """`[[measured]]`."""
 
     side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
-    frequency: Annotated[float, key("Hz", "24.9 Hz", "frequency_Hz")]
-    mode: Annotated[int, PlainValidator(whole_number(1, 40)), Becomes("mode")] = 1
-    uncertainty: Annotated[float | None, key("Hz", "0.1 Hz", "std_Hz")] = None
+    frequency: Annotated[float, kind.key("Hz", "24.9 Hz", "frequency_Hz")]
+    mode: Annotated[int, PlainValidator(whole_number(1, 40)), kind.Becomes("mode")] = 1
+    speed: Annotated[float | None, kind.key("m/s", "20 m/s", "speed_m_s")] = None
+    uncertainty: Annotated[float | None, kind.key("Hz", "0.1 Hz", "std_Hz")] = None
 
 
-class SawScene(SceneTable):
+class SawScene(kind.SceneTable):
     """A scene with `system = "bandsaw"`."""
 
     blade: BladeTable
@@ -209,82 +171,78 @@ class SawScene(SceneTable):
                 key="wheel.speed",
             )
 
-    def pull_N(self) -> float | None:
-        """Return ΔF [N] where the scene gives it."""
-        if self.drive is None or self.wheel is None:
-            return None
-        if self.drive.tension_difference is not None:
-            return self.drive.tension_difference
-        torque = self.drive.torque
-        if torque is None:
-            torque = float(
-                torque_N_m(self.drive.power or 0.0, self.wheel.speed, printed=self.drive.printed_factor)
-            )
-        return float(tension_difference_N(torque, self.wheel.radius_m()))
-
-    def excitations(self) -> tuple[resonance.Excitation, ...]:
-        """Return what may shake the blade."""
-        if self.excitation is None:
-            return ()
-        found = [resonance.fixed_frequency(f"{one:g} Hz", one) for one in self.excitation.frequencies]
-        if self.excitation.tooth_pitch is not None:
-            found.insert(0, resonance.tooth_passing(self.excitation.tooth_pitch))
-        if self.wheel is not None and self.excitation.wheel_harmonics:
-            harmonics = tuple(range(1, self.excitation.wheel_harmonics + 1))
-            found.insert(0, resonance.wheel_rotation(self.wheel.radius_m(), harmonics))
-        return tuple(found)
-
 
 _UNKNOWN_THICKNESS_M = 1e-3
 
 
 def _own_wheel(table: SawScene) -> tuple[float, float]:
-    radius_m = 1.0 if table.wheel is None else table.wheel.radius_m()
+    radius_m = 1.0 if table.wheel is None else kind.given(table.wheel)["wheel_radius_m"]
     return radius_m, 0.5 * (table.blade.thickness or _UNKNOWN_THICKNESS_M)
 
 
 def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
-    computed = {
-        "linear_density_kg_m": table.blade.mass(),
-        "wheel_radius_m": None if table.wheel is None else table.wheel.radius_m(),
-        "tension_difference_N": table.pull_N(),
-        "bending_stiffness_N_m2": table.blade.stiffness(),
-    }
-    shaken = table.excitation or ExcitationTable()
+    blade, drive, shaken = table.blade, table.drive, table.excitation or ExcitationTable()
+    computed, section, found = (
+        {},
+        None,
+        [resonance.fixed_frequency(f"{one:g} Hz", one) for one in shaken.frequencies],
+    )
+    if blade.width is not None and blade.thickness is not None:
+        area_m2 = blade.width * blade.thickness
+        density = blade.density if blade.linear_density is None else blade.linear_density / area_m2
+        computed["linear_density_kg_m"] = area_m2 * (density or 0.0)
+        if blade.youngs_modulus is not None:
+            computed["bending_stiffness_N_m2"] = blade.youngs_modulus * area_m2 * blade.thickness**2 / 12.0
+        if blade.shear_modulus is not None:
+            section = Section(
+                width_m=blade.width,
+                thickness_m=blade.thickness,
+                density_kg_m3=density or 0.0,
+                shear_modulus_Pa=blade.shear_modulus,
+            )
+    if shaken.tooth_pitch is not None:
+        found.insert(0, resonance.tooth_passing(shaken.tooth_pitch))
+    if table.wheel is not None:
+        radius_m, speed = kind.given(table.wheel)["wheel_radius_m"], table.wheel.speed
+        if table.excitation is not None and shaken.wheel_harmonics:
+            harmonics = tuple(range(1, shaken.wheel_harmonics + 1))
+            found.insert(0, resonance.wheel_rotation(radius_m, harmonics))
+        if drive is not None and drive.tension_difference is None:
+            torque = drive.torque
+            if torque is None:
+                torque = float(torque_N_m(drive.power or 0.0, speed, printed=drive.printed_factor))
+            computed["tension_difference_N"] = float(tension_difference_N(torque, radius_m))
     return SawProblem(
-        n_modes=table.blade.modes,
-        ends=ENDS[table.blade.ends],
-        section=table.blade.section(),
+        n_modes=blade.modes,
+        ends=ENDS[blade.ends],
+        section=section,
         friction=friction,
-        wheel_wrap_rad=np.pi if table.wheel is None else table.wheel.wrap,
-        excitations=table.excitations(),
-        measurements=tuple(Measurement(side=Side(one.side), **given(one)) for one in table.measured),
+        excitations=tuple(found),
+        measurements=tuple(Measurement(side=Side(one.side), **kind.given(one)) for one in table.measured),
         margin_wanted=shaken.margin,
-        preload_range_N=None
-        if shaken.preload_range is None
-        else (shaken.preload_range[0], shaken.preload_range[1]),
-        **arrays(table) | {name: np.array([value]) for name, value in computed.items() if value is not None},
+        preload_range_N=shaken.preload_range,
+        **{name: np.array([value]) for name, value in computed.items()} | kind.arrays(table),
     )
 
 
-def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[Quantity, ...]:
+def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:
     wheel = answer.wheel_utilisation
     return (
         *(
-            Quantity(f"{side.value}.first_frequency_Hz", one.frequencies_Hz[:, 0], positive=True)
+            kind.Quantity(f"{side.value}.first_frequency_Hz", one.frequencies_Hz[:, 0], positive=True)
             for side, one in answer.sides.items()
         ),
-        *(() if wheel is None else (Quantity("wheel.utilisation", wheel),)),
+        *(() if wheel is None else (kind.Quantity("wheel.utilisation", wheel),)),
     )
 
 
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
     thickness_m = _UNKNOWN_THICKNESS_M if problem.section is None else problem.section.thickness_m
-    radius_m = np.ones(problem.m) if problem.wheel_radius_m is None else problem.wheel_radius_m
+    radius_m = np.ones(problem.n) if problem.wheel_radius_m is None else problem.wheel_radius_m
     return {
         "wheel_radius_m": radius_m,
-        "rope_radius_m": np.full(problem.m, 0.5 * thickness_m),
-        "wrap_angle_rad": np.full(problem.m, problem.wheel_wrap_rad),
+        "rope_radius_m": np.full(problem.n, 0.5 * thickness_m),
+        "wrap_angle_rad": problem.wheel_wrap_rad,
         "end_tension_N": problem.preload_N,
     }
 
@@ -298,21 +256,14 @@ _FASTEST = 0.98
 def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     # A constant-force mounting has no critical speed.
     names = ("frequencies_Hz", "tension_N", "wave_speed_m_s", "critical_speed_m_s", "torsion_Hz")
-    tree: dict[str, Any] = {side.value: first(one, *names) for side, one in answer.sides.items()}
+    tree: dict[str, Any] = {side.value: kind.first(one, *names) for side, one in answer.sides.items()}
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
     saws = _saws(answer, problem)
-    if saws is None:
-        return tree
-    whole, planned = saws
-    if problem.excitations:
-        tree["resonance"] = _resonance(planned, problem)
-    if problem.measurements:
-        tree["comparison"] = {
-            "deviations": _deviations(whole, problem),
-            "mounting": _mountings(planned, problem),
-            "identified": _identified(planned, problem),
-        }
+    if saws is not None and problem.excitations:
+        tree["resonance"] = _resonance(saws[1], problem)
+    if saws is not None and problem.measurements:
+        tree["comparison"] = _comparison(*saws, problem.measurements)
     return tree
 
 
@@ -331,27 +282,6 @@ def _saws(answer: SawAnswer, problem: SawProblem) -> tuple[Saw, Saw] | None:
     return whole, whole if stiff else replace(whole, bending_stiffness_N_m2=0.0)
 
 
-def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    near = resonance.margins(saw, _RUNNING, problem.excitations, problem.n_modes)[:_NEAREST]
-    met = [
-        crossing
-        for side in _RUNNING
-        for crossing in resonance.find_crossings(
-            saw, side, problem.excitations, _speeds_m_s(saw, side), problem.n_modes
-        )
-    ]
-    nearest = [asdict(one) | {"side": one.side.value, "margin": one.relative} for one in near]
-    for row in nearest:
-        del row["relative"]
-    return {
-        "recommended_preload": _recommended(saw, problem),
-        "nearest": nearest,
-        "crossings": [
-            asdict(one) | {"side": one.side.value, "speed_margin": finite(one.speed_margin)} for one in met
-        ],
-    }
-
-
 def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
     """Return these numbers of what is found, with its status and advice; the reason where nothing can be."""
     try:
@@ -364,17 +294,23 @@ def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
     }
 
 
-def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
-    """Return the preload that keeps the margin wanted, where one was."""
+def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
+    shakes, n_modes, recommended = problem.excitations, problem.n_modes, None
     margin, range_N = problem.margin_wanted, problem.preload_range_N
-    if margin is None or range_N is None:
-        return None
-    wanted: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": problem.n_modes}
-    find = partial(resonance.recommend_preload, saw, problem.excitations, **wanted)
-    found = _judged(find, "preload_N", "margin", "forbidden_N")
-    if "forbidden_N" in found:
-        found["forbidden_N"] = [list(interval) for interval in found["forbidden_N"]]
-    return found
+    if margin is not None and range_N is not None:
+        wanted: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": n_modes}
+        recommended = _judged(
+            partial(resonance.recommend_preload, saw, shakes, **wanted), "preload_N", "margin", "forbidden_N"
+        )
+    return {
+        "recommended_preload": recommended,
+        "nearest": [one._asdict() for one in resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]],
+        "crossings": [
+            one._asdict() | {"speed_margin": kind.finite(one.speed_margin)}
+            for side in _RUNNING
+            for one in resonance.find_crossings(saw, side, shakes, _speeds_m_s(saw, side), n_modes)
+        ],
+    }
 
 
 def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
@@ -385,47 +321,41 @@ def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
     return np.linspace(0.0, fastest, _SPEEDS)
 
 
-def _deviations(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
-    """Return how far each model is from each measurement; a model that has no answer for this saw says why."""
-    found: list[dict[str, Any]] = []
-    for model in MODELS:
-        for point in problem.measurements:
-            row = _measurement(point, model=model)
-            try:
-                (one,) = deviations(saw, (point,), (model,))
-            except RopefricError as error:
-                found.append(row | {"model_Hz": None, "relative": None, "why": error.problem.message})
-            else:
-                found.append(row | {"model_Hz": one.frequency_Hz, "relative": one.relative, "why": ""})
-    return sorted(found, key=lambda row: (row["side"] != Side.REST.value, row["side"] != Side.TIGHT.value))
+def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> dict[str, Any]:
+    """Return how far each model is from each measurement, and what mounting and preload the measurements tell."""
+
+    def row(point: Measurement, **before: str | None) -> dict[str, Any]:
+        return {**before, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
+
+    off: list[dict[str, Any]] = []
+    for model, point in product(MODELS, points):
+        found: dict[str, Any] = {"model_Hz": None, "relative": None, "why": ""}
+        try:
+            (one,) = deviations(whole, (point,), (model,))
+            found |= {"model_Hz": one.frequency_Hz, "relative": one.relative}
+        except RopefricError as error:  # this model has no answer for this saw
+            found["why"] = error.problem.message
+        off.append(row(point, model=model) | found)
+    identified = _judged(
+        partial(identify, planned, points), "preload_N", "mounting_factor", "free_mounting_factor", "std"
+    )
+    if "std" in identified:
+        std = identified.pop("std") or (math.nan, math.nan)
+        identified["preload_std_N"], identified["mounting_factor_std"] = map(kind.finite, std)
+    order = [Side.REST.value, Side.TIGHT.value, Side.SLACK.value]
+    return {
+        "deviations": sorted(off, key=lambda one: order.index(one["side"])),
+        "mounting": [
+            row(point, mounting_factor=None)
+            | _judged(partial(explain_mounting, planned, point), "mounting_factor")
+            for point in points
+            if point.side is not Side.REST
+        ],
+        "identified": identified,
+    }
 
 
-def _measurement(point: Measurement, **first: str) -> dict[str, Any]:
-    return {**first, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
-
-
-def _mountings(saw: Saw, problem: SawProblem) -> list[dict[str, Any]]:
-    return [
-        {"mounting_factor": None}
-        | _measurement(point)
-        | _judged(partial(explain_mounting, saw, point), "mounting_factor")
-        for point in problem.measurements
-        if point.side is not Side.REST
-    ]
-
-
-def _identified(saw: Saw, problem: SawProblem) -> dict[str, Any]:
-    names = ("preload_N", "mounting_factor", "free_mounting_factor", "std")
-    found = _judged(partial(identify, saw, problem.measurements), *names)
-    if "std" in found:
-        std = found.pop("std")
-        found["preload_std_N"], found["mounting_factor_std"] = (
-            (None, None) if std is None else map(finite, std)
-        )
-    return found
-
-
-def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     sides = [side for side in ("tight", "slack", "rest") if side in tree]
     modes = range(len(tree["rest"]["frequencies_Hz"]))
     shown = {"": "frequencies_Hz"} | ({"torsion ": "torsion_Hz"} if "torsion_Hz" in tree["rest"] else {})
@@ -438,13 +368,13 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
         )
     if "wheel" in tree:
         lines.append(f"driving wheel: {100 * tree['wheel']['utilisation']:.3g} % of its grip is used")
-    frequencies = Part(
+    frequencies = kind.Part(
         "Natural frequencies",
         lines=tuple(lines),
         headings=("mode", *(f"{side} [Hz]" for side in sides)),
         rows=tuple(
-            (f"{word}{mode + 1}", *(in_words(tree[side][key][mode], ".3f") for side in sides))
-            for word, key in shown.items()
+            (f"{word}{mode + 1}", *(kind.in_words(tree[side][name][mode], ".3f") for side in sides))
+            for word, name in shown.items()
             for mode in modes
         ),
     )
@@ -452,14 +382,14 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
     return (frequencies, *(part(tree[name]) for name, part in further.items() if name in tree))
 
 
-def _resonance_part(found: Mapping[str, Any]) -> Part:
+def _resonance_part(found: Mapping[str, Any]) -> kind.Part:
     advice = found["recommended_preload"]
     lines: tuple[str, ...] = ()
     if advice is not None:
         preload = f"preload {advice['preload_N']:.4g} N: " if "preload_N" in advice else ""
         lines = (preload + advice["advice"],)
     nearest = sorted(found["crossings"], key=lambda one: significant(abs(one["speed_margin"] or 0.0)))[:5]
-    return Part(
+    return kind.Part(
         "What may resonate, the nearest first",
         lines=lines,
         headings=("side", "mode", "excitation ", "mode [Hz]", "excitation [Hz]", "margin"),
@@ -467,7 +397,7 @@ def _resonance_part(found: Mapping[str, Any]) -> Part:
             (
                 *(one["side"], str(one["mode"])),
                 f"{one['harmonic']} × {one['excitation']}",
-                *cells(one, (("mode_Hz", ".2f"), ("excitation_Hz", ".2f"))),
+                *kind.cells(one, (("mode_Hz", ".2f"), ("excitation_Hz", ".2f"))),
                 f"{100 * one['margin']:+.1f} %",
             )
             for one in found["nearest"]
@@ -480,19 +410,19 @@ def _resonance_part(found: Mapping[str, Any]) -> Part:
     )
 
 
-def _comparison_part(found: Mapping[str, Any]) -> Part:
-    return Part(
+def _comparison_part(found: Mapping[str, Any]) -> kind.Part:
+    return kind.Part(
         "Against measurement",
         lines=tuple(
             f"{one['side']} mode {one['mode']}: {one['measured_Hz']:g} Hz would need a mounting factor of "
-            f"{in_words(one['mounting_factor'], '.2f')}. {one['advice']}"
+            f"{kind.in_words(one['mounting_factor'], '.2f')}. {one['advice']}"
             for one in found["mounting"]
         ),
         headings=("model", "side", "mode", "measured [Hz]", "model [Hz]", "deviation"),
         rows=tuple(
             (
                 *(one["model"], one["side"], str(one["mode"])),
-                *cells(one, (("measured_Hz", ".2f"), ("model_Hz", ".2f"))),
+                *kind.cells(one, (("measured_Hz", ".2f"), ("model_Hz", ".2f"))),
                 "–" if one["relative"] is None else f"{100 * one['relative']:+.1f} %",
             )
             for one in found["deviations"]
@@ -510,7 +440,7 @@ def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | No
     return resonance.saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
-KIND = Kind(
+KIND = kind.Kind(
     name="bandsaw",
     schema=SawScene,
     system=SYSTEM,
@@ -527,5 +457,5 @@ KIND = Kind(
         "travel_speed_m_s": "wheel.speed",
     },
     sections=_sections,
-    figures={"campbell": Figure(_campbell, "saw_chart.draw_saw_chart")},
+    figures={"campbell": kind.Figure(_campbell, "saw_chart.draw_saw_chart")},
 )

@@ -8,72 +8,61 @@ import numpy as np
 from pydantic import PlainValidator
 
 from ropefric.files.toml_model import choice, reject, whole_number
-from ropefric.scenes.kind import (
-    Becomes,
-    Chart,
-    Failure,
-    Figure,
-    FrictionTable,
-    Kind,
-    Line,
-    Part,
-    Quantity,
-    SceneTable,
-    Table,
-    arrays,
-    at_contact,
-    finite,
-    first,
-    in_words,
-    key,
+from ropefric.scenes import kind
+from ropefric.systems.beltdrive.drive import (
+    CLOSURES,
+    SYSTEM,
+    DriveAnswer,
+    DriveProblem,
+    answerable,
+    best_speed_m_s,
 )
-from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
-from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
 _TURN = 2.0 * math.pi
 _PER_MINUTE = 60.0 / _TURN
+_DEGREES = 360.0 / _TURN
 
 
-class DrivingTable(Table):
+class DrivingTable(kind.Table):
     """`[driving]`."""
 
-    diameter: Annotated[float, key("m", "300 mm", "wheel_radius_m", factor=0.5)]
-    wrap: Annotated[float, key("rad", "180 deg", "wrap_angle_rad")]
-    speed: Annotated[float | None, key("rad/s", "1500 rpm", "speed_rad_s")] = None
+    diameter: Annotated[float, kind.key("m", "300 mm", "wheel_radius_m", factor=0.5)]
+    wrap: Annotated[float, kind.key("rad", "180 deg", "wrap_angle_rad")]
+    speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s")] = None
 
 
-class DrivenTable(Table):
+class DrivenTable(kind.Table):
     """`[driven]`."""
 
-    diameter: Annotated[float, key("m", "600 mm", "driven_radius_m", factor=0.5)]
-    wrap: Annotated[float | None, key("rad", "200 deg", "driven_wrap_rad")] = None
+    diameter: Annotated[float, kind.key("m", "600 mm", "driven_radius_m", factor=0.5)]
+    wrap: Annotated[float | None, kind.key("rad", "200 deg", "driven_wrap_rad")] = None
 
 
-class BeltTable(Table):
+class BeltTable(kind.Table):
     """`[belt]`."""
 
-    count: Annotated[int, PlainValidator(whole_number(1, 1000)), Becomes("belt_count", many=False)] = 1
-    thickness: Annotated[float, key("m", "5 mm", "rope_radius_m", factor=0.5)]
-    linear_density: Annotated[float | None, key("kg/m", "0.9 kg/m", "linear_density_kg_m")] = None
-    groove_angle: Annotated[float | None, key("rad", "34 deg", "groove_angle_rad")] = None
-    axial_stiffness: Annotated[float | None, key("N", "200 kN", "axial_stiffness_N")] = None
+    count: Annotated[int, PlainValidator(whole_number(1, 1000)), kind.Becomes("belt_count", many=False)] = 1
+    thickness: Annotated[float, kind.key("m", "5 mm", "rope_radius_m", factor=0.5)]
+    linear_density: Annotated[float | None, kind.key("kg/m", "0.9 kg/m", "linear_density_kg_m")] = None
+    groove_angle: Annotated[float | None, kind.key("rad", "34 deg", "groove_angle_rad")] = None
+    axial_stiffness: Annotated[float | None, kind.key("N", "200 kN", "axial_stiffness_N")] = None
 
 
-class TensionTable(Table):
+class TensionTable(kind.Table):
     """`[tension]`: of one belt, and what it is."""
 
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
-    force: Annotated[float, key("N", "1200 N", "tension_N")]
+    force: Annotated[float, kind.key("N", "1200 N", "tension_N")]
 
 
-class LoadTable(Table):
+class LoadTable(kind.Table):
     """`[load]`."""
 
-    power: Annotated[float | None, key("W", "7.5 kW", "power_W")] = None
+    power: Annotated[float | None, kind.key("W", "7.5 kW", "power_W")] = None
 
 
-class DriveScene(SceneTable):
+class DriveScene(kind.SceneTable):
     """A scene with `system = "beltdrive"`."""
 
     driving: DrivingTable
@@ -81,7 +70,7 @@ class DriveScene(SceneTable):
     belt: BeltTable
     tension: TensionTable
     load: LoadTable | None = None
-    friction: FrictionTable
+    friction: kind.FrictionTable
 
     def _check(self) -> None:
         if self.load is not None and self.load.power is not None and self.driving.speed is None:
@@ -103,10 +92,10 @@ class DriveScene(SceneTable):
 def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:
     # An open belt wraps both pulleys by one turn together.
     open_belt = {} if table.driven is None else {"driven_wrap_rad": np.array([_TURN - table.driving.wrap])}
-    return DriveProblem(friction=friction, closure=table.tension.closure, **open_belt | arrays(table))
+    return DriveProblem(friction=friction, closure=table.tension.closure, **open_belt | kind.arrays(table))
 
 
-def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[Quantity, ...]:
+def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Quantity, ...]:
     found = {name: getattr(answer, name) for name in ("full_pull_N", "full_tight_N", "full_slack_N")}
     found["initial_tension_N"] = 0.5 * (answer.full_tight_N + answer.full_slack_N)
     if problem.speed_rad_s is not None:
@@ -114,24 +103,24 @@ def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[Quantity, .
     if problem.power_W is not None:
         found["utilisation"] = answer.utilisation
         found["belts_needed"] = answer.utilisation * problem.belt_count
-    return tuple(Quantity(name, value, positive=True) for name, value in found.items())
+    return tuple(kind.Quantity(name, value, positive=True) for name, value in found.items())
 
 
-def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[Failure, ...]:
+def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure, ...]:
     if problem.power_W is None:
         return ()
     use, slack_N = answer.utilisation, answer.slack_N
     return (
-        Failure("the belts slip: they do not carry the power", "utilisation", use, use > 1.0),
-        Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0),
+        kind.Failure("the belts slip: they do not carry the power", "utilisation", use, use > 1.0),
+        kind.Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0),
     )
 
 
 def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
-    tree: dict[str, Any] = {"closure": problem.closure, **first(answer, "circling_N")}
+    tree: dict[str, Any] = {"closure": problem.closure, **kind.first(answer, "circling_N")}
     tree["belt_speed_m_s"] = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
     work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
-    tree["at_work"] = first(answer, "tight_N", "slack_N", "pull_N") | {
+    tree["at_work"] = kind.first(answer, "tight_N", "slack_N", "pull_N") | {
         "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),
         "power_W": work_W,
     }
@@ -140,8 +129,8 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
         name: {
             "wrap_angle_rad": float(wrap[0]),
             "mu": float(answer.coefficients[place, 0]),
-            "slip_arc_rad": finite(answer.slip_arc_rad[place, 0]),
-            "adhesion_arc_rad": finite(wrap[0] - answer.slip_arc_rad[place, 0]),
+            "slip_arc_rad": kind.finite(answer.slip_arc_rad[place, 0]),
+            "adhesion_arc_rad": kind.finite(wrap[0] - answer.slip_arc_rad[place, 0]),
         }
         for place, (name, wrap) in enumerate(wraps.items())
         if wrap is not None
@@ -169,7 +158,7 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
     return tree
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     work, best = tree["at_work"], tree.get("best")
     lines = [
         (
@@ -193,22 +182,17 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
             f"creep: the driven rim runs {100 * (1 - creep['speed_ratio']):.3g} % slower, which loses "
             f"{creep['power_lost_W']:.4g} W"
         )
-    arcs = ("wrap_angle_rad", "slip_arc_rad", "adhesion_arc_rad")
-    rows = tuple(
-        (
-            name,
-            *(in_words(None if one[arc] is None else math.degrees(one[arc]), ".1f") for arc in arcs),
-            in_words(one["mu"]),
-            in_words(one["speed_rad_s"] * _PER_MINUTE if "speed_rad_s" in one else None, ".5g"),
-        )
-        for name, one in tree["pulleys"].items()
-    )
-    angles = ("wrap [deg]", "slips over [deg]", "adheres over [deg]")
-    headings = ("pulley", *angles, "mu with groove", "driven [rpm]")
-    return (Part("Belt and pulleys", lines=tuple(lines), headings=headings, rows=rows),)
+    columns: kind.Columns = {
+        "wrap [deg]": ("wrap_angle_rad", ".1f", _DEGREES),
+        "slips over [deg]": ("slip_arc_rad", ".1f", _DEGREES),
+        "adheres over [deg]": ("adhesion_arc_rad", ".1f", _DEGREES),
+        "mu with groove": ("mu", ".4g"),
+        "driven [rpm]": ("speed_rad_s", ".5g", _PER_MINUTE),
+    }
+    return (kind.by_rows("Belt and pulleys", "pulley", tree["pulleys"], columns, lines=tuple(lines)),)
 
 
-def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
+def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None:
     best = best_speed_m_s(problem)
     if best is None or problem.linear_density_kg_m is None:
         return None
@@ -218,13 +202,13 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     power_kW = 1e-3 * share * speeds * (problem.tension_N[0] - problem.linear_density_kg_m[0] * speeds**2)
     at_best = np.full(2, best[0]), np.array([0.0, power_kW.max()])
     lines = [
-        Line("at most", speeds, power_kW),
-        Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True),
+        kind.Line("at most", speeds, power_kW),
+        kind.Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True),
     ]
     if problem.speed_rad_s is not None:
         work_W = answer.pull_N * problem.belt_speed_m_s
-        lines.append(Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))
-    return Chart(
+        lines.append(kind.Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))
+    return kind.Chart(
         title="Power of all belts over their speed",
         x_column="belt_speed_m_s",
         x_label="Belt speed v [m/s]",
@@ -234,7 +218,7 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     )
 
 
-def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
+def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None:
     """Return the tension round each pulley: constant where the belt adheres, then changing until it leaves."""
     wraps = [problem.wrap_angle_rad[0]]
     wraps += [] if problem.driven_wrap_rad is None else [problem.driven_wrap_rad[0]]
@@ -247,8 +231,8 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
         angle = np.linspace(0.0, wrap, 201)
         grown = answer.coefficients[place, 0] * np.maximum(angle - (wrap - slips[place]), 0.0)
         tension_N = circling_N + enters[place] * np.exp(-grown if place == 0 else grown)
-        lines.append(Line(name, np.degrees(angle), tension_N))
-    return Chart(
+        lines.append(kind.Line(name, np.degrees(angle), tension_N))
+    return kind.Chart(
         title="Tension of a belt round its pulleys: it adheres first, and slips where it leaves",
         x_column="angle_deg",
         x_label="Angle from where the belt arrives [deg]",
@@ -258,7 +242,7 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     )
 
 
-KIND = Kind(
+KIND = kind.Kind(
     name="beltdrive",
     schema=DriveScene,
     system=SYSTEM,
@@ -266,11 +250,11 @@ KIND = Kind(
     problem=_problem,
     quantities=_quantities,
     tree=_tree,
-    contacts=lambda problem: at_contact(problem, problem.tension_N),
+    contacts=lambda problem: kind.at_contact(problem, problem.tension_N),
     answerable=answerable,
     failures=_failures,
     sections=_sections,
-    figures={"belt_power": Figure(_power_chart), "belt_arcs": Figure(_arcs_chart)},
+    figures={"belt_power": kind.Figure(_power_chart), "belt_arcs": kind.Figure(_arcs_chart)},
     words={
         "full_pull_N": "Largest pull of all belts [N]",
         "full_tight_N": "Tight side at the largest pull, a belt [N]",

@@ -4,44 +4,34 @@ from typing import Annotated, Any
 
 from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import reject
-from ropefric.scenes.kind import (
-    Failure,
-    FrictionTable,
-    Kind,
-    Quantity,
-    SceneTable,
-    Table,
-    arrays,
-    at_contact,
-    first,
-    key,
-)
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift
-from ropefric.systems.hoist.effects import SYSTEM, answerable
+from ropefric.scenes import kind
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, SYSTEM, HoistProblem, Lift, answerable
 
 
-class WheelTable(Table):
+class WheelTable(kind.Table):
     """`[wheel]`."""
 
-    radius: Annotated[float, key("m", "40 mm", "wheel_radius_m")]
-    wrap: Annotated[float, key("rad", "540 deg", "wrap_angle_rad")]
-    speed: Annotated[float | None, key("m/s", "0.3 m/s", "speed_m_s", above=None)] = None
+    radius: Annotated[float, kind.key("m", "40 mm", "wheel_radius_m")]
+    wrap: Annotated[float, kind.key("rad", "540 deg", "wrap_angle_rad")]
+    speed: Annotated[float | None, kind.key("m/s", "0.3 m/s", "speed_m_s", above=None)] = None
 
 
-class RopeTable(Table):
+class RopeTable(kind.Table):
     """`[rope]`."""
 
-    diameter: Annotated[float, key("m", "9.8 mm", "rope_radius_m", factor=0.5)]
-    linear_density: Annotated[float | None, key("kg/m", "62 g/m", "linear_density_kg_m")] = None
-    hanging_length: Annotated[float | None, key("m", "5 m", "hanging_length_m")] = None
-    bending_stiffness: Annotated[float | None, key("N*m^2", "2e-3 N*m^2", "bending_stiffness_N_m2")] = None
+    diameter: Annotated[float, kind.key("m", "9.8 mm", "rope_radius_m", factor=0.5)]
+    linear_density: Annotated[float | None, kind.key("kg/m", "62 g/m", "linear_density_kg_m")] = None
+    hanging_length: Annotated[float | None, kind.key("m", "5 m", "hanging_length_m")] = None
+    bending_stiffness: Annotated[float | None, kind.key("N*m^2", "2e-3 N*m^2", "bending_stiffness_N_m2")] = (
+        None
+    )
 
 
-class LoadTable(Table):
+class LoadTable(kind.Table):
     """`[load]`."""
 
-    end_tension: Annotated[float | None, key("N", "80 N", "end_tension_N")] = None
-    payload: Annotated[float | None, key("kg", "120 kg", "payload_kg")] = None
+    end_tension: Annotated[float | None, kind.key("N", "80 N", "end_tension_N")] = None
+    payload: Annotated[float | None, kind.key("kg", "120 kg", "payload_kg")] = None
 
     def _check(self) -> None:
         if self.end_tension is None:
@@ -54,55 +44,55 @@ class LoadTable(Table):
             )
 
 
-class HoistScene(SceneTable):
+class HoistScene(kind.SceneTable):
     """A scene with `system = "hoist"`."""
 
     wheel: WheelTable
     rope: RopeTable
     load: LoadTable
-    friction: FrictionTable
+    friction: kind.FrictionTable
 
 
 def _weight_N(problem: HoistProblem) -> FloatArray | None:
     return None if problem.payload_kg is None else problem.payload_kg * GRAVITY_M_S2
 
 
-def _quantities(lift: Lift, problem: HoistProblem) -> tuple[Quantity, ...]:
+def _quantities(lift: Lift, problem: HoistProblem) -> tuple[kind.Quantity, ...]:
     force_N, weight_N = lift.lift_force_N, _weight_N(problem)
     found = (
-        Quantity("lift_force_N", force_N, positive=True),
-        Quantity("mu_average", lift.average_mu, positive=True),
+        kind.Quantity("lift_force_N", force_N, positive=True),
+        kind.Quantity("mu_average", lift.average_mu, positive=True),
     )
     if weight_N is None:
         return found
-    margin = Quantity("lift_margin", force_N / weight_N, positive=True)
-    return (*found, margin, Quantity("margin_N", force_N - weight_N))
+    margin = kind.Quantity("lift_margin", force_N / weight_N, positive=True)
+    return (*found, margin, kind.Quantity("margin_N", force_N - weight_N))
 
 
-def _failures(lift: Lift, problem: HoistProblem) -> tuple[Failure, ...]:
+def _failures(lift: Lift, problem: HoistProblem) -> tuple[kind.Failure, ...]:
     weight_N = _weight_N(problem)
     if weight_N is None:
         return ()
     margin = lift.lift_force_N / weight_N
-    return (Failure("the hoist does not lift its payload", "lift margin", margin, margin < 1.0),)
+    return (kind.Failure("the hoist does not lift its payload", "lift margin", margin, margin < 1.0),)
 
 
 def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
-    tree, weight_N = first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
+    tree, weight_N = kind.first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
     if weight_N is not None:
         tree |= {"payload_N": float(weight_N[0]), "lifts_payload": bool(lift.lift_force_N[0] >= weight_N[0])}
     return tree
 
 
-KIND = Kind(
+KIND = kind.Kind(
     name="hoist",
     schema=HoistScene,
     system=SYSTEM,
     own_wheel=lambda table: (table.wheel.radius, 0.5 * table.rope.diameter),
-    problem=lambda table, friction: HoistProblem(friction=friction, **arrays(table)),
+    problem=lambda table, friction: HoistProblem(friction=friction, **kind.arrays(table)),
     quantities=_quantities,
     tree=_tree,
-    contacts=lambda problem: at_contact(problem, problem.end_tension_N),
+    contacts=lambda problem: kind.at_contact(problem, problem.end_tension_N),
     answerable=answerable,
     failures=_failures,
 )

@@ -1,7 +1,7 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from inspect import signature
 from typing import Annotated, Any
 
 import numpy as np
@@ -30,16 +30,22 @@ from ropefric.scenes.kind import (
     positive,
 )
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press import loads
-from ropefric.systems.press.answer import PressAnswer, PressProblem, StartUpTask, as_operated
-from ropefric.systems.press.critical import CHANGES, critical_values, first_to_slip
+from ropefric.systems.press.answer import PressAnswer, PressProblem
+from ropefric.systems.press.critical import slip_margins
 from ropefric.systems.press.effects import SYSTEM
-from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.machine import (
+    Belt,
+    Press,
+    Roller,
+    Tensioner,
+    gravity_torque_N_m,
+    squeeze_torque_N_m,
+)
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import CLOSURES, solve_statics
 from ropefric.systems.press.steady import drive_power_W, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.integrators import INTEGRATORS, Settings
+from ropefric.systems.press.transient.integrators import INTEGRATORS
 
 _ROLES = ("driver", "driven", "tensioner")
 
@@ -138,8 +144,8 @@ class GravityTable(Table):
 class SqueezeTable(Table):
     """`[sludge.squeeze]`, eqs. (7)-(9)."""
 
-    width: Annotated[float, key("m", "2 m")]
-    compression: Annotated[float, key("m", "10 mm")]
+    width: Annotated[float, key("m", "2 m", "belt_width_m")]
+    compression: Annotated[float, key("m", "10 mm", "compression_m")]
     strength: Annotated[float, key("Pa", "30 kPa", "strength_Pa")]
     poisson_ratio: Annotated[float, PlainValidator(number), Becomes("poisson_ratio")]
     youngs_modulus: Annotated[float, key("Pa", "300 kPa", "youngs_modulus_Pa")]
@@ -249,17 +255,11 @@ def _roller(table: PressScene, name: str, one: RollerTable) -> Roller:
         parts["tensioner"] = Tensioner(**force | given(one.tensioner))
     gravity, squeeze = table.sludge.gravity, table.sludge.squeeze
     if gravity is not None and name in gravity.zones:
-        pull_N = loads.gravity_pull_N(**given(gravity), zone_length_m=gravity.zones[name])
-        parts["gravity_torque_N_m"] = float(loads.gravity_torque_N_m(pull_N, radius_m=one.radius))
+        zone = {"zone_length_m": gravity.zones[name], "radius_m": one.radius}
+        parts["gravity_torque_N_m"] = float(gravity_torque_N_m(**given(gravity), **zone))
     if squeeze is not None and name in squeeze.units:
-        torque = loads.squeeze_torque_N_m(
-            belt_width_m=squeeze.width,
-            radius_m=one.radius,
-            compression_m=squeeze.compression,
-            distortion_energy_J_m3=loads.distortion_energy_J_m3(**given(squeeze)),
-            units=squeeze.units[name],
-        )
-        parts["squeeze_torque_N_m"] = float(torque)
+        squeezed = {"units": squeeze.units[name], "radius_m": one.radius}
+        parts["squeeze_torque_N_m"] = float(squeeze_torque_N_m(**given(squeeze), **squeezed))
     return Roller(name=name, **parts)
 
 
@@ -269,21 +269,22 @@ def _belt(name: str, one: BeltTable) -> Belt:
     return Belt(name=name, **mass | given(one) | lengths)
 
 
-def _task(table: StartUpTable, speed_m_s: float) -> StartUpTask:
+def _task(table: StartUpTable, speed_m_s: float) -> dict[str, Any]:
+    law = DRIVE_LAWS[table.law]
     known = {
         "speed_m_s": table.speeds if table.law == "table" else speed_m_s,
         "duration_s": table.duration,
         "time_s": table.times,
     }
-    law = DRIVE_LAWS[table.law]
-    return StartUpTask(
-        speed=law.speed(**{name: known[name] for name in law.parameters}),
-        time_s=np.linspace(0.0, table.simulate, table.points),
-        slip=table.slip,
-        loads=table.loads,
-        integrator=table.integrator,
-        settings=Settings(tolerance=table.tolerance, step_s=table.step),
-    )
+    return {
+        "speed": law(**{name: known[name] for name in signature(law).parameters}),
+        "time_s": np.linspace(0.0, table.simulate, table.points),
+        "slip": table.slip,
+        "loads": table.loads,
+        "integrator": table.integrator,
+        "tolerance": table.tolerance,
+        "step_s": table.step,
+    }
 
 
 def _own_wheel(table: PressScene) -> tuple[float, float]:
@@ -295,18 +296,13 @@ def _own_wheel(table: PressScene) -> tuple[float, float]:
 
 def _contacts(problem: PressProblem) -> Mapping[str, FloatArray]:
     """Return every roller once, with the tension of its belt at rest."""
-    rollers = problem.press.rollers
-    halves = [
-        0.5 * max(belt.thickness_m for belt in problem.press.belts if roller.name in belt.loop)
-        for roller in rollers
-    ]
-    preloads = [part.tensioner.force_N for part in problem.press.tensioners if part.tensioner is not None]
-    level_N = 0.5 * (max(preloads) if preloads else 1.0)
+    press, forces_N = problem.press, [one.force_N for one in problem.press.tensioners.values()]
+    halves = [0.5 * max(belt.thickness_m for belt in press.belts_on(one.name)) for one in press.rollers]
     return {
-        "wheel_radius_m": np.array([roller.radius_m for roller in rollers]),
+        "wheel_radius_m": press.radius_m,
         "rope_radius_m": np.array(halves),
-        "wrap_angle_rad": np.array([roller.wrap_angle_rad for roller in rollers]),
-        "end_tension_N": np.full(len(rollers), level_N),
+        "wrap_angle_rad": np.array([one.wrap_angle_rad for one in press.rollers]),
+        "end_tension_N": np.full(len(press.rollers), 0.5 * max(forces_N, default=1.0)),
     }
 
 
@@ -373,7 +369,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
                     "gravity_pull_N": factor * one.gravity_torque_N_m / one.radius_m,
                     "squeeze_N_m": factor
                     * one.squeeze_torque_N_m
-                    / (max(belt.width_m for belt in press.belts if one.name in belt.loop) * one.radius_m),
+                    / (max(belt.width_m for belt in press.belts_on(one.name)) * one.radius_m),
                 }
                 for one in press.rollers
                 if one.torque_N_m
@@ -384,66 +380,24 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s),
             "power_lost_W": float(answer.creep_loss_W[0]),
         },
-        **_first(answer),
+        **slip_margins(answer),
     }
     return tree if answer.start_up is None else tree | {"start_up": answer.start_up.summary()}
 
 
 _FIRST = {
-    "preload": ("falls", "if the preload of all tensioners falls to"),
-    "speed": ("rises", "if the belts run as fast as"),
-    "load": ("rises", "if all loads grow by the factor"),
-    "friction": ("falls", "if the coefficient falls to"),
+    "preload": "if the preload of all tensioners falls to",
+    "speed": "if the belts run as fast as",
+    "load": "if all loads grow by the factor",
+    "friction": "if the coefficient falls to",
 }
 _LAST = {
-    "preload": ("rises", "the preload of all tensioners rises to", "no preload of all tensioners holds"),
-    "speed": ("falls", "the belts run no faster than", "no slower run of the belts holds"),
-    "load": ("falls", "all loads fall to what they are times", "no smaller loads hold"),
-    "friction": ("rises", "the coefficient rises to", "no coefficient holds"),
+    "preload": ("the preload of all tensioners rises to", "no preload of all tensioners holds"),
+    "speed": ("the belts run no faster than", "no slower run of the belts holds"),
+    "load": ("all loads fall to what they are times", "no smaller loads hold"),
+    "friction": ("the coefficient rises to", "no coefficient holds"),
 }
 """What leads to the first slip; what ends the last one, and what to say where nothing of the kind does."""
-
-
-def _first(answer: PressAnswer) -> dict[str, Any]:
-    """Return which roller is nearest to slip, and what would make the first one slip.
-
-    Where rollers slip already, each value is the one at which the last of them stops, and lies the other way.
-    """
-    model, use = answer.model, answer.slip.utilisation[0]
-    slips = [name for name, share in zip(answer.slip.rollers, use, strict=True) if share > 1.0]
-    critical: dict[str, Any] = {}
-    for change, words in CHANGES.items():
-        # What a higher speed does is the belts' mass, whether or not it matters at this one.
-        parts = replace(model.parts, mass=model.parts.mass or change == "speed")
-        press = as_operated(model)
-        if parts.keeps_tension:
-            # The spans' T' then does not answer to the speed, as if the belts weighed nothing.
-            light = tuple(replace(belt, linear_density_kg_m=0.0) for belt in press.belts)
-            press = replace(press, belts=light)
-        values = critical_values(
-            solve_statics(press, closure=model.problem.closure),
-            model.problem.friction,
-            change,  # type: ignore[arg-type]
-            tensioner=parts.tensioner,
-            told=model.told,
-        )
-        slipping = {name: values[name] for name in slips}
-        first = first_to_slip(slipping or values, change)  # type: ignore[arg-type]
-        if any(value is None for value in slipping.values()):
-            first = None  # nothing of this kind holds that roller
-        way = (_LAST if slipping else _FIRST)[change][0]
-        # A slipping roller that slips at rest and without load too has no way out there.
-        nowhere = first is None or (bool(slipping) and first.value == 0.0)
-        critical[change] = {
-            "state": "slips" if slipping else "holds",
-            "direction": None if nowhere else way,
-            "roller": None if first is None else first.roller,
-            "value": None if first is None else first.value,
-            "unit": words.rpartition("[")[2].rstrip("]"),
-            "by_roller": values,
-        }
-    nearest = answer.slip.rollers[int(np.argmax(use))] if use.any() else None
-    return {"first_to_slip": nearest, "slips": slips, "critical": critical}
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
@@ -499,8 +453,8 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
         lines = ["no roller carries a torque"]
     else:
         lines = [f"no roller slips; nearest to it is roller {tree['first_to_slip']}"]
-    for change, (_, sooner) in _FIRST.items():
-        one, (_, until, nothing) = tree["critical"][change], _LAST[change]
+    for change, sooner in _FIRST.items():
+        one, (until, nothing) = tree["critical"][change], _LAST[change]
         si_unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
         if one["state"] == "slips" and not one["value"]:
             lines.append(f"{nothing} {'it' if alone else 'them all'}")
@@ -537,7 +491,7 @@ def _start_up_columns(answer: PressAnswer) -> dict[str, FloatArray] | None:
     rollers = [roller.name for roller in found.press.rollers]
     members = {
         "tension_N": [span.name for span in found.press.spans],
-        "travel_m": [roller.name for roller in found.press.tensioners],
+        "travel_m": list(found.press.tensioners),
         **dict.fromkeys(("roller_speed_rad_s", "relative_angle_rad", "contact"), rollers),
         **dict.fromkeys(("slip_m", "slip_speed_m_s", "friction_N", "utilisation"), rollers),
     }

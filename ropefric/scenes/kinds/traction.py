@@ -9,50 +9,40 @@ from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import choice, reject, whole_number
-from ropefric.scenes.kind import (
-    Becomes,
-    Chart,
-    Failure,
-    Figure,
-    Kind,
-    Line,
-    Part,
-    Quantity,
-    SceneTable,
-    Table,
-    arrays,
-    at_contact,
-    cells,
-    finite,
-    key,
+from ropefric.scenes import kind
+from ropefric.systems.traction.sheave import (
+    CASES,
+    GROOVES,
+    SYSTEM,
+    TractionAnswer,
+    TractionProblem,
+    answerable,
 )
-from ropefric.systems.traction.effects import SYSTEM
-from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
 
 _NO_CERTIFICATE = "a check after EN 81-50, 5.11, and no certificate: lifts are approved by notified bodies"
 _LARGEST_UNDERCUT_RAD = math.radians(106.0)
 _UNDERCUT = {"undercut", "v"}
 
 
-class LiftTable(Table):
+class LiftTable(kind.Table):
     """`[lift]`."""
 
-    car: Annotated[float, key("kg", "700 kg", "car_kg")]
-    rated_load: Annotated[float, key("kg", "630 kg", "rated_load_kg")]
-    counterweight: Annotated[float, key("kg", "1015 kg", "counterweight_kg")]
-    travel: Annotated[float, key("m", "18 m", "travel_m")]
-    speed: Annotated[float | None, key("m/s", "1 m/s", "speed_m_s")] = None
-    deceleration: Annotated[float | None, key("m/s^2", "0.5 m/s^2", "deceleration_m_s2")] = None
+    car: Annotated[float, kind.key("kg", "700 kg", "car_kg")]
+    rated_load: Annotated[float, kind.key("kg", "630 kg", "rated_load_kg")]
+    counterweight: Annotated[float, kind.key("kg", "1015 kg", "counterweight_kg")]
+    travel: Annotated[float, kind.key("m", "18 m", "travel_m")]
+    speed: Annotated[float | None, kind.key("m/s", "1 m/s", "speed_m_s")] = None
+    deceleration: Annotated[float | None, kind.key("m/s^2", "0.5 m/s^2", "deceleration_m_s2")] = None
 
 
-class SheaveTable(Table):
+class SheaveTable(kind.Table):
     """`[sheave]`."""
 
-    diameter: Annotated[float, key("m", "400 mm", "wheel_radius_m", factor=0.5)]
-    wrap: Annotated[float, key("rad", "160 deg", "wrap_angle_rad")]
+    diameter: Annotated[float, kind.key("m", "400 mm", "wheel_radius_m", factor=0.5)]
+    wrap: Annotated[float, kind.key("rad", "160 deg", "wrap_angle_rad")]
     groove: Annotated[str, PlainValidator(choice(lambda: GROOVES))]
-    groove_angle: Annotated[float, key("rad", "35 deg", "groove_angle_rad")]
-    undercut: Annotated[float | None, key("rad", "90 deg", "undercut_rad")] = None
+    groove_angle: Annotated[float, kind.key("rad", "35 deg", "groove_angle_rad")]
+    undercut: Annotated[float | None, kind.key("rad", "90 deg", "undercut_rad")] = None
 
     def _check(self) -> None:
         if self.groove in _UNDERCUT and self.undercut is None:
@@ -66,24 +56,24 @@ class SheaveTable(Table):
             )
 
 
-class RopesTable(Table):
+class RopesTable(kind.Table):
     """`[ropes]`."""
 
-    count: Annotated[int, PlainValidator(whole_number(1, 100)), Becomes("rope_count", many=False)]
-    diameter: Annotated[float, key("m", "10 mm", "rope_radius_m", factor=0.5)]
-    linear_density: Annotated[float | None, key("kg/m", "0.336 kg/m", "linear_density_kg_m")] = None
-    above_car: Annotated[float, key("m", "2 m", "above_car_m", above=None)] = 0.0
-    above_counterweight: Annotated[float, key("m", "2 m", "above_counterweight_m", above=None)] = 0.0
+    count: Annotated[int, PlainValidator(whole_number(1, 100)), kind.Becomes("rope_count", many=False)]
+    diameter: Annotated[float, kind.key("m", "10 mm", "rope_radius_m", factor=0.5)]
+    linear_density: Annotated[float | None, kind.key("kg/m", "0.336 kg/m", "linear_density_kg_m")] = None
+    above_car: Annotated[float, kind.key("m", "2 m", "above_car_m", above=None)] = 0.0
+    above_counterweight: Annotated[float, kind.key("m", "2 m", "above_counterweight_m", above=None)] = 0.0
 
 
-class PulleysTable(Table):
+class PulleysTable(kind.Table):
     """`[pulleys]`: inertia of deflector pulleys over the square of their radius."""
 
-    car_side: Annotated[float | None, key("kg", "20 kg", "car_pulley_kg")] = None
-    counterweight_side: Annotated[float | None, key("kg", "20 kg", "counterweight_pulley_kg")] = None
+    car_side: Annotated[float | None, kind.key("kg", "20 kg", "car_pulley_kg")] = None
+    counterweight_side: Annotated[float | None, kind.key("kg", "20 kg", "counterweight_pulley_kg")] = None
 
 
-class TractionScene(SceneTable):
+class TractionScene(kind.SceneTable):
     """A scene with `system = "traction"`."""
 
     lift: LiftTable
@@ -92,24 +82,24 @@ class TractionScene(SceneTable):
     pulleys: PulleysTable = Field(default_factory=PulleysTable)
 
 
-def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[Quantity, ...]:
-    undercut = (Quantity("needed_undercut_rad", answer.needed_undercut_rad),)
+def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.Quantity, ...]:
+    undercut = (kind.Quantity("needed_undercut_rad", answer.needed_undercut_rad),)
     return (
-        Quantity("largest_utilisation", answer.utilisation.max(axis=0), positive=True),
-        Quantity("needed_wrap_rad", answer.needed_wrap_rad, positive=True),
-        *(undercut if problem.groove in {"undercut", "semicircular"} else ()),
+        kind.Quantity("largest_utilisation", answer.utilisation.max(axis=0), positive=True),
+        kind.Quantity("needed_wrap_rad", answer.needed_wrap_rad, positive=True),
+        *(undercut if problem.is_round else ()),
         *(
-            Quantity(f"cases.{case}.utilisation", use, positive=True)
+            kind.Quantity(f"cases.{case}.utilisation", use, positive=True)
             for case, use in zip(CASES, answer.utilisation, strict=True)
         ),
     )
 
 
-def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[Failure, ...]:
+def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[kind.Failure, ...]:
     held = [f"the ropes slip in the load case {case}" for case in CASES[:-1]]
     words = (*held, "the ropes do not slip when the car is stalled")
     return tuple(
-        Failure(said, "utilisation", use, use > 1.0)
+        kind.Failure(said, "utilisation", use, use > 1.0)
         for said, use in zip(words, answer.utilisation, strict=True)
     )
 
@@ -127,7 +117,7 @@ def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
         "undercut_limit_rad": answer.undercut_limit_rad,
     }
     cases = {
-        case: {name: finite(values[i, 0]) for name, values in columns.items()}
+        case: {name: kind.finite(values[i, 0]) for name, values in columns.items()}
         | {"passes": bool(answer.utilisation[i, 0] <= 1.0)}
         for i, case in enumerate(CASES)
     }
@@ -135,14 +125,15 @@ def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
     return {"cases": cases, "groove": problem.groove, "friction_is": own, "note": _NO_CERTIFICATE}
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
-    columns = {
+def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
+    columns: kind.Columns = {
         "T1 [N]": ("tight_N", ".0f"),
         "T2 [N]": ("slack_N", ".0f"),
         "T1/T2": ("tension_ratio", ".4g"),
         "f": ("friction_factor", ".4f"),
         "e^(f alpha)": ("capacity", ".4g"),
         "utilisation": ("utilisation", ".4g"),
+        "passes ": ("passes", ""),
     }
     cases = tree["cases"]
     lines = [
@@ -159,21 +150,11 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
     if not cases["stalled"]["passes"]:
         limit = math.degrees(cases["stalled"]["wrap_limit_rad"] or 0.0)
         lines.append(f"what would slip when stalled, all else as it is: a wrap of at most {limit:.1f} deg")
-    return (
-        Part(
-            "Traction",
-            lines=tuple(lines),
-            headings=("load case", *columns, "passes "),
-            rows=tuple(
-                (case, *cells(one, columns.values()), "yes" if one["passes"] else "no")
-                for case, one in cases.items()
-            ),
-            notes=(tree["note"],),
-        ),
-    )
+    more = {"lines": tuple(lines), "notes": (tree["note"],)}
+    return (kind.by_rows("Traction", "load case", cases, columns, **more),)
 
 
-def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
+def _chart(answer: TractionAnswer, problem: TractionProblem) -> kind.Chart:
     # What stalled ropes must slip at is often ten times what the others must hold: it would hide them.
     wraps = np.linspace(0.75, 1.25, 101) * problem.wrap_angle_rad[0]
     here = np.degrees(problem.wrap_angle_rad[:1])
@@ -181,14 +162,14 @@ def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
     for case, factor in zip(CASES[:-1], answer.friction_factor[:, 0], strict=False):
         held.setdefault(float(factor), []).append(case)
     lines = [
-        Line(f"holds ({', '.join(names)})", np.degrees(wraps), np.exp(factor * wraps))
+        kind.Line(f"holds ({', '.join(names)})", np.degrees(wraps), np.exp(factor * wraps))
         for factor, names in held.items()
     ]
     lines += [
-        Line(f"asked by {case}", here, answer.tight_N[i, :1] / answer.slack_N[i, :1])
+        kind.Line(f"asked by {case}", here, answer.tight_N[i, :1] / answer.slack_N[i, :1])
         for i, case in enumerate(CASES[:-1])
     ]
-    return Chart(
+    return kind.Chart(
         title="What the sheave's friction holds, and what the load cases ask",
         x_column="wrap_angle_deg",
         x_label="Wrap angle α [deg]",
@@ -200,16 +181,16 @@ def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
 
 def _contacts(problem: TractionProblem) -> Mapping[str, FloatArray]:
     lighter_kg = np.minimum(problem.car_kg, problem.counterweight_kg)
-    return at_contact(problem, 9.81 * lighter_kg / problem.rope_count)
+    return kind.at_contact(problem, 9.81 * lighter_kg / problem.rope_count)
 
 
-KIND = Kind(
+KIND = kind.Kind(
     name="traction",
     schema=TractionScene,
     system=SYSTEM,
     own_wheel=lambda table: (0.5 * table.sheave.diameter, 0.5 * table.ropes.diameter),
     problem=lambda table, friction: TractionProblem(
-        friction=friction, groove=table.sheave.groove, **arrays(table)
+        friction=friction, groove=table.sheave.groove, **kind.arrays(table)
     ),
     quantities=_quantities,
     tree=_tree,
@@ -217,7 +198,7 @@ KIND = Kind(
     answerable=answerable,
     failures=_failures,
     sections=_sections,
-    figures={"traction": Figure(_chart)},
+    figures={"traction": kind.Figure(_chart)},
     words={
         "largest_utilisation": "Largest utilisation of the four load cases",
         "needed_wrap_rad": "Least wrap that holds while loading and braking [rad]",

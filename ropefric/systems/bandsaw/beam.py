@@ -219,24 +219,19 @@ def _reference(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """
     if order < 3:
         raise InputError(f"the order is {order}; a beam element needs 3 or more", key="order")
-    value, slope, curvature = (np.zeros((order + 1, order + 1)) for _ in range(3))
-    value[0, [0, 1, 3]] = 0.5, -0.6, 0.1
-    value[1, :4] = 1 / 6, -0.1, -1 / 6, 0.1
-    value[2, [0, 1, 3]] = 0.5, 0.6, -0.1
-    value[3, :4] = -1 / 6, -0.1, 1 / 6, 0.1
-    slope[0, [0, 2]] = -0.5, 0.5
-    slope[1, [1, 2]] = -0.5, 0.5
-    slope[2, [0, 2]] = 0.5, -0.5
-    slope[3, [1, 2]] = 0.5, 0.5
-    curvature[0, 1], curvature[2, 1] = 1.5, -1.5
-    curvature[1, :2] = -0.5, 1.5
-    curvature[3, :2] = 0.5, 1.5
-    for row, k in enumerate(range(2, order - 1), start=4):
-        a = np.sqrt(k + 0.5)
-        curvature[row, k] = a
-        slope[row, [k + 1, k - 1]] = a / (2 * k + 1), -a / (2 * k + 1)
-        above, below = (2 * k + 1) * (2 * k + 3), (2 * k + 1) * (2 * k - 1)
-        value[row, [k + 2, k, k - 2]] = a / above, -a * (1 / above + 1 / below), a / below
+    # ∫ P_k from −1 is (P_{k+1} − P_{k−1})/(2k + 1), and P_1 + P_0 for k = 0.
+    k = np.arange(1, order)
+    integral = np.zeros((order + 1, order + 1))
+    integral[0, :2] = 1.0
+    integral[k, k + 1], integral[k, k - 1] = 1.0 / (2 * k + 1), -1.0 / (2 * k + 1)
+    curvature = np.zeros((order + 1, order + 1))
+    curvature[:4, :2] = [[0.0, 1.5], [-0.5, 1.5], [0.0, -1.5], [0.5, 1.5]]
+    bubbles = np.arange(2, order - 1)
+    curvature[bubbles + 2, bubbles] = np.sqrt(bubbles + 0.5)
+    slope = curvature @ integral
+    slope[1, 0] += 1.0  # the second cubic begins with a slope of 1, the first one with a value of 1
+    value = slope @ integral
+    value[0, 0] += 1.0
     for table in (value, slope, curvature):
         table.flags.writeable = False
     return value, slope, curvature
@@ -352,8 +347,7 @@ _CHECK_STEP = 3
 _ROUNDING = 1e-13
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BeamModes:
+class BeamModes(NamedTuple):
     """Scaled frequencies with what they cost and what they are worth."""
 
     frequencies: FloatArray
@@ -401,7 +395,7 @@ def beam_frequencies_Hz(
     if not stiff.any():
         return string_frequencies_Hz(span, n_modes)
     refuse_overspeed(span, ends)
-    frequencies = np.empty((span.m, n_modes))
+    frequencies = np.empty((span.n, n_modes))
     if not stiff.all():
         frequencies[~stiff] = string_frequencies_Hz(span.select(~stiff), n_modes)
     hertz = span.wave_speed_m_s / (2.0 * math.pi * span.free_span_m)

@@ -1,8 +1,10 @@
 """What measured frequencies say about the models: how far each is off, and which mounting would explain them."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
-from enum import StrEnum
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -11,52 +13,38 @@ from scipy.special import gammaincc
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import FitError, InputError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.saw import MODELS, Saw, Side, frequencies_Hz, preload_for_N
+from ropefric.systems.bandsaw.saw import MODELS, AdvisedStatus, Saw, Side, frequencies_Hz, preloads_for_N
 from ropefric.systems.bandsaw.span import Span
-from ropefric.systems.checks import checked
 
 
-class IdentificationStatus(StrEnum):
+class IdentificationStatus(AdvisedStatus):
     """What an identification is worth."""
 
-    OK = "ok"
-    ON_BOUND = "on-bound"
-    NO_SPARE = "no-spare"
-    MISFIT = "misfit"
-    BEYOND_BOUND = "beyond-bound"
-    UNIDENTIFIABLE = "unidentifiable"
-
-    @property
-    def advice(self) -> str:
-        """Return what the status means and what to do."""
-        return {
-            IdentificationStatus.OK: "Preload and mounting factor are determined by the data.",
-            IdentificationStatus.ON_BOUND: (
-                "The mounting factor lies on its bound, and its uncertainty reaches there: within what the points "
-                "can tell, the wheels are mounted like that."
-            ),
-            IdentificationStatus.NO_SPARE: (
-                "As many points as unknowns: they are met exactly, whatever they are. Measure more modes or "
-                "speeds, or give the points' uncertainties."
-            ),
-            IdentificationStatus.MISFIT: (
-                "The points are further off than their uncertainties allow: the model leaves something out, or a "
-                "mode is taken for another. Check the modes, or doubt the uncertainties."
-            ),
-            IdentificationStatus.BEYOND_BOUND: (
-                "The mounting factor lies on its bound, and that is not a measurement of it: the points ask for a "
-                "value no mounting has (see free_mounting_factor). Look for what the model leaves out before using "
-                "the preload."
-            ),
-            IdentificationStatus.UNIDENTIFIABLE: (
-                "The points cannot tell preload and mounting factor apart. Measure at rest and running, or at "
-                "different speeds."
-            ),
-        }[self]
+    OK = "ok: Preload and mounting factor are determined by the data."
+    ON_BOUND = (
+        "on-bound: The mounting factor lies on its bound, and its uncertainty reaches there: within what the "
+        "points can tell, the wheels are mounted like that."
+    )
+    NO_SPARE = (
+        "no-spare: As many points as unknowns: they are met exactly, whatever they are. Measure more modes or "
+        "speeds, or give the points' uncertainties."
+    )
+    MISFIT = (
+        "misfit: The points are further off than their uncertainties allow: the model leaves something out, or a "
+        "mode is taken for another. Check the modes, or doubt the uncertainties."
+    )
+    BEYOND_BOUND = (
+        "beyond-bound: The mounting factor lies on its bound, and that is not a measurement of it: the points ask "
+        "for a value no mounting has (see free_mounting_factor). Look for what the model leaves out before using "
+        "the preload."
+    )
+    UNIDENTIFIABLE = (
+        "unidentifiable: The points cannot tell preload and mounting factor apart. Measure at rest and running, or"
+        " at different speeds."
+    )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Identification:
+class Identification(NamedTuple):
     """Preload and mounting factor with what is known of their errors."""
 
     preload_N: float
@@ -65,7 +53,6 @@ class Identification:
     free_mounting_factor: float | None
     status: IdentificationStatus
     residual_Hz: FloatArray
-    n: int
     dof: int
 
     @property
@@ -73,12 +60,10 @@ class Identification:
         """Return the standard uncertainties of F_0 [N] and κ, or None where they are not known."""
         if self.covariance is None:
             return None
-        spread = np.sqrt(np.diag(self.covariance))
-        return float(spread[0]), float(spread[1])
+        return float(np.sqrt(self.covariance[0, 0])), float(np.sqrt(self.covariance[1, 1]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measurement:
+class Measurement(NamedTuple):
     """One measured frequency."""
 
     side: Side
@@ -87,18 +72,8 @@ class Measurement:
     speed_m_s: float | None = None
     std_Hz: float | None = None
 
-    def __post_init__(self) -> None:
-        checked("frequency_Hz", self.frequency_Hz)
-        if self.std_Hz is not None:
-            checked("std_Hz", self.std_Hz)
-        if self.speed_m_s is not None:
-            checked("speed_m_s", self.speed_m_s, "zero or more")
-        if self.mode < 1:
-            raise InputError(f"the mode is {self.mode}; modes count from 1", key="mode")
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Deviation:
+class Deviation(NamedTuple):
     """How far a model is from a measurement."""
 
     model: str
@@ -107,32 +82,22 @@ class Deviation:
     relative: float
 
 
-class MountingStatus(StrEnum):
+class MountingStatus(AdvisedStatus):
     """Whether some mounting of the wheels explains a measured frequency."""
 
-    EXPLAINED = "explained"
-    TOO_HIGH = "too-high"
-    TOO_LOW = "too-low"
-
-    @property
-    def advice(self) -> str:
-        """Return what the status means and what to do."""
-        return {
-            MountingStatus.EXPLAINED: "A mounting factor between 0 and 1 explains the frequency.",
-            MountingStatus.TOO_HIGH: (
-                "No mounting explains the frequency: it is too high. Even wheels pressed apart with a constant "
-                "force add no more than the whole inertia tension (kappa = 1). Look for what raises it: a larger "
-                "preload, a shorter free span, guides, bending stiffness, or another mode than was meant."
-            ),
-            MountingStatus.TOO_LOW: (
-                "No mounting explains the frequency: it is too low. Fixed axles already add nothing (kappa = 0). "
-                "Look for what lowers it: lost preload, warmth, a longer free span, yielding wheels, or another mode."
-            ),
-        }[self]
+    EXPLAINED = "explained: A mounting factor between 0 and 1 explains the frequency."
+    TOO_HIGH = (
+        "too-high: No mounting explains the frequency: it is too high. Even wheels pressed apart with a constant "
+        "force add no more than the whole inertia tension (kappa = 1). Look for what raises it: a larger preload, "
+        "a shorter free span, guides, bending stiffness, or another mode than was meant."
+    )
+    TOO_LOW = (
+        "too-low: No mounting explains the frequency: it is too low. Fixed axles already add nothing (kappa = 0). "
+        "Look for what lowers it: lost preload, warmth, a longer free span, yielding wheels, or another mode."
+    )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mounting:
+class Mounting(NamedTuple):
     """The mounting factor that would explain a frequency."""
 
     mounting_factor: float
@@ -154,18 +119,10 @@ def deviations(
             fix="give EI, or compare strings only",
         )
     found = []
-    for measurement in measurements:
-        for model in chosen:
-            changed = model.applied_to(_at_speed(saw, measurement))
-            frequency = float(frequencies_Hz(changed, measurement.side, measurement.mode)[0, -1])
-            found.append(
-                Deviation(
-                    model=model.name,
-                    measurement=measurement,
-                    frequency_Hz=frequency,
-                    relative=frequency / measurement.frequency_Hz - 1.0,
-                )
-            )
+    for point, model in product(measurements, chosen):
+        changed = model.applied_to(_at_speed(saw, point))
+        frequency = float(frequencies_Hz(changed, point.side, point.mode)[0, -1])
+        found.append(Deviation(model.name, point, frequency, frequency / point.frequency_Hz - 1.0))
     return tuple(found)
 
 
@@ -181,14 +138,13 @@ def explain_mounting(saw: Saw, measurement: Measurement) -> Mounting:
             key="speed_m_s",
             fix="give a frequency that was measured on the running blade",
         )
-    needed_N = preload_for_N(running, measurement.side, measurement.frequency_Hz, measurement.mode)
+    needed_N = float(preloads_for_N(running, measurement.side, measurement.frequency_Hz, measurement.mode)[0])
     inertia_N = saw.linear_density_kg_m * running.speed_m_s**2
     kappa = (needed_N - saw.preload_N) / inertia_N
-    if 0.0 <= kappa <= 1.0:
-        status = MountingStatus.EXPLAINED
-    else:
+    status = MountingStatus.EXPLAINED
+    if not 0.0 <= kappa <= 1.0:
         status = MountingStatus.TOO_HIGH if kappa > 1.0 else MountingStatus.TOO_LOW
-    return Mounting(mounting_factor=kappa, status=status)
+    return Mounting(kappa, status)
 
 
 def _at_speed(saw: Saw, measurement: Measurement) -> Saw:
@@ -210,15 +166,14 @@ _MISFIT = 1e-3
 
 def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
     """Return the preload and the mounting factor that fit measured frequencies best."""
-    n = len(measurements)
     weights = _weights(measurements)
+    n, known = len(measurements), measurements[0].std_Hz is not None
     wanted_Hz = np.array([point.frequency_Hz for point in measurements])
     modes = np.array([point.mode for point in measurements])
     at_work = [saw.speed_m_s if point.speed_m_s is None else point.speed_m_s for point in measurements]
-    runs = np.array([point.side is not Side.REST for point in measurements])
-    speed_m_s = np.where(runs, at_work, 0.0)
+    signs = np.array([point.side.sign for point in measurements])
+    speed_m_s, pull_N = np.abs(signs) * at_work, 0.5 * saw.tension_difference_N * signs
     inertia_N = saw.linear_density_kg_m * speed_m_s**2
-    pull_N = 0.5 * saw.tension_difference_N * np.array([point.side.sign for point in measurements])
 
     def floor_N(kappa: float) -> float:
         """Return a preload just above the one at which some point would be slack or past its critical speed."""
@@ -242,47 +197,53 @@ def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
         table = beam_frequencies_Hz(span, saw.ends, int(modes.max()), accuracy=1e-12)
         return np.asarray(wanted_Hz - table[np.arange(n), modes - 1])
 
-    def weighted(x: FloatArray) -> FloatArray:
-        return np.asarray(residual_Hz(x) * weights)
+    def search(low: float, high: float, held: tuple[float, ...] = ()) -> tuple[FloatArray, FloatArray, float]:
+        """Return (F_0, κ), the Jacobian and the variance; κ lies between two bounds, or is held."""
+        lowest = floor_N(low) / start_N
+        free = 2 - len(held)
 
-    floor = floor_N(0.0) / start_N
-    x, jacobian = _search(weighted, (floor, 0.0), (np.inf, 1.0))
+        def weighted(x: FloatArray) -> FloatArray:
+            return np.asarray(residual_Hz(np.array([*x, *held])) * weights)
+
+        found = least_squares(
+            weighted,
+            [max(1.0, 1.1 * lowest), 0.5][:free],
+            bounds=([lowest, low][:free], [np.inf, high][:free]),
+            jac="3-point",
+            xtol=1e-12,
+            ftol=1e-12,
+            gtol=1e-12,
+        )
+        if found.status <= 0:
+            raise FitError(
+                "the search for preload and mounting factor did not end",
+                fix="check the modes and sides of the points",
+            )
+        variance = 1.0 if known else 2.0 * float(found.cost) / (n - free) if n > free else math.nan
+        return np.array([*found.x, *held]), np.asarray(found.jac), variance
+
+    x, jacobian, variance = search(0.0, 1.0)
     identifiable = _tells_apart(jacobian)
     stopped = identifiable and not _AT_BOUND < x[1] < 1.0 - _AT_BOUND
+    free_kappa, beyond, n_free = None, False, 1 + (identifiable and not stopped)
     if stopped:
-        bound = float(np.round(x[1]))
-        x = np.array([_search(lambda y: weighted(np.array([y[0], bound])), (floor,), (np.inf,))[0][0], bound])
-    n_free = 1 + (identifiable and not stopped)
-    dof = n - n_free
-    known = measurements[0].std_Hz is not None
-
-    def variance(x: FloatArray, spare: int) -> float | None:
-        if known:
-            return 1.0
-        return float(np.sum(weighted(x) ** 2)) / spare if spare > 0 else None
-
-    free_kappa, beyond = None, False
-    if stopped:
-        low = floor_N(_FREE_FLOOR) / start_N
-        free, free_jacobian = _search(weighted, (low, _FREE_FLOOR), (np.inf, np.inf))
+        x, _, variance = search(0.0, 1.0, held=(float(np.round(x[1])),))
+        free, free_jacobian, free_variance = search(_FREE_FLOOR, np.inf)
         free_kappa = float(free[1])
-        spread = _covariance(free_jacobian, 2, start_N, variance(free, n - 2))
-        reach = 0.0 if spread is None else _REACH * float(np.sqrt(spread[1, 1]))
-        beyond = abs(free_kappa - x[1]) > reach
-    if not identifiable:
-        status = IdentificationStatus.UNIDENTIFIABLE
-    elif beyond:
-        status = IdentificationStatus.BEYOND_BOUND
-    else:
-        status = _judge(float(np.sum(weighted(x) ** 2)) if known else None, dof, stopped=stopped)
+        spread = _covariance(free_jacobian, start_N, free_variance)
+        beyond = abs(free_kappa - x[1]) > (0.0 if spread is None else _REACH * float(np.sqrt(spread[1, 1])))
+    residuals_Hz, dof = residual_Hz(x), n - n_free
+    chi2 = float(np.sum((residuals_Hz * weights) ** 2)) if known else None
+    status = _judge(chi2, dof, stopped=stopped)
+    if beyond or not identifiable:
+        status = IdentificationStatus.BEYOND_BOUND if beyond else IdentificationStatus.UNIDENTIFIABLE
     return Identification(
         preload_N=float(x[0]) * start_N,
         mounting_factor=float(x[1]),
-        covariance=_covariance(jacobian, n_free, start_N, variance(x, dof)) if identifiable else None,
+        covariance=_covariance(jacobian[:, :n_free], start_N, variance) if identifiable else None,
         free_mounting_factor=free_kappa,
         status=status,
-        residual_Hz=frozen_array(residual_Hz(x)),
-        n=n,
+        residual_Hz=frozen_array(residuals_Hz),
         dof=dof,
     )
 
@@ -296,22 +257,6 @@ def _judge(chi2: float | None, dof: int, *, stopped: bool) -> IdentificationStat
     return IdentificationStatus.ON_BOUND if stopped else IdentificationStatus.OK
 
 
-def _search(
-    weighted: Callable[[FloatArray], FloatArray], low: tuple[float, ...], high: tuple[float, ...]
-) -> tuple[FloatArray, FloatArray]:
-    """Return the solution and the Jacobian there, starting from the middle of the physical range."""
-    start = [max(1.0, 1.1 * low[0]), 0.5][: len(low)]
-    found = least_squares(
-        weighted, start, bounds=(low, high), jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12
-    )
-    if found.status <= 0:
-        raise FitError(
-            "the search for preload and mounting factor did not end",
-            fix="check the modes and sides of the points",
-        )
-    return np.asarray(found.x, dtype=np.float64), np.asarray(found.jac, dtype=np.float64)
-
-
 def _tells_apart(jacobian: FloatArray) -> bool:
     """Return whether the columns by preload and by mounting factor point in different directions."""
     lengths = np.linalg.norm(jacobian, axis=0)
@@ -320,18 +265,14 @@ def _tells_apart(jacobian: FloatArray) -> bool:
     return bool(np.linalg.svd(jacobian / lengths, compute_uv=False)[-1] > _PARALLEL)
 
 
-def _covariance(
-    jacobian: FloatArray, n_free: int, start_N: float, variance: float | None
-) -> FloatArray | None:
+def _covariance(jacobian: FloatArray, start_N: float, variance: float) -> FloatArray | None:
     """Return the covariance of (F_0, κ), zero for a κ that is held, or None where nothing tells the errors."""
-    if variance is None:
+    if math.isnan(variance):
         return None
-    _, r = np.linalg.qr(jacobian[:, :n_free])
-    inverse = np.linalg.inv(r)
+    inverse = np.linalg.inv(np.linalg.qr(jacobian)[1])
+    inverse *= np.array([start_N, 1.0])[: len(inverse), np.newaxis]
     covariance = np.zeros((2, 2))
-    covariance[:n_free, :n_free] = variance * inverse @ inverse.T
-    units = np.array([start_N, 1.0])
-    covariance *= np.outer(units, units)
+    covariance[: len(inverse), : len(inverse)] = variance * inverse @ inverse.T
     return frozen_array(covariance)
 
 

@@ -2,41 +2,33 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.files.digits import significant
-from ropefric.systems.bandsaw.roots import roots_between
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, preloads_for_N
-from ropefric.systems.checks import checked
+from ropefric.systems.bandsaw.saw import (
+    AdvisedStatus,
+    Saw,
+    Side,
+    frequencies_Hz,
+    preloads_for_N,
+    roots_between,
+)
 
 _SIDES = (Side.TIGHT, Side.SLACK)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Excitation:
+class Excitation(NamedTuple):
     """A cause of vibration and its harmonics: f_h(v) = h (f_0 + v/λ)."""
 
     name: str
     constant_Hz: float = 0.0
     per_metre: float = 0.0
     harmonics: tuple[int, ...] = (1,)
-
-    def __post_init__(self) -> None:
-        numbers = (self.constant_Hz, self.per_metre)
-        if not all(math.isfinite(number) and number >= 0.0 for number in numbers) or not any(numbers):
-            raise InputError(
-                f"excitation {self.name!r}: {self.constant_Hz:g} Hz and {self.per_metre:g} per metre; both must be "
-                "finite and zero or more, and one of them positive",
-                fix="correct this value",
-            )
-        if not self.harmonics or min(self.harmonics) < 1:
-            raise InputError(f"excitation {self.name!r}: harmonics count from 1", key="harmonics")
 
     def frequencies_Hz(self, speed_m_s: npt.ArrayLike) -> FloatArray:
         """Return the frequencies of the harmonics at blade speeds, shape (…, n_harmonics) [Hz]."""
@@ -46,23 +38,20 @@ class Excitation:
 
 def wheel_rotation(wheel_radius_m: float, harmonics: tuple[int, ...] = (1, 2, 3)) -> Excitation:
     """Return the excitation by a wheel that is out of round or balance: once a turn, v/(2πR)."""
-    per_metre = 1.0 / (2.0 * math.pi * float(checked("wheel_radius_m", wheel_radius_m)))
-    return Excitation(name="wheel rotation", per_metre=per_metre, harmonics=harmonics)
+    return Excitation("wheel rotation", per_metre=1.0 / (2.0 * math.pi * wheel_radius_m), harmonics=harmonics)
 
 
 def tooth_passing(tooth_pitch_m: float, harmonics: tuple[int, ...] = (1,)) -> Excitation:
     """Return the excitation by teeth that enter the wood: once a pitch."""
-    per_metre = 1.0 / float(checked("tooth_pitch_m", tooth_pitch_m))
-    return Excitation(name="tooth passing", per_metre=per_metre, harmonics=harmonics)
+    return Excitation("tooth passing", per_metre=1.0 / tooth_pitch_m, harmonics=harmonics)
 
 
 def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] = (1,)) -> Excitation:
     """Return an excitation whose frequency does not depend on the blade's speed, such as a motor or a fan."""
-    return Excitation(name=name, constant_Hz=frequency_Hz, harmonics=harmonics)
+    return Excitation(name, constant_Hz=frequency_Hz, harmonics=harmonics)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Crossing:
+class Crossing(NamedTuple):
     """A blade speed at which an excitation has the frequency of a mode."""
 
     side: Side
@@ -74,8 +63,7 @@ class Crossing:
     speed_margin: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Margin:
+class Margin(NamedTuple):
     """How far a mode is from an excitation at the speed at work."""
 
     side: Side
@@ -84,7 +72,7 @@ class Margin:
     harmonic: int
     mode_Hz: float
     excitation_Hz: float
-    relative: float
+    margin: float
 
 
 def find_crossings(
@@ -99,14 +87,7 @@ def find_crossings(
     A mode's frequency falls with the speed and an excitation's does not, so a pair crosses at most once and its ends
     tell whether it does.
     """
-    speeds = np.asarray(speeds_m_s, dtype=np.float64)
-    if speeds.ndim != 1 or speeds.size < 2 or not (np.diff(speeds) > 0.0).all() or speeds[0] < 0.0:
-        raise InputError(
-            "the speeds must be two or more, rising from 0 or more",
-            key="speeds_m_s",
-            fix="give np.linspace(...)",
-        )
-    ends = speeds[[0, -1]]
+    ends = np.asarray(speeds_m_s, dtype=np.float64)[[0, -1]]
     of_modes = frequencies_Hz(saw, side, n_modes, speed_m_s=ends)
     pairs = [
         (excitation, harmonic, mode)
@@ -118,16 +99,15 @@ def find_crossings(
     if not pairs:
         return ()
     modes = np.array([mode for _, _, mode in pairs])
-    constant_Hz = np.array([harmonic * excitation.constant_Hz for excitation, harmonic, _ in pairs])
-    per_metre = np.array([harmonic * excitation.per_metre for excitation, harmonic, _ in pairs])
+    constant_Hz, per_metre = np.array([(h * one.constant_Hz, h * one.per_metre) for one, h, _ in pairs]).T
 
-    def above_Hz(speed: FloatArray, cases: npt.NDArray[np.intp]) -> FloatArray:
+    def above_Hz(speed: FloatArray, cases: IntArray) -> FloatArray:
         found = frequencies_Hz(saw, side, int(modes[cases].max()), speed_m_s=speed)
         own_Hz = found[np.arange(cases.size), modes[cases] - 1]
         return np.asarray(own_Hz - constant_Hz[cases] - per_metre[cases] * speed)
 
     low, high = (np.full(len(pairs), end) for end in ends)
-    meeting = roots_between(above_Hz, low, high, tolerance=1e-11)
+    meeting = roots_between(above_Hz, low, high)
     crossings = [
         Crossing(
             side=side,
@@ -152,32 +132,20 @@ def margins(
     saw: Saw, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
 ) -> tuple[Margin, ...]:
     """Return how far every mode is from every excitation at the speed at work, the nearest first."""
-    found = []
-    for side in sides:
-        of_modes = frequencies_Hz(saw, side, n_modes)[0]
-        for excitation in excitations:
-            excited = excitation.frequencies_Hz(saw.speed_m_s)
-            found += [
-                Margin(
-                    side=side,
-                    mode=mode,
-                    excitation=excitation.name,
-                    harmonic=harmonic,
-                    mode_Hz=mode_Hz,
-                    excitation_Hz=excited_Hz,
-                    relative=mode_Hz / excited_Hz - 1.0,
-                )
-                for harmonic, excited_Hz in zip(excitation.harmonics, excited.tolist(), strict=True)
-                if excited_Hz > 0.0
-                for mode, mode_Hz in enumerate(of_modes.tolist(), start=1)
-            ]
-    return tuple(
-        sorted(found, key=lambda margin: (significant(abs(margin.relative)), margin.mode, margin.harmonic))
-    )
+    found = [
+        Margin(side, mode, excitation.name, harmonic, mode_Hz, excited_Hz, mode_Hz / excited_Hz - 1.0)
+        for side in sides
+        for mode, mode_Hz in enumerate(frequencies_Hz(saw, side, n_modes)[0].tolist(), start=1)
+        for excitation in excitations
+        for harmonic, excited_Hz in zip(
+            excitation.harmonics, excitation.frequencies_Hz(saw.speed_m_s).tolist(), strict=True
+        )
+        if excited_Hz > 0.0
+    ]
+    return tuple(sorted(found, key=lambda one: (significant(abs(one.margin)), one.mode, one.harmonic)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SawChart:
+class SawChart(NamedTuple):
     """What a Campbell chart shows."""
 
     saw: Saw
@@ -192,8 +160,6 @@ def saw_chart(
 ) -> SawChart:
     """Return the data of a Campbell chart of both sides at constant torque."""
     speeds = np.array(speeds_m_s, dtype=np.float64)
-    if not excitations:
-        raise InputError("a chart without excitations shows no resonance", key="excitations")
     found = [
         crossing for side in _SIDES for crossing in find_crossings(saw, side, excitations, speeds, n_modes)
     ]
@@ -210,28 +176,18 @@ def saw_chart(
 _SEARCHED = 65
 
 
-class StrainStatus(StrEnum):
+class StrainStatus(AdvisedStatus):
     """What is to be done about the preload."""
 
-    KEEP = "keep"
-    CHANGE = "change"
-    IMPOSSIBLE = "impossible"
-
-    @property
-    def advice(self) -> str:
-        """Return what the status means and what to do."""
-        return {
-            StrainStatus.KEEP: "The present preload keeps every mode far enough from every excitation.",
-            StrainStatus.CHANGE: "Set the recommended preload: the nearest that keeps the margin.",
-            StrainStatus.IMPOSSIBLE: (
-                "No preload in the range keeps the margin: as one mode leaves an excitation another arrives. "
-                "Change the wheel speed or the free span, accept the best margin, or consider fewer harmonics."
-            ),
-        }[self]
+    KEEP = "keep: The present preload keeps every mode far enough from every excitation."
+    CHANGE = "change: Set the recommended preload: the nearest that keeps the margin."
+    IMPOSSIBLE = (
+        "impossible: No preload in the range keeps the margin: as one mode leaves an excitation another arrives. "
+        "Change the wheel speed or the free span, accept the best margin, or consider fewer harmonics."
+    )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StrainAdvice:
+class StrainAdvice(NamedTuple):
     """A recommended preload."""
 
     status: StrainStatus
@@ -254,12 +210,6 @@ def recommend_preload(
     found by inversion; what none of the intervals covers is allowed.
     """
     low_N, high_N = range_N
-    if not 0.0 < margin < 1.0:
-        raise InputError(f"the margin is {margin:g}", key="margin", fix="give 0.1 for 10 %")
-    if not (0.0 < low_N < high_N and math.isfinite(high_N)):
-        raise InputError(
-            f"the range is {low_N:g} N to {high_N:g} N; it must be positive and rising", key="range_N"
-        )
     forbidden = _union(
         interval
         for side in _SIDES
@@ -332,4 +282,4 @@ def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float
 
 def _margin_at(saw: Saw, excitations: tuple[Excitation, ...], preload_N: float, n_modes: int) -> float:
     nearest = margins(replace(saw, preload_N=preload_N), _SIDES, excitations, n_modes)
-    return abs(nearest[0].relative) if nearest else math.inf
+    return abs(nearest[0].margin) if nearest else math.inf

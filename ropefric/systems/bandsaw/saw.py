@@ -1,19 +1,21 @@
 """A band saw: one blade on two wheels, what it is made of, what drives it, and the frequencies of its two sides."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize.elementwise import find_root
 
-from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
+from ropefric.arrays import FloatArray, IntArray
+from ropefric.errors import InputError, SolverError
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.roots import roots_between
-from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_mounting
-from ropefric.systems.checks import checked
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
+from ropefric.systems.checks import checked, refuse
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +71,19 @@ def tension_difference_N(torque_N_m: npt.ArrayLike, wheel_radius_m: npt.ArrayLik
     return np.asarray(torque / checked("wheel_radius_m", wheel_radius_m))
 
 
+class AdvisedStatus(StrEnum):
+    """A status that says what it means and what to do; its members are written "value: advice"."""
+
+    advice: str  # type: ignore[misc]  # it is set below
+
+    def __new__(cls, text: str) -> Self:
+        """Return the member of a value, with its advice."""
+        value, _, advice = text.partition(": ")
+        member = str.__new__(cls, value)
+        member._value_, member.advice = value, advice  # type: ignore[misc]
+        return member
+
+
 class Side(StrEnum):
     """Which free span of the blade, and whether the saw runs."""
 
@@ -96,20 +111,10 @@ class Saw:
     bending_stiffness_N_m2: float = 0.0
     ends: Ends = CLAMPED
 
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            if field.name not in {"ends", "mounting_factor"}:
-                rule = "zero or more" if field.name in _MAY_BE_ZERO else "positive"
-                checked(field.name, getattr(self, field.name), rule)  # type: ignore[arg-type]
-        refuse_mounting(self.mounting_factor)
-
     @property
     def speed_m_s(self) -> float:
         """Return the blade's speed at work v = ω R [m/s]."""
         return self.wheel_speed_rad_s * self.wheel_radius_m
-
-
-_MAY_BE_ZERO = {"wheel_speed_rad_s", "tension_difference_N", "bending_stiffness_N_m2"}
 
 
 def span_of(
@@ -120,17 +125,19 @@ def span_of(
     preload_N: npt.ArrayLike | None = None,
 ) -> Span:
     """Return one side of a saw with all its parts in it, for one speed and preload or many."""
-    runs = 0.0 if side is Side.REST else 1.0
-    speed = runs * np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)
+    speed = abs(side.sign) * np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)
+    parts: dict[str, Any] = {
+        "preload_N": saw.preload_N if preload_N is None else preload_N,
+        "pull_N": 0.5 * side.sign * saw.tension_difference_N,
+        "mounting_factor": saw.mounting_factor,
+        "bending_stiffness_N_m2": saw.bending_stiffness_N_m2,
+    }
     return Span(
         free_span_m=np.asarray(saw.free_span_m),
         linear_density_kg_m=np.asarray(saw.linear_density_kg_m),
-        preload_N=np.asarray(saw.preload_N if preload_N is None else preload_N, dtype=np.float64),
-        pull_N=np.asarray(0.5 * side.sign * saw.tension_difference_N),
-        mounting_factor=np.asarray(saw.mounting_factor),
         wheel_speed_m_s=speed,
         travel_speed_m_s=speed,
-        bending_stiffness_N_m2=np.asarray(saw.bending_stiffness_N_m2),
+        **parts,
     )
 
 
@@ -157,9 +164,7 @@ def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.
     For a string c = a + √(a² + v²) with a = f l/n, from eq. (8), and F_0 = ρA c² ∓ ΔF/2 − κ ρA v². A stiff blade
     needs less, which is found by bracketing.
     """
-    wanted_Hz, modes = np.broadcast_arrays(np.atleast_1d(checked("frequency_Hz", frequency_Hz)), mode)
-    if modes.size and modes.min() < 1:
-        raise InputError(f"the mode is {modes.min()}; modes count from 1", key="mode")
+    wanted_Hz, modes = np.broadcast_arrays(np.atleast_1d(np.asarray(frequency_Hz, dtype=np.float64)), mode)
     v = 0.0 if side is Side.REST else saw.speed_m_s
     a = wanted_Hz * saw.free_span_m / modes
     c = a + np.hypot(a, v)
@@ -172,7 +177,7 @@ def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.
     # Without ΔF and κ in the way, the total tension is what is looked for; its sign is then the only limit.
     plain = replace(saw, tension_difference_N=0.0, mounting_factor=0.0)
 
-    def surplus_Hz(total_N: FloatArray, cases: npt.NDArray[np.intp]) -> FloatArray:
+    def surplus_Hz(total_N: FloatArray, cases: IntArray) -> FloatArray:
         found = frequencies_Hz(plain, side, int(modes[cases].max()), preload_N=total_N, accuracy=1e-12)
         return np.asarray(found[np.arange(cases.size), modes[cases] - 1] - wanted_Hz[cases])
 
@@ -182,31 +187,37 @@ def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.
     below = total_N <= lowest_N
     if not below.any():
         below = surplus_Hz(lowest_N, every) >= 0.0
-    if below.any():
-        first = int(np.argmax(below))
-        raise InputError(
-            f"mode {modes[first]} of the {side} side has {wanted_Hz[first]:g} Hz only below a tension of "
-            f"{lowest_N[first]:.4g} N",
-            key="frequency_Hz",
-            fix="ask for a higher frequency or a lower mode",
-        )
-    return roots_between(surplus_Hz, lowest_N, total_N, tolerance=1e-11) - apart_N
+    refuse(
+        below,
+        f"mode {{mode}} of the {side} side has {{wanted_Hz:g}} Hz only below a tension of {{lowest_N:.4g}} N",
+        key="frequency_Hz",
+        fix="ask for a higher frequency or a lower mode",
+        mode=modes,
+        wanted_Hz=wanted_Hz,
+        lowest_N=lowest_N,
+    )
+    return roots_between(surplus_Hz, lowest_N, total_N) - apart_N
 
 
-def preload_for_N(saw: Saw, side: Side, frequency_Hz: float, mode: int = 1) -> float:
-    """Return the preload F_0 at which a mode of one side has a frequency [N], see `preloads_for_N`."""
-    return float(preloads_for_N(saw, side, frequency_Hz, mode)[0])
+def roots_between(
+    function: Callable[[FloatArray, IntArray], FloatArray], low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """Return the root of each case to 11 digits; `function(x, cases)` differs in sign at its two ends."""
+    cases = np.arange(low.size)
+    found = find_root(function, (low, high), args=(cases,), tolerances={"xatol": 0.0, "xrtol": 1e-11})
+    if not found.success.all():
+        raise SolverError("the roots do not settle", fix="ask for less accuracy")
+    return np.asarray(found.x, dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BladeModel:
+class BladeModel(NamedTuple):
     """A choice of a saw's parts, to be compared with measurements."""
 
     name: str
-    meaning: str
     runs: bool
     mounting_factor: float
     bends: bool
+    meaning: str
 
     def applied_to(self, saw: Saw) -> Saw:
         """Return the saw with this model's parts."""
@@ -218,22 +229,16 @@ class BladeModel:
         )
 
 
-_MODELS = {
-    "string-at-rest": (False, 0.0, False, "a string under the tensions of work that does not move (table 2, left)"),
-    "string-fixed-axles": (True, 0.0, False, "a running string between fixed wheel axles, kappa = 0 (table 2, right)"),
-    "string-constant-force": (
-        True, 1.0, False, "a running string, wheels pressed apart with a constant force, kappa = 1 (table 3, right)"
-    ),
-    "beam-fixed-axles": (True, 0.0, True, "a running stiff blade between fixed wheel axles, kappa = 0"),
-    "beam-constant-force": (
-        True, 1.0, True, "a running stiff blade, wheels pressed apart with a constant force, kappa = 1"
-    ),
-}  # fmt: skip
-MODELS: Registry[BladeModel] = Registry(
-    "model of the blade",
-    [
-        BladeModel(name=name, meaning=meaning, runs=runs, mounting_factor=kappa, bends=bends)
-        for name, (runs, kappa, bends, meaning) in _MODELS.items()
-    ],
-)
+MODELS: Registry[BladeModel] = Registry("model of the blade", (
+    BladeModel("string-at-rest", False, 0.0, False,
+        "a string under the tensions of work that does not move (table 2, left)"),
+    BladeModel("string-fixed-axles", True, 0.0, False,
+        "a running string between fixed wheel axles, kappa = 0 (table 2, right)"),
+    BladeModel("string-constant-force", True, 1.0, False,
+        "a running string, wheels pressed apart with a constant force, kappa = 1 (table 3, right)"),
+    BladeModel("beam-fixed-axles", True, 0.0, True,
+        "a running stiff blade between fixed wheel axles, kappa = 0"),
+    BladeModel("beam-constant-force", True, 1.0, True,
+        "a running stiff blade, wheels pressed apart with a constant force, kappa = 1"),
+))  # fmt: skip
 """Every model by name, from plain to complete."""

@@ -6,71 +6,56 @@ from functools import cached_property
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError, SolverError
-from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
+from ropefric.errors import SolverError
+from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.creep import speed_ratio
-from ropefric.systems.effect import Model
+from ropefric.systems.effect import Method, Model, System, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
+from ropefric.systems.subsets import closed_form_system, law_rows
 
 CLOSURES = ("limit", "tensioner", "fixed")
 _MAX_STEPS = 200
 
-_RULES: dict[str, Rule] = {
-    "wheel_radius_m": "positive",
-    "wrap_angle_rad": "positive",
-    "tension_N": "positive",
-    "rope_radius_m": "positive",
-    "belt_count": "positive",
-    "speed_rad_s": "zero or more",
-    "driven_radius_m": "positive",
-    "driven_wrap_rad": "positive",
-    "linear_density_kg_m": "zero or more",
-    "groove_angle_rad": "positive",
-    "axial_stiffness_N": "positive",
-    "power_W": "zero or more",
-}
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DriveProblem:
-    """A belt drive, n cases side by side; scalars are spread. Without a driven pulley it is a drum or a brake."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DriveProblem(Cases):
+    """A belt drive, n cases side by side. Without a driven pulley it is a drum or a brake."""
 
     friction: WrapFriction
     closure: str
-    wheel_radius_m: FloatArray
-    wrap_angle_rad: FloatArray
-    tension_N: FloatArray
-    rope_radius_m: FloatArray
-    belt_count: FloatArray
-    speed_rad_s: FloatArray | None = None
-    driven_radius_m: FloatArray | None = None
-    driven_wrap_rad: FloatArray | None = None
-    linear_density_kg_m: FloatArray | None = None
-    groove_angle_rad: FloatArray | None = None
-    axial_stiffness_N: FloatArray | None = None
-    power_W: FloatArray | None = None
+    wheel_radius_m: Positive
+    wrap_angle_rad: Positive
+    tension_N: Positive
+    rope_radius_m: Positive
+    belt_count: Positive
+    speed_rad_s: ZeroOrMore | None = None
+    driven_radius_m: Positive | None = None
+    driven_wrap_rad: Positive | None = None
+    linear_density_kg_m: ZeroOrMore | None = None
+    groove_angle_rad: Positive | None = None
+    axial_stiffness_N: Positive | None = None
+    power_W: ZeroOrMore | None = None
 
     def __post_init__(self) -> None:
-        for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
-            refuse_out_of_scale(name, array, may_vanish=_RULES[name] != "positive")
-            object.__setattr__(self, name, array)
-        groove = self.groove_angle_rad
-        if groove is not None and ((groove < 1e-3) | (groove > np.pi)).any():
-            raise InputError(
-                "a groove opens by less than a hair or more than half a turn", key="groove_angle_rad"
-            )
-        if self.power_W is not None and not (self.power_W * (self.belt_speed_m_s <= 0.0) == 0.0).all():
-            raise InputError("a pulley at rest carries no power", key="speed_rad_s", fix="give its speed")
-
-    @property
-    def n(self) -> int:
-        """Return how many cases there are."""
-        return self.wheel_radius_m.size
+        Cases.__post_init__(self)
+        groove = np.ones(1) if self.groove_angle_rad is None else self.groove_angle_rad
+        refuse(
+            (groove < 1e-3) | (groove > np.pi),
+            "a groove opens by less than a hair or more than half a turn",
+            key="groove_angle_rad",
+        )
+        at_rest = self.product("power_W") * (self.belt_speed_m_s <= 0.0) > 0.0
+        refuse(at_rest, "a pulley at rest carries no power", key="speed_rad_s", fix="give its speed")
 
     @property
     def belt_speed_m_s(self) -> FloatArray:
         """Return the rim speed of the driving pulley [m/s], shape (n,)."""
-        return np.zeros(self.n) if self.speed_rad_s is None else self.speed_rad_s * self.wheel_radius_m
+        return self.product("speed_rad_s", "wheel_radius_m")
+
+    @property
+    def circling_N(self) -> FloatArray:
+        """Return m v2, what keeps the belt on its circle [N]."""
+        return self.product("linear_density_kg_m", "belt_speed_m_s", "belt_speed_m_s")
 
 
 DriveModel = Model[DriveProblem]
@@ -153,10 +138,16 @@ class DriveAnswer:
 def solve_drive(model: DriveModel) -> DriveAnswer:
     """Return what a belt drive carries, and how it runs at the power asked for."""
     problem = model.problem
-    circling_N = np.zeros(problem.n)
-    if "centrifugal" in model.effects and problem.linear_density_kg_m is not None:
-        circling_N = problem.linear_density_kg_m * problem.belt_speed_m_s**2
-    _refuse_floating(problem, circling_N)
+    circling_N = model.part("centrifugal", problem.circling_N)
+    refuse(
+        problem.tension_N <= circling_N,
+        "m v^2 = {circling_N:.6g} N is not below the tension of {tension_N:.6g} N: the belt lifts off the pulley",
+        code="RF510",
+        key="speed_rad_s",
+        fix="raise the tension or lower the speed",
+        circling_N=circling_N,
+        tension_N=problem.tension_N,
+    )
     pressing_N, law = problem.tension_N - circling_N, problem.friction.law
     coefficients = _coefficients(model, pressing_N)
     if "wrap-dependence" in model.effects and "end-tension" in law.effects and problem.closure != "tensioner":
@@ -240,19 +231,6 @@ def _full_N(
     return pressing_N * (1.0 + share), pressing_N * 2.0 / (1.0 + np.exp(exponent))
 
 
-def _refuse_floating(problem: DriveProblem, circling_N: FloatArray) -> None:
-    floating = problem.tension_N <= circling_N
-    if floating.any():
-        first = int(np.argmax(floating))
-        raise InputError(
-            f"m v^2 = {circling_N[first]:.6g} N is not below the tension of {problem.tension_N[first]:.6g} N: the belt "
-            "lifts off the pulley",
-            code="RF510",
-            key="speed_rad_s",
-            fix="raise the tension or lower the speed",
-        )
-
-
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
     """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
 
@@ -265,6 +243,38 @@ def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
 
 def answerable(problem: DriveProblem) -> BoolArray:
     """Return for which of n cases the belt stays on its pulleys, shape (n,)."""
-    if problem.linear_density_kg_m is None:
-        return np.ones(problem.n, dtype=np.bool_)
-    return np.asarray(problem.tension_N > problem.linear_density_kg_m * problem.belt_speed_m_s**2)
+    return np.asarray(problem.tension_N > problem.circling_N)
+
+
+SYSTEM: System[DriveProblem, DriveModel, DriveAnswer] = closed_form_system(
+    "beltdrive",
+    "effect of a belt drive",
+    solve_drive,
+    (
+        (
+            "centrifugal",
+            "the tension m v^2 that keeps the running belt on its circle and presses nothing",
+            "a belt at rest",
+            missing({"linear_density_kg_m": "belt.linear_density", "speed_rad_s": "driving.speed"}),
+        ),
+        (
+            "wedge",
+            "the flanks of the groove, that press with 1/sin(half its angle)",
+            "a flat pulley",
+            missing({"groove_angle_rad": "belt.groove_angle"}),
+        ),
+        (
+            "creep",
+            "a belt that stretches where it adheres, so that the driven pulley runs slower and power is lost",
+            "a belt that does not stretch; both rims run at one speed",
+            missing({"axial_stiffness_N": "belt.axial_stiffness"}),
+        ),
+        *law_rows("pulley", "belt", missing({})),
+    ),
+    Method(
+        name="closed form",
+        error=1e-11,
+        why="an exponential and a balance of tensions; there is nothing to approximate",
+    ),
+)
+"""A belt on one pulley or two."""

@@ -1,80 +1,49 @@
-"""Over preload, speed, load and friction: tensions and slip, and the value at which each roller begins to slip."""
+"""Tensions and slip over preloads and speeds, and what has to change until a roller slips, or the last one stops."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError, UnknownNameError
-from ropefric.registry import did_you_mean
+from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
-from ropefric.systems.press.slip import (
-    Contact,
-    SlipTable,
-    available_pull_N,
-    contacts_of,
-    grip_on,
-    slip_table,
-    steady_contacts,
-)
-from ropefric.systems.press.statics import Statics
-from ropefric.systems.press.steady import speed_shift_kg_m, steady_state
+from ropefric.systems.press.answer import PressAnswer, take_up
+from ropefric.systems.press.slip import Contacts, SlipTable, contacts_of
+from ropefric.systems.press.statics import Statics, solve_statics
+from ropefric.systems.press.steady import TakeUp, speed_shift_kg_m, steady_state
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PressSweep:
-    """A press at every pair of preload and speed; without preloads at the machine's own."""
-
-    preload_N: FloatArray
-    speed_m_s: FloatArray
-    spans: tuple[str, ...]
-    rollers: tuple[str, ...]
-    effective_tension_N: FloatArray
-    slack: BoolArray
-    slip: SlipTable
-
-    @property
-    def margin(self) -> FloatArray:
-        """Return the largest utilisation of all rollers, shape (n_preloads or 1, n_speeds); slip begins at 1."""
-        return np.asarray(self.slip.utilisation.max(axis=-1))
-
-
-def sweep_press(
-    statics: Statics,
-    friction: float | WrapFriction,
-    *,
-    preload_N: npt.ArrayLike | None = None,
-    speed_m_s: npt.ArrayLike | None = None,
-    tensioner: Literal["locked", "elastic"] = "locked",
-    told: frozenset[str] = EVERYTHING,
-) -> PressSweep:
-    """Return tensions and slip at every pair of preloads of all tensioners and speeds; what is not given stays.
+    """Tensions and slip at every pair of preloads of all tensioners and speeds; what is not given stays.
 
     Over the speed alone the arrays behind figures 4 and 5, over the preload figure 6, over both figure 7 and the map.
+    `margin` is the largest utilisation of all rollers, shape (n_preloads or 1, n_speeds); slip begins at 1.
     """
-    preloads = np.empty(0) if preload_N is None else _row("preload_N", preload_N)
-    speeds = _row("speed_m_s", [statics.press.speed_m_s] if speed_m_s is None else speed_m_s)
-    state = steady_state(
-        statics,
-        preload_N=preloads[:, None] if preloads.size else None,
-        speed_m_s=speeds[None, :],
-        tensioner=tensioner,
-        on_slack="flag",
-    )
-    slip = slip_table(steady_contacts(state), friction, told=told)
-    return PressSweep(
-        preload_N=preloads,
-        speed_m_s=speeds,
-        spans=tuple(span.name for span in statics.press.spans),
-        rollers=slip.rollers,
-        effective_tension_N=state.effective_tension_N,
-        slack=state.slack,
-        slip=slip,
-    )
+
+    def __init__(
+        self,
+        statics: Statics,
+        friction: float | WrapFriction,
+        *,
+        preload_N: npt.ArrayLike | None = None,
+        speed_m_s: npt.ArrayLike | None = None,
+    ) -> None:
+        press = statics.press
+        self.preload_N = np.empty(0) if preload_N is None else _row("preload_N", preload_N)
+        self.speed_m_s = _row("speed_m_s", [press.speed_m_s] if speed_m_s is None else speed_m_s)
+        state = steady_state(
+            statics,
+            preload_N=self.preload_N[:, None] if self.preload_N.size else None,
+            speed_m_s=self.speed_m_s[None, :],
+            on_slack="flag",
+        )
+        self.effective_tension_N, self.slack = state.effective_tension_N, state.slack
+        self.slip = SlipTable(press, self.effective_tension_N, friction)
+        self.spans, self.rollers = tuple(span.name for span in press.spans), self.slip.rollers
+        self.margin = self.slip.utilisation.max(axis=-1)
 
 
 def _row(name: str, values: npt.ArrayLike) -> FloatArray:
@@ -83,8 +52,6 @@ def _row(name: str, values: npt.ArrayLike) -> FloatArray:
         raise InputError(f"{name} has the shape {row.shape}; one row of numbers is needed", key=name)
     return row
 
-
-Change = Literal["preload", "speed", "load", "friction"]
 
 CHANGES = {
     "preload": "preload of all tensioners falls [N]",
@@ -100,34 +67,23 @@ _MAX_DOUBLINGS = 40
 _NO_TORQUE = 1e-9
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FirstSlip:
-    """The first roller to slip under one change."""
-
-    roller: str
-    change: str
-    value: float
-
-
 def critical_values(
     statics: Statics,
     friction: float | WrapFriction,
-    change: Change,
+    change: str,
     *,
-    tensioner: Literal["locked", "elastic"] = "locked",
+    tensioner: TakeUp = "locked",
     told: frozenset[str] = EVERYTHING,
 ) -> dict[str, float | None]:
     """Return for every roller the value at which it begins to slip; everything else stays as the press has it."""
-    if change not in CHANGES:
-        fix = did_you_mean(change, CHANGES)
-        raise UnknownNameError(f"nothing is known of the change '{change}'", key="change", fix=fix)
     press = statics.press
     if change == "friction":
-        contacts = steady_contacts(steady_state(statics, tensioner=tensioner))
-        required = slip_table(contacts, friction, told=told).mu_required
+        tension_N = steady_state(statics, tensioner=tensioner).effective_tension_N
+        slip = SlipTable(press, tension_N, friction, told=told)
+        grips = slip.contacts.pull_N > _NO_TORQUE * (slip.contacts.slack_N + slip.contacts.pull_N)
         return {
-            contact.roller: float(mu) if abs(contact.friction_pull_N) > _NO_TORQUE * contact.tight_N else None
-            for contact, mu in zip(contacts, required, strict=True)
+            name: float(mu) if grip else None
+            for name, mu, grip in zip(slip.rollers, slip.mu_required, grips, strict=True)
         }
     # Tensions are linear in preload, load and speed squared.
     slopes = {
@@ -136,44 +92,30 @@ def critical_values(
         "speed": speed_shift_kg_m(statics, tensioner),
     }
     own_N = {
-        "preload": statics.by_preload @ [part.force_N for part in press.take_ups],
+        "preload": statics.by_preload @ [part.force_N for part in press.tensioners.values()],
         "load": statics.by_load_N,
         "speed": press.speed_m_s**2 * slopes["speed"],
     }
     slope = slopes.pop(change)
     at_zero_N = statics.given_N + sum(own_N[name] for name in slopes)
-    found: dict[str, float | None] = {}
-    for contact, each in zip(contacts_of(press, at_zero_N), contacts_of(press, slope), strict=True):
+    base, each, both = (contacts_of(press, part) for part in (at_zero_N, slope, at_zero_N + slope))
+    idle = both.pull_N <= _NO_TORQUE * np.maximum(abs(both.upstream_N), abs(both.downstream_N))
+    values: dict[str, float | None] = {}
+    for i, name in enumerate(base.roller.tolist()):
+        here, more = base.of(i), each.of(i)
 
-        def reserve_N(amount: npt.ArrayLike, contact: Contact = contact, each: Contact = each) -> FloatArray:
-            amounts = np.asarray(amount, dtype=np.float64)
-            there = replace(
-                contact,
-                upstream_N=contact.upstream_N + amounts * each.upstream_N,
-                downstream_N=contact.downstream_N + amounts * each.downstream_N,
+        def reserve_N(amount: npt.ArrayLike, here: Contacts = here, more: Contacts = more) -> FloatArray:
+            sides = np.multiply.outer([more.upstream_N, more.downstream_N], amount)
+            there = here._replace(
+                upstream_N=here.upstream_N + sides[0], downstream_N=here.downstream_N + sides[1]
             )
-            return available_pull_N(there, grip_on(there, friction, told=told)) - abs(there.friction_pull_N)
+            return np.asarray(there.slack_N * np.expm1(there.exponent(friction, told)) - there.pull_N)
 
-        pull_N = abs(contact.friction_pull_N + each.friction_pull_N)
-        largest_N = max(
-            abs(contact.upstream_N + each.upstream_N), abs(contact.downstream_N + each.downstream_N)
-        )
-        if change != "preload" and pull_N <= _NO_TORQUE * largest_N:
-            found[contact.roller] = None
-            continue
-        root = _crossing(reserve_N, at_zero_N, slope, falling=change == "preload")
-        found[contact.roller] = root if root is None or change != "speed" else float(np.sqrt(root))
-    return found
-
-
-def first_to_slip(values: Mapping[str, float | None], change: Change) -> FirstSlip | None:
-    """Return the roller that slips first as one thing changes, or None where none ever does."""
-    slipping = {name: value for name, value in values.items() if value is not None}
-    if not slipping:
-        return None
-    foremost = max if change in {"preload", "friction"} else min
-    roller = foremost(slipping, key=slipping.__getitem__)
-    return FirstSlip(roller=roller, change=change, value=slipping[roller])
+        root = None
+        if change == "preload" or not idle[i]:
+            root = _crossing(reserve_N, at_zero_N, slope, falling=change == "preload")
+        values[name] = root if root is None or change != "speed" else float(np.sqrt(root))
+    return values
 
 
 def _crossing(
@@ -206,3 +148,44 @@ def _crossing(
         return None
     bracket = grid[below[0] - 1], grid[below[0]]
     return float(brentq(lambda amount: float(reserve_N(amount)), *bracket, xtol=1e-12, rtol=1e-14))
+
+
+def first_to_slip(values: Mapping[str, float | None], change: str) -> tuple[str, float] | None:
+    """Return the roller that slips first as one thing changes, and where; None where none ever does."""
+    slipping = {name: value for name, value in values.items() if value is not None}
+    foremost = max if change in {"preload", "friction"} else min
+    return foremost(slipping.items(), key=lambda one: one[1], default=None)
+
+
+def slip_margins(answer: PressAnswer) -> dict[str, Any]:
+    """Return which roller is nearest to slip, and what would make the first one slip, as plain data.
+
+    Where rollers slip already, each value is the one at which the last of them stops, and lies the other way.
+    """
+    model, rollers, use = answer.model, answer.slip.rollers, answer.slip.utilisation[0]
+    slips = [name for name, share in zip(rollers, use, strict=True) if share > 1.0]
+    statics = solve_statics(model.as_operated, closure=model.problem.closure)
+    critical: dict[str, Any] = {}
+    for change, words in CHANGES.items():
+        # What a higher speed does is the belts' mass, whether or not it matters at this one.
+        tensioner = take_up(model.effects | ({"belt-inertia"} if change == "speed" else set()))
+        values = critical_values(
+            statics, model.problem.friction, change, tensioner=tensioner, told=model.told
+        )
+        slipping = {name: values[name] for name in slips}
+        first = first_to_slip(slipping or values, change)
+        if None in slipping.values():
+            first = None  # nothing of this kind holds that roller
+        falls = (change in {"preload", "friction"}) != bool(slipping)
+        # A slipping roller that slips at rest and without load too has no way out there.
+        nowhere = first is None or (bool(slipping) and first[1] == 0.0)
+        critical[change] = {
+            "state": "slips" if slipping else "holds",
+            "direction": None if nowhere else "falls" if falls else "rises",
+            "roller": None if first is None else first[0],
+            "value": None if first is None else first[1],
+            "unit": words.rpartition("[")[2].rstrip("]"),
+            "by_roller": values,
+        }
+    nearest = rollers[int(np.argmax(use))] if use.any() else None
+    return {"first_to_slip": nearest, "slips": slips, "critical": critical}

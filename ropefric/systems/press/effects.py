@@ -9,8 +9,8 @@ with everything in; leaving out several effects adds their bounds up at most.
 
 import math
 import re
-from collections.abc import Callable, Iterable
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
@@ -21,51 +21,53 @@ from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System, worst_case
 from ropefric.systems.friction import TOLD, told_by
 from ropefric.systems.press.answer import (
-    LOADS,
     PressAnswer,
     PressModel,
     PressProblem,
+    operated,
     solve_press,
-    without_load,
+    take_up,
 )
-from ropefric.systems.press.creep import rim_speed_ratios
-from ropefric.systems.press.machine import missing_elasticity, missing_masses
-from ropefric.systems.press.slip import contacts_of, utilisation
-from ropefric.systems.press.statics import solve_statics, span_density_kg_m
-from ropefric.systems.press.steady import Parts, drive_power_W, speed_shift_kg_m
+from ropefric.systems.press.slip import SlipTable
+from ropefric.systems.press.statics import solve_statics
+from ropefric.systems.press.steady import drive_power_W, rim_speed_ratios, speed_shift_kg_m
 
 _ROUNDING = 1e-9
+_LOADS = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_N_m"}
+"""The torque of a roller that each effect is about."""
 
 
 def _largest_change(name: str, problem: PressProblem) -> float:
     names = _applicable(problem)
-    whole = (-1,) * len(names)
-    if name == "elastic-creep":  # tensions and slip know nothing of it
-        pace = _corners(problem)[2]
-        return float((np.abs(pace - 1.0) / pace[whole].max(axis=-1, keepdims=True)).max())
-    if name not in names:
+    if name not in (*names, "elastic-creep"):
         return 0.0
     tension_N, use, pace = _corners(problem)
+    whole = (-1,) * len(names)
+    fastest = pace[whole].max(axis=-1, keepdims=True)
+    if name == "elastic-creep":  # tensions and slip know nothing of it
+        return float((np.abs(pace - 1.0) / fastest).max())
     axis = names.index(name)
-    by_span = np.abs(np.diff(tension_N, axis=axis)) / tension_N[whole]
-    change = np.abs(np.diff(use, axis=axis))
-    largest = np.broadcast_to(use[whole].max(axis=-1, keepdims=True), change.shape)
-    by_roller = np.divide(change, largest, out=np.zeros_like(change), where=change > 0.0)
-    by_rim = np.abs(np.diff(pace, axis=axis)) / pace[whole].max(axis=-1, keepdims=True)
-    found = (float(one.max()) for one in (by_span, by_roller, by_rim))
-    return max(*found, _share_of_pull(name, problem))
+    changes = (
+        np.abs(np.diff(tension_N, axis=axis)) / tension_N[whole],
+        _share_of_largest(np.abs(np.diff(use, axis=axis)), use[whole]),
+        np.abs(np.diff(pace, axis=axis)) / fastest,
+    )
+    return max(*(float(one.max()) for one in changes), _share_of_pull(name, problem))
+
+
+def _share_of_largest(change: FloatArray, reference: FloatArray) -> FloatArray:
+    """Return a change as a share of the largest reference: a roller without torque has none of its own."""
+    largest = np.broadcast_to(np.abs(reference).max(axis=-1, keepdims=True), change.shape)
+    return np.asarray(np.divide(change, largest, out=np.zeros_like(change), where=change > 0.0))
 
 
 def _share_of_pull(name: str, problem: PressProblem) -> float:
     """Return a load's share of the pull Σ M/R of all loads, and so of the drivers' power."""
-    if name not in LOADS:
+    if name not in _LOADS:
         return 0.0
-    rollers = problem.press.rollers
-    own_N = sum(getattr(roller, LOADS[name]) / roller.radius_m for roller in rollers)
-    total_N = sum(roller.torque_N_m / roller.radius_m for roller in rollers)
-    if own_N == 0.0:
-        return 0.0
-    return abs(own_N / total_N) if total_N else math.inf
+    own_N = sum(getattr(roller, _LOADS[name]) / roller.radius_m for roller in problem.press.rollers)
+    total_N = float(problem.press.rim_load_N.sum())
+    return own_N and (abs(own_N / total_N) if total_N else math.inf)
 
 
 @lru_cache(maxsize=4)
@@ -75,28 +77,27 @@ def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray, FloatArray]
     The bounds of all effects are read off the same table.
     """
     names, press = _applicable(problem), problem.press
-    statics = solve_statics(without_load(press, "squeeze-load"), closure=problem.closure)
-    by_squeeze = solve_statics(without_load(press, "gravity-load"), closure=problem.closure)
-    preloads = np.array([[part.force_N for part in press.take_ups]])
-    if problem.preload_N is not None:
-        preloads = np.repeat(problem.preload_N[:, np.newaxis], len(press.take_ups), axis=1)
+    statics, by_squeeze = (
+        solve_statics(machine, closure=problem.closure)
+        for machine in (operated(press, squeeze=0.0), operated(press, gravity=0.0))
+    )
     load, squared = problem.load_factor[:, np.newaxis], problem.speed_m_s[:, np.newaxis] ** 2
-    base_N = statics.given_N + preloads @ statics.by_preload.T + 0.0 * squared
+    forces_N = np.array([[part.force_N for part in press.tensioners.values()]])
+    if problem.preload_N is not None:
+        forces_N = np.repeat(problem.preload_N[:, np.newaxis], forces_N.size, axis=1)
+    base_N = statics.given_N + forces_N @ statics.by_preload.T + 0.0 * squared
     loads_N = {"gravity-load": load * statics.by_load_N, "squeeze-load": load * by_squeeze.by_load_N}
-    shift = {"locked": squared * speed_shift_kg_m(statics, "locked")}
-    if not missing_elasticity(press):
-        shift["elastic"] = squared * speed_shift_kg_m(statics, "elastic")
-    tension_N = np.empty((2,) * len(names) + base_N.shape)
-    for subset in product((0, 1), repeat=len(names)):
-        chosen = {name for name, flag in zip(names, subset, strict=True) if flag}
-        parts = Parts(
-            mass="belt-inertia" in chosen,
-            springs="tensioner-spring" in chosen,
-            stretch="belt-elasticity" in chosen,
-        )
-        tension_N[subset] = base_N + sum(share for name, share in loads_N.items() if name in chosen)
-        if not parts.keeps_tension:
-            tension_N[subset] += shift[parts.tensioner]
+    subsets = [
+        {name for name, flag in zip(names, flags, strict=True) if flag}
+        for flags in product((0, 1), repeat=len(names))
+    ]
+    shifts = {state: squared * speed_shift_kg_m(statics, state) for state in set(map(take_up, subsets))}
+    tension_N = np.array(
+        [
+            base_N + sum(share for name, share in loads_N.items() if name in chosen) + shifts[take_up(chosen)]
+            for chosen in subsets
+        ]
+    ).reshape((2,) * len(names) + base_N.shape)
     if not (tension_N > 0.0).all():
         raise SolverError("a span goes slack without some of the effects")
     # One evaluation of the law for each set of what it is told.
@@ -105,10 +106,10 @@ def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray, FloatArray]
     for flags in product((0, 1), repeat=len(telling)):
         told = told_by([name for name, flag in zip(telling, flags, strict=True) if flag])
         place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
-        use[place] = utilisation(contacts_of(press, tension_N[place]), problem.friction, told=told)
+        use[place] = SlipTable(press, tension_N[place], problem.friction, told=told).utilisation
     whole_N = tension_N.copy()
     if "belt-inertia" in names:
-        whole_N[(slice(None),) * names.index("belt-inertia") + (1,)] += squared * span_density_kg_m(press)
+        whole_N[(slice(None),) * names.index("belt-inertia") + (1,)] += squared * press.density_kg_m
     return tension_N, use, rim_speed_ratios(press, whole_N)
 
 
@@ -119,7 +120,7 @@ def _applicable(problem: PressProblem) -> list[str]:
         names.append("belt-inertia")
         if problem.press.tensioners:
             names.append("tensioner-spring")
-        if not missing_elasticity(problem.press):
+        if not problem.press.missing_elasticity:
             names.append("belt-elasticity")
     looked_at = set(problem.friction.law.effects)
     if looked_at & {"wrap-dependence", "end-tension", "offset"}:
@@ -162,16 +163,15 @@ def _moving(name: str, adds: str, instead: str, *, cost: float = 0.1) -> Effect[
 _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
 
 
-def _scene_keys(fields: Iterable[str]) -> tuple[str, ...]:
-    """Return fields as scenes call them: without the units."""
-    return tuple(_UNIT.sub("", field) for field in fields)
+def _lacking(problem: PressProblem, *, masses: bool = False, part: str = "") -> tuple[str, ...]:
+    """Return what is missing for belts that stretch, and for what moves, as scenes call it: without the units."""
+    fields = problem.press.missing_elasticity + (problem.press.missing_masses if masses else [])
+    return tuple(_UNIT.sub("", field) for field in fields if part in field)
 
 
 def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:
     # What a start-up needs besides is no news to somebody who asks for none.
-    if problem.start_up is None:
-        return ("start_up",)
-    return _scene_keys([*missing_elasticity(problem.press), *missing_masses(problem.press)])
+    return ("start_up",) if problem.start_up is None else _lacking(problem, masses=True)
 
 
 EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
@@ -190,19 +190,12 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "tensioners locked where they stand at rest",
             lambda problem: () if problem.press.tensioners else ("rollers.NAME.tensioner",),
         ),
-        _steady(
-            "belt-elasticity",
-            "belts that stretch by their EA",
-            "belts that do not stretch",
-            lambda problem: _scene_keys(missing_elasticity(problem.press)),
-        ),
+        _steady("belt-elasticity", "belts that stretch by their EA", "belts that do not stretch", _lacking),
         _steady(
             "elastic-creep",
             "belts that are strained by T/EA, so that driven rollers run slower than the drivers and power is lost",
             "rims that all run at the speed of the drivers",
-            lambda problem: _scene_keys(
-                key for key in missing_elasticity(problem.press) if "axial_stiffness" in key
-            ),
+            partial(_lacking, part="axial_stiffness"),
         ),
         _steady(
             "wrap-dependence",
@@ -240,26 +233,30 @@ _EXACT = Method(
 
 
 def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the signature of `System.method`)
-    if model.start_up is None:
-        return _DIRECT
     task = model.start_up
-    if task.integrator == "exact":
+    if task is None:
+        return _DIRECT
+    integrator = task.get("integrator", "exact")
+    if integrator == "exact":
         return _EXACT
     return Method(
-        name=f"direct solution and {task.integrator}",
-        settings={"tolerance": task.settings.tolerance}
-        | ({} if task.settings.step_s is None else {"step_s": task.settings.step_s}),
+        name=f"direct solution and {integrator}",
+        settings={name: task[name] for name in ("tolerance", "step_s") if task.get(name) is not None},
         error=np.inf,
         why="asked for by name; its error is not bounded beforehand",
     )
 
 
 def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
+    def of_largest(values: FloatArray, others: FloatArray) -> float:
+        return float(_share_of_largest(np.abs(values - others), others).max())
+
+    ones = (answer, reference)
     found = [
-        _relative(answer.state.effective_tension_N, reference.state.effective_tension_N),
-        _of_largest(answer.slip.utilisation, reference.slip.utilisation),
-        _of_largest(*(drive_power_W(one.state)[..., np.newaxis] for one in (answer, reference))),
-        _of_largest(answer.rim_speed_m_s, reference.rim_speed_m_s),
+        _relative(*(one.state.effective_tension_N for one in ones)),
+        of_largest(*(one.slip.utilisation for one in ones)),
+        of_largest(*(drive_power_W(one.state)[..., np.newaxis] for one in ones)),
+        of_largest(*(one.rim_speed_m_s for one in ones)),
     ]
     moved, other = answer.start_up, reference.start_up
     if other is not None:
@@ -267,20 +264,12 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
             return np.inf
         found.append(_relative(moved.tension_N.max(axis=0), other.tension_N.max(axis=0)))
         if moved.utilisation is not None and other.utilisation is not None:
-            found.append(_of_largest(moved.utilisation.max(axis=0), other.utilisation.max(axis=0)))
+            found.append(of_largest(moved.utilisation.max(axis=0), other.utilisation.max(axis=0)))
     return max(found)
 
 
 def _relative(values: FloatArray, reference: FloatArray) -> float:
     return float(np.max(np.abs(values / reference - 1.0)))
-
-
-def _of_largest(values: FloatArray, reference: FloatArray) -> float:
-    """Return the largest difference, as a share of the largest reference: a roller without torque has none itself."""
-    largest = np.max(np.abs(reference), axis=-1, keepdims=True)
-    difference = np.abs(values - reference)
-    share = np.divide(difference, largest, out=np.zeros_like(difference), where=difference > 0.0)
-    return float(np.max(share))
 
 
 SYSTEM: System[PressProblem, PressModel, PressAnswer] = System(

@@ -1,17 +1,48 @@
-"""A belt press: rollers, belts and a speed, checked as a whole."""
+"""A belt press: rollers, belts and a speed, checked as a whole, with the matrices of its balances.
+
+With the incidence matrix D (+1 where a span leaves a roller, −1 where it arrives) and the pull matrix P of the
+tensioners the equations (10)-(22) are, for all rollers and tensioners at once,
+
+    J θ̈ = diag(R) D T − M,        m ẍ + C1 ẋ + k1 x = P T' − F,        T' = T − v² w,
+
+with w the mass per length of all belts of a span; the drivers' rows of the first give the torque their motors must
+supply. By virtual work the same matrices give what a span is stretched by: e = −Dᵀ (R θ) − Pᵀ x.
+
+Examples
+--------
+>>> drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
+>>> load = Roller(name="load", radius_m=0.2, wrap_angle_rad=3.0, role="tensioner", gravity_torque_N_m=5.0,
+...     tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1000.0))
+>>> belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=15, thickness_m=0.005, width_m=1)
+>>> press = Press(rollers=(drive, load), belts=(belt,), speed_m_s=1.0)
+>>> press.out_of.tolist(), press.into.tolist()
+([[1.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]])
+>>> press.incidence.tolist(), press.pull.tolist(), press.carried.tolist()
+([[1.0, -1.0], [-1.0, 1.0]], [[1.0, 1.0]], [[1.0, 1.0]])
+>>> press.rim_load_N.tolist(), press.is_driven.tolist(), press.density_kg_m.tolist()
+([0.0, 25.0], [False, True], [15.0, 15.0])
+"""
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
+import numpy as np
+import numpy.typing as npt
+
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.registry import did_you_mean
 from ropefric.systems.checks import Rule, checked, refuse_out_of_scale
 
 Role = Literal["driver", "driven", "tensioner"]
+Positive = Annotated[float, "positive"]
+NotNegative = Annotated[float, "zero or more"]
+Finite = Annotated[float, "any"]
+"""What the numbers of a part may be; finite they are all."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,13 +53,13 @@ class Tensioner:
     T' = T − ρAv², eqs. (21), (22).
     """
 
-    spring_N_m: float
-    travel_m: float
-    force_N: float
-    mass_kg: float | None = None
-    damping_N_s_m: float = 0.0
-    upstream_angle_rad: float = 0.0
-    downstream_angle_rad: float = 0.0
+    spring_N_m: NotNegative
+    travel_m: Finite
+    force_N: NotNegative
+    mass_kg: Positive | None = None
+    damping_N_s_m: NotNegative = 0.0
+    upstream_angle_rad: Finite = 0.0
+    downstream_angle_rad: Finite = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,14 +67,14 @@ class Roller:
     """A roller and the torques that hold it back."""
 
     name: str
-    radius_m: float
-    wrap_angle_rad: float
+    radius_m: Positive
+    wrap_angle_rad: Positive
     role: Role = "driven"
-    inertia_kg_m2: float | None = None
-    gravity_torque_N_m: float = 0.0
-    squeeze_torque_N_m: float = 0.0
+    inertia_kg_m2: Positive | None = None
+    gravity_torque_N_m: Finite = 0.0
+    squeeze_torque_N_m: Finite = 0.0
     tensioner: Tensioner | None = None
-    overspeed: float | None = None
+    overspeed: Finite | None = None
 
     @property
     def torque_N_m(self) -> float:
@@ -57,12 +88,12 @@ class Belt:
 
     name: str
     loop: tuple[str, ...]
-    linear_density_kg_m: float
-    thickness_m: float
-    width_m: float
-    axial_stiffness_N: float | None = None
-    damping_s: float = 0.0
-    span_lengths_m: tuple[float, ...] | None = None
+    linear_density_kg_m: NotNegative
+    thickness_m: Positive
+    width_m: Positive
+    axial_stiffness_N: Positive | None = None
+    damping_s: NotNegative = 0.0
+    span_lengths_m: tuple[Positive, ...] | None = None
 
     @property
     def steps(self) -> tuple[tuple[str, str], ...]:
@@ -70,8 +101,7 @@ class Belt:
         return tuple(zip(self.loop, self.loop[1:] + self.loop[:1], strict=True))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Span:
+class Span(NamedTuple):
     """A piece of belt from one roller to the next; where belts run together it carries all of them."""
 
     name: str
@@ -80,72 +110,114 @@ class Span:
     belts: tuple[str, ...]
 
 
-def spans_of(belts: Sequence[Belt], names: Sequence[str] | None = None) -> tuple[Span, ...]:
-    """Return the spans in the order of the first belt's loop, then what the second adds, and so on."""
-    steps: dict[tuple[str, str], list[str]] = {}
-    for belt in belts:
-        for step in belt.steps:
-            steps.setdefault(step, []).append(belt.name)
-    chosen = [str(i + 1) for i in range(len(steps))] if names is None else names
-    return tuple(
-        Span(name=name, start=start, end=end, belts=tuple(carried))
-        for name, ((start, end), carried) in zip(chosen, steps.items(), strict=False)
-    )
-
-
-@dataclass(frozen=True, kw_only=True)  # no slots: the spans are kept
+@dataclass(frozen=True, kw_only=True)  # no slots: spans and matrices are kept
 class Press:
-    """The drive train of a belt filter press, or of any machine of rollers and closed belts."""
+    """The drive train of a belt filter press, or of any machine of rollers and closed belts.
+
+    Spans come in the order of the first belt's loop, then what the second adds, and so on; arrays over spans, rollers
+    and tensioners in the order of these.
+    """
 
     rollers: tuple[Roller, ...]
     belts: tuple[Belt, ...]
-    speed_m_s: float
-    span_names: tuple[str, ...] | None = None
+    speed_m_s: NotNegative
 
     def __post_init__(self) -> None:
-        raise_problems(press_problems(self.rollers, self.belts, self.speed_m_s, self.span_names))
+        raise_problems(_problems(self))
 
     @cached_property
     def spans(self) -> tuple[Span, ...]:
-        """Return the spans, in the order of every array over spans."""
-        return spans_of(self.belts, self.span_names)
+        """Return the spans."""
+        steps: dict[tuple[str, str], list[str]] = {}
+        for belt in self.belts:
+            for step in belt.steps:
+                steps.setdefault(step, []).append(belt.name)
+        return tuple(
+            Span(str(i), *step, tuple(carried)) for i, (step, carried) in enumerate(steps.items(), 1)
+        )
 
     @property
-    def tensioners(self) -> tuple[Roller, ...]:
-        """Return the rollers that translate, in the order of every array over tensioners."""
-        return tuple(roller for roller in self.rollers if roller.tensioner is not None)
+    def tensioners(self) -> dict[str, Tensioner]:
+        """Return what carries the rollers that translate, by their names."""
+        return {one.name: one.tensioner for one in self.rollers if one.tensioner is not None}
 
     @property
-    def take_ups(self) -> tuple[Tensioner, ...]:
-        """Return what carries the rollers that translate, in the same order."""
-        return tuple(roller.tensioner for roller in self.rollers if roller.tensioner is not None)
+    def drivers(self) -> tuple[Roller, ...]:
+        """Return the rollers that motors turn."""
+        return tuple(roller for roller in self.rollers if roller.role == "driver")
 
-    def belts_on(self, roller: Roller) -> tuple[Belt, ...]:
+    def belts_on(self, roller: str) -> list[Belt]:
         """Return the belts that run over a roller."""
-        return tuple(belt for belt in self.belts if roller.name in belt.loop)
+        return [belt for belt in self.belts if roller in belt.loop]
 
+    @cached_property
+    def into(self) -> FloatArray:
+        """Return 1 where a span arrives at a roller, else 0; shape (n_rollers, n_spans)."""
+        return np.array([[float(span.end == roller.name) for span in self.spans] for roller in self.rollers])
 
-def missing_elasticity(press: Press) -> list[str]:
-    """Return the fields that are missing for belts that stretch."""
-    return [
-        f"belts.{belt.name}.{name}"
-        for belt in press.belts
-        for name in ("axial_stiffness_N", "span_lengths_m")
-        if getattr(belt, name) is None
-    ]
+    @cached_property
+    def out_of(self) -> FloatArray:
+        """Return 1 where a span leaves a roller, else 0; shape (n_rollers, n_spans)."""
+        return np.array(
+            [[float(span.start == roller.name) for span in self.spans] for roller in self.rollers]
+        )
 
+    @cached_property
+    def incidence(self) -> FloatArray:
+        """Return D, shape (n_rollers, n_spans): D T is the net pull of the belts on each roller's rim [N]."""
+        return self.out_of - self.into
 
-def missing_masses(press: Press) -> list[str]:
-    """Return the fields that are missing for what moves in a start-up; the drivers are moved whatever they weigh."""
-    return [
-        f"rollers.{roller.name}.inertia_kg_m2"
-        for roller in press.rollers
-        if roller.inertia_kg_m2 is None and roller.role != "driver"
-    ] + [
-        f"rollers.{roller.name}.tensioner.mass_kg"
-        for roller, take_up in zip(press.tensioners, press.take_ups, strict=True)
-        if take_up.mass_kg is None
-    ]
+    @cached_property
+    def pull(self) -> FloatArray:
+        """Return P, shape (n_tensioners, n_spans): P T' is the belts' pull along each travel, eqs. (21), (22) [N]."""
+        angles = [(one.upstream_angle_rad, one.downstream_angle_rad) for one in self.tensioners.values()]
+        arriving, leaving = np.cos(angles).reshape(-1, 2).T[..., np.newaxis]
+        which = [roller.tensioner is not None for roller in self.rollers]
+        return np.asarray(arriving * self.into[which] + leaving * self.out_of[which])
+
+    @cached_property
+    def carried(self) -> FloatArray:
+        """Return 1 where a belt runs in a span, else 0; shape (n_belts, n_spans)."""
+        return np.array([[float(belt.name in span.belts) for span in self.spans] for belt in self.belts])
+
+    @cached_property
+    def density_kg_m(self) -> FloatArray:
+        """Return w, shape (n_spans,): mass per length of all belts in each span; v² w is their ρAv²."""
+        return np.array([belt.linear_density_kg_m for belt in self.belts]) @ self.carried
+
+    @cached_property
+    def radius_m(self) -> FloatArray:
+        """Return R, shape (n_rollers,)."""
+        return np.array([roller.radius_m for roller in self.rollers])
+
+    @cached_property
+    def rim_load_N(self) -> FloatArray:
+        """Return M/R, shape (n_rollers,)."""
+        return np.array([roller.torque_N_m for roller in self.rollers]) / self.radius_m
+
+    @cached_property
+    def is_driven(self) -> BoolArray:
+        """Return which rollers obey a torque balance, shape (n_rollers,): all but the drivers."""
+        return np.array([roller.role != "driver" for roller in self.rollers])
+
+    @property
+    def missing_elasticity(self) -> list[str]:
+        """Return the fields that are missing for belts that stretch."""
+        return [
+            f"belts.{belt.name}.{name}"
+            for belt in self.belts
+            for name in ("axial_stiffness_N", "span_lengths_m")
+            if getattr(belt, name) is None
+        ]
+
+    @property
+    def missing_masses(self) -> list[str]:
+        """Return the fields that are missing for what moves in a start-up; the drivers do whatever they weigh."""
+        driven = [roller for roller in self.rollers if roller.role != "driver"]
+        carriers = self.tensioners.items()
+        return [f"rollers.{one.name}.inertia_kg_m2" for one in driven if one.inertia_kg_m2 is None] + [
+            f"rollers.{name}.tensioner.mass_kg" for name, one in carriers if one.mass_kg is None
+        ]
 
 
 def refuse_missing(what: str, keys: Sequence[str], *, fix: str) -> None:
@@ -160,32 +232,20 @@ def refuse_missing(what: str, keys: Sequence[str], *, fix: str) -> None:
         )
 
 
-_NUMBERS: Mapping[type, Mapping[str, Rule]] = {
-    Roller: {
-        "radius_m": "positive",
-        "wrap_angle_rad": "positive",
-        "inertia_kg_m2": "positive",
-        "gravity_torque_N_m": "any",
-        "squeeze_torque_N_m": "any",
-        "overspeed": "any",
-    },
-    Tensioner: {
-        "spring_N_m": "zero or more",
-        "travel_m": "any",
-        "force_N": "zero or more",
-        "damping_N_s_m": "zero or more",
-        "mass_kg": "positive",
-        "upstream_angle_rad": "any",
-        "downstream_angle_rad": "any",
-    },
-    Belt: {
-        "linear_density_kg_m": "zero or more",
-        "thickness_m": "positive",
-        "width_m": "positive",
-        "damping_s": "zero or more",
-        "axial_stiffness_N": "positive",
-        "span_lengths_m": "positive",
-    },
+def _rule(hint: Any) -> Rule | None:
+    """Return the rule for the numbers of a field, if it has any."""
+    if get_origin(hint) is Annotated:
+        return get_args(hint)[1]  # type: ignore[no-any-return]
+    return next(filter(None, map(_rule, get_args(hint))), None)
+
+
+_RULES = {
+    kind: {
+        name: rule
+        for name, hint in get_type_hints(kind, include_extras=True).items()
+        if (rule := _rule(hint)) is not None
+    }
+    for kind in (Press, Roller, Tensioner, Belt)
 }
 
 
@@ -195,54 +255,48 @@ class _Problems(list[Problem]):
     def add(self, key: str, message: str, *, fix: str = "") -> None:
         self.append(Problem(code="RF520", message=message, key=key, fix=fix))
 
-    def add_number(self, key: str, value: float | None, rule: Rule) -> None:
-        if value is None:
-            return
-        try:
-            checked(key, value, rule)
-            refuse_out_of_scale(key, value, may_vanish=rule != "positive")
-        except InputError as error:
-            self.add(key, error.problem.message, fix=error.problem.fix)
-
-    def add_numbers(self, where: str, part: Roller | Tensioner | Belt) -> None:
-        for name, rule in _NUMBERS[type(part)].items():
-            value = getattr(part, name)
-            for one in value if isinstance(value, tuple) else (value,):
-                self.add_number(f"{where}.{name}", one, rule)
+    def add_numbers(self, where: str, part: Press | Roller | Tensioner | Belt) -> None:
+        for name, rule in _RULES[type(part)].items():
+            value, key = getattr(part, name), f"{where}{name}"
+            for one in value if isinstance(value, tuple) else [] if value is None else [value]:
+                try:
+                    checked(key, one, rule)
+                    refuse_out_of_scale(key, one, may_vanish=rule != "positive")
+                except InputError as error:
+                    self.add(key, error.problem.message, fix=error.problem.fix)
 
     def add_names(self, kind: str, names: Iterable[str]) -> None:
-        for name, count in Counter(names).items():
+        found = Counter(names)
+        if not found:
+            self.add(kind, f"a press without {kind} moves nothing")
+        for name, count in found.items():
             if not name:
                 self.add(kind, f"one of the {kind} has an empty name")
             elif count > 1:
                 self.add(kind, f"{count} {kind} are called '{name}'", fix="give each a name of its own")
 
 
-def press_problems(
-    rollers: Sequence[Roller], belts: Sequence[Belt], speed_m_s: float, span_names: Sequence[str] | None
-) -> list[Problem]:
+def _problems(press: Press) -> list[Problem]:
     """Return everything that is wrong with a press; empty where it can be computed."""
     found = _Problems()
-    found.add_number("speed_m_s", speed_m_s, "zero or more")
-    for kind, names in (("rollers", [one.name for one in rollers]), ("belts", [one.name for one in belts])):
-        if not names:
-            found.add(kind, f"a press without {kind} moves nothing")
-        found.add_names(kind, names)
-    for roller in rollers:
+    found.add_numbers("", press)
+    found.add_names("rollers", [one.name for one in press.rollers])
+    found.add_names("belts", [one.name for one in press.belts])
+    for roller in press.rollers:
         _add_roller(found, roller)
-    for belt in belts:
-        _add_belt(found, belt, [roller.name for roller in rollers])
+    for belt in press.belts:
+        _add_belt(found, belt, [roller.name for roller in press.rollers])
     if not found:  # what follows is written on the graph, which such parts do not make
-        _add_spans(found, belts, span_names)
-        for roller in rollers:
-            _add_place(found, roller, belts)
-        _add_drives(found, rollers, belts)
+        _add_lengths(found, press.belts)
+        for roller in press.rollers:
+            _add_place(found, roller, press)
+        _add_drives(found, press)
     return found
 
 
 def _add_roller(found: _Problems, roller: Roller) -> None:
-    where = f"rollers.{roller.name}"
-    found.add_numbers(where, roller)
+    where, carrier = f"rollers.{roller.name}", roller.tensioner
+    found.add_numbers(f"{where}.", roller)
     if roller.wrap_angle_rad > 2.0 * math.pi:
         found.add(
             f"{where}.wrap_angle_rad",
@@ -252,16 +306,15 @@ def _add_roller(found: _Problems, roller: Roller) -> None:
     if roller.role not in get_args(Role):
         fix = did_you_mean(str(roller.role), get_args(Role))
         found.add(f"{where}.role", f"roller '{roller.name}' has the unknown role '{roller.role}'", fix=fix)
-    if (roller.tensioner is not None) != (roller.role == "tensioner"):
-        says = "has no tensioner" if roller.tensioner is None else "has a tensioner"
+    if (carrier is not None) != (roller.role == "tensioner"):
         found.add(
             f"{where}.tensioner",
-            f"roller '{roller.name}' {says}, but its role is '{roller.role}'",
+            f"roller '{roller.name}' has {'a' if carrier else 'no'} tensioner, but its role is '{roller.role}'",
             fix="give the role 'tensioner' together with spring, travel and preload",
         )
-    if roller.tensioner is not None:
-        found.add_numbers(f"{where}.tensioner", roller.tensioner)
-        angles = (roller.tensioner.upstream_angle_rad, roller.tensioner.downstream_angle_rad)
+    if carrier is not None:
+        found.add_numbers(f"{where}.tensioner.", carrier)
+        angles = (carrier.upstream_angle_rad, carrier.downstream_angle_rad)
         if all(map(math.isfinite, angles)) and sum(map(math.cos, angles)) <= 1e-9:
             found.add(
                 f"{where}.tensioner",
@@ -272,13 +325,11 @@ def _add_roller(found: _Problems, roller: Roller) -> None:
 
 
 def _add_belt(found: _Problems, belt: Belt, known: Sequence[str]) -> None:
-    where = f"belts.{belt.name}"
-    found.add_numbers(where, belt)
-    if len(belt.loop) < 2:
-        found.add(
-            f"{where}.loop",
-            f"belt '{belt.name}' is not closed: it runs over {len(belt.loop)} roller(s), 2 are needed",
-        )
+    where, n = f"belts.{belt.name}", len(belt.loop)
+    found.add_numbers(f"{where}.", belt)
+    if n < 2:
+        message = f"belt '{belt.name}' is not closed: it runs over {n} roller(s), 2 are needed"
+        found.add(f"{where}.loop", message)
     for name, count in Counter(belt.loop).items():
         if name not in known:
             fix = did_you_mean(name, known)
@@ -289,19 +340,12 @@ def _add_belt(found: _Problems, belt: Belt, known: Sequence[str]) -> None:
                 f"belt '{belt.name}' names roller '{name}' {count} times",
                 fix="name each roller once; from the last one the belt returns to the first",
             )
-    if belt.span_lengths_m is not None and len(belt.span_lengths_m) != len(belt.loop):
-        found.add(
-            f"{where}.span_lengths_m",
-            f"belt '{belt.name}' has {len(belt.loop)} spans and {len(belt.span_lengths_m)} lengths",
-        )
+    if belt.span_lengths_m is not None and len(belt.span_lengths_m) != n:
+        message = f"belt '{belt.name}' has {n} spans and {len(belt.span_lengths_m)} lengths"
+        found.add(f"{where}.span_lengths_m", message)
 
 
-def _add_spans(found: _Problems, belts: Sequence[Belt], names: Sequence[str] | None) -> None:
-    spans = spans_of(belts)
-    if names is not None and len(names) != len(spans):
-        steps = ", ".join(f"{span.start}-{span.end}" for span in spans)
-        found.add("span_names", f"{len(names)} names for {len(spans)} spans: {steps}")
-    found.add_names("span_names", names or ())
+def _add_lengths(found: _Problems, belts: Sequence[Belt]) -> None:
     seen: dict[tuple[str, str], tuple[str, float]] = {}
     for belt in belts:
         for step, length in zip(belt.steps, belt.span_lengths_m or (), strict=False):
@@ -314,28 +358,63 @@ def _add_spans(found: _Problems, belts: Sequence[Belt], names: Sequence[str] | N
                 )
 
 
-def _add_place(found: _Problems, roller: Roller, belts: Sequence[Belt]) -> None:
-    where = f"rollers.{roller.name}"
-    touching = [belt.name for belt in belts if roller.name in belt.loop]
+def _add_place(found: _Problems, roller: Roller, press: Press) -> None:
+    where, name = f"rollers.{roller.name}", roller.name
+    touching = [belt.name for belt in press.belts_on(name)]
     if not touching:
-        found.add(where, f"no belt runs over roller '{roller.name}'", fix="name it in the loop of a belt")
+        found.add(where, f"no belt runs over roller '{name}'", fix="name it in the loop of a belt")
     if roller.role == "driver" and len(touching) > 1:
         found.add(
             f"{where}.role",
-            f"driver '{roller.name}' is shared by the belts {', '.join(touching)}; a driver has no torque balance, "
+            f"driver '{name}' is shared by the belts {', '.join(touching)}; a driver has no torque balance, "
             "so nothing would say how they share its pull",
             fix="give each belt a driver of its own, or let this roller be driven",
         )
-    if roller.role == "tensioner":
-        ends = Counter(name for span in spans_of(belts) for name in {("out", span.start), ("in", span.end)})
-        most = max(ends["out", roller.name], ends["in", roller.name])
-        if most > 1:
-            found.add(where, f"{most} spans meet tensioner '{roller.name}' on one side; it has one angle")
+    most = max(sum(span.start == name for span in press.spans), sum(span.end == name for span in press.spans))
+    if roller.role == "tensioner" and most > 1:
+        found.add(where, f"{most} spans meet tensioner '{name}' on one side; it has one angle")
 
 
-def _add_drives(found: _Problems, rollers: Sequence[Roller], belts: Sequence[Belt]) -> None:
-    drivers = {roller.name for roller in rollers if roller.role == "driver"}
-    for belt in belts:
-        others = {name for other in belts if other is not belt for name in other.loop}
-        if not drivers & set(belt.loop) and not others & set(belt.loop):
+def _add_drives(found: _Problems, press: Press) -> None:
+    drivers = {roller.name for roller in press.drivers}
+    for belt in press.belts:
+        others = {name for other in press.belts if other is not belt for name in other.loop}
+        if not (drivers | others) & set(belt.loop):
             found.add(f"belts.{belt.name}.loop", f"nothing drives belt '{belt.name}': its loop has no driver")
+
+
+GRAVITY_M_S2 = 9.81
+
+
+def gravity_torque_N_m(
+    *,
+    sludge_friction: npt.ArrayLike,
+    belt_width_m: npt.ArrayLike,
+    sludge_height_m: npt.ArrayLike,
+    sludge_density_kg_m3: npt.ArrayLike,
+    zone_length_m: npt.ArrayLike,
+    radius_m: npt.ArrayLike,
+) -> FloatArray:
+    """Return M_G = R μ_f b h ρ_s g l, for the pull that the sludge's weight asks of the belt, eqs. (5), (6)."""
+    area_m2 = np.multiply(belt_width_m, zone_length_m)
+    weight_N = GRAVITY_M_S2 * area_m2 * np.multiply(sludge_height_m, sludge_density_kg_m3)
+    return np.asarray(np.multiply(sludge_friction, radius_m) * weight_N)
+
+
+def squeeze_torque_N_m(
+    *,
+    belt_width_m: npt.ArrayLike,
+    radius_m: npt.ArrayLike,
+    compression_m: npt.ArrayLike,
+    strength_Pa: npt.ArrayLike,
+    poisson_ratio: npt.ArrayLike,
+    youngs_modulus_Pa: npt.ArrayLike,
+    units: npt.ArrayLike = 1.0,
+) -> FloatArray:
+    """Return M_F = b R Δh K_max of squeezing the cake so many times, K_max = (1 + μ_c) σ_c²/(3 E_c), eqs. (7)-(9)."""
+    limit_J_m3 = (
+        np.square(strength_Pa)
+        * (1.0 + checked("poisson_ratio", poisson_ratio, "zero or more"))
+        / np.multiply(3.0, youngs_modulus_Pa)
+    )
+    return np.asarray(np.multiply(belt_width_m, radius_m) * np.multiply(compression_m, units) * limit_J_m3)

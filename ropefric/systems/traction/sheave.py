@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
-from ropefric.systems.checks import Rule, refuse_out_of_scale, side_by_side
-from ropefric.systems.effect import Model
+from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
+from ropefric.systems.effect import Method, Model, System, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
+from ropefric.systems.subsets import closed_form_system, law_rows
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")
@@ -20,76 +20,48 @@ _MU_LOADING, _MU_STALLED = 0.1, 0.2
 _SPEED_SCALE_M_S = 10.0
 """Of mu = 0.1/(1 + v/10)."""
 
-_RULES: dict[str, Rule] = {
-    "car_kg": "positive",
-    "rated_load_kg": "positive",
-    "counterweight_kg": "positive",
-    "travel_m": "zero or more",
-    "wheel_radius_m": "positive",
-    "wrap_angle_rad": "positive",
-    "groove_angle_rad": "positive",
-    "undercut_rad": "zero or more",
-    "rope_radius_m": "positive",
-    "rope_count": "positive",
-    "above_car_m": "zero or more",
-    "above_counterweight_m": "zero or more",
-    "linear_density_kg_m": "zero or more",
-    "speed_m_s": "zero or more",
-    "deceleration_m_s2": "zero or more",
-    "car_pulley_kg": "zero or more",
-    "counterweight_pulley_kg": "zero or more",
-}
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TractionProblem:
-    """A lift and its sheave, n cases side by side; scalars are spread. Without friction the standard's holds."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TractionProblem(Cases):
+    """A lift and its sheave, n cases side by side. Without friction the standard's holds."""
 
     friction: WrapFriction | None = None
     groove: str = "undercut"
-    car_kg: FloatArray
-    rated_load_kg: FloatArray
-    counterweight_kg: FloatArray
-    travel_m: FloatArray
-    wheel_radius_m: FloatArray
-    wrap_angle_rad: FloatArray
-    groove_angle_rad: FloatArray
-    rope_radius_m: FloatArray
-    rope_count: FloatArray
-    undercut_rad: FloatArray = field(default_factory=lambda: np.zeros(1))
-    above_car_m: FloatArray = field(default_factory=lambda: np.zeros(1))
-    above_counterweight_m: FloatArray = field(default_factory=lambda: np.zeros(1))
-    linear_density_kg_m: FloatArray | None = None
-    speed_m_s: FloatArray | None = None
-    deceleration_m_s2: FloatArray | None = None
-    car_pulley_kg: FloatArray | None = None
-    counterweight_pulley_kg: FloatArray | None = None
+    car_kg: Positive
+    rated_load_kg: Positive
+    counterweight_kg: Positive
+    travel_m: ZeroOrMore
+    wheel_radius_m: Positive
+    wrap_angle_rad: Positive
+    groove_angle_rad: Positive
+    rope_radius_m: Positive
+    rope_count: Positive
+    undercut_rad: ZeroOrMore = field(default_factory=lambda: np.zeros(1))
+    above_car_m: ZeroOrMore = field(default_factory=lambda: np.zeros(1))
+    above_counterweight_m: ZeroOrMore = field(default_factory=lambda: np.zeros(1))
+    linear_density_kg_m: ZeroOrMore | None = None
+    speed_m_s: ZeroOrMore | None = None
+    deceleration_m_s2: ZeroOrMore | None = None
+    car_pulley_kg: ZeroOrMore | None = None
+    counterweight_pulley_kg: ZeroOrMore | None = None
 
     def __post_init__(self) -> None:
-        for name, array in side_by_side({name: getattr(self, name) for name in _RULES}, _RULES).items():
-            refuse_out_of_scale(name, array, may_vanish=_RULES[name] != "positive")
-            object.__setattr__(self, name, array)
-        for name, low, high in (("groove_angle_rad", 1e-3, np.pi), ("undercut_rad", -1.0, np.pi)):
-            wrong = (getattr(self, name) <= low) | (getattr(self, name) >= high)
-            if wrong.any():
-                raise InputError(
-                    f"{name} is {getattr(self, name)[wrong][0]:g}, no angle of a groove",
-                    key=name,
-                )
-        if (
-            self.groove in {"semicircular", "undercut"}
-            and (self.undercut_rad >= np.pi - self.groove_angle_rad).any()
-        ):
-            raise InputError(
-                "the undercut and the groove angle together are 180 deg or more: nothing is left to carry the rope",
-                key="undercut_rad",
-                fix="make the undercut smaller; the standard ends at 106 deg",
-            )
+        Cases.__post_init__(self)
+        for name, low in (("groove_angle_rad", 1e-3), ("undercut_rad", -1.0)):
+            angle = getattr(self, name)
+            wrong = (angle <= low) | (angle >= np.pi)
+            refuse(wrong, f"{name} is {{angle:g}}, no angle of a groove", key=name, angle=angle)
+        refuse(
+            self.is_round & (self.undercut_rad >= np.pi - self.groove_angle_rad),
+            "the undercut and the groove angle together are 180 deg or more: nothing is left to carry the rope",
+            key="undercut_rad",
+            fix="make the undercut smaller; the standard ends at 106 deg",
+        )
 
     @property
-    def n(self) -> int:
-        """Return how many cases there are."""
-        return self.car_kg.size
+    def is_round(self) -> bool:
+        """Return whether the groove is semicircular, undercut or not."""
+        return self.groove in {"semicircular", "undercut"}
 
 
 TractionModel = Model[TractionProblem]
@@ -161,7 +133,7 @@ def wedge_factor(groove_angle_rad: FloatArray) -> FloatArray:
 def groove_factors(problem: TractionProblem) -> FloatArray:
     """Return f/μ in the four load cases, shape (4, n); a V groove that is not hardened wears, but not while stalled."""
     gamma, beta = problem.groove_angle_rad, problem.undercut_rad
-    if problem.groove in {"semicircular", "undercut"}:
+    if problem.is_round:
         return np.stack([round_factor(gamma, beta)] * 4)
     hard = wedge_factor(gamma)
     if problem.groove == "v-hardened":
@@ -199,16 +171,11 @@ def solve_traction(model: TractionModel) -> TractionAnswer:
 
 def tensions_N(model: TractionModel) -> tuple[FloatArray, FloatArray]:
     """Return the tensions on the car's and on the counterweight's side in the four load cases, shape (4, n) each."""
-    problem, effects = model.problem, model.effects
-    none = np.zeros(problem.n)
-
-    def simulated(effect: str, value: FloatArray | None) -> FloatArray:
-        return none if value is None or effect not in effects else value
-
-    rope_kg_m = problem.rope_count * simulated("rope-weight", problem.linear_density_kg_m)
-    a = simulated("deceleration", problem.deceleration_m_s2)
+    problem = model.problem
+    rope_kg_m = problem.rope_count * model.part("rope-weight", problem.linear_density_kg_m)
+    a = model.part("deceleration", problem.deceleration_m_s2)
     pulleys_N = [
-        a * simulated("pulley-inertia", one)
+        a * model.part("pulley-inertia", one)
         for one in (problem.car_pulley_kg, problem.counterweight_pulley_kg)
     ]
     short_kg, long_kg = (
@@ -233,13 +200,13 @@ def tensions_N(model: TractionModel) -> tuple[FloatArray, FloatArray]:
             long_kg[1] * g,
         ]
     )
-    if (car_N[_BRAKING] <= 0.0).any() or (counterweight_N[_BRAKING] <= 0.0).any():
-        raise InputError(
-            "a deceleration this hard leaves a side of the ropes without tension",
-            code="RF510",
-            key="deceleration_m_s2",
-            fix="lower the deceleration, or check its unit",
-        )
+    refuse(
+        np.any(np.minimum(car_N, counterweight_N)[_BRAKING] <= 0.0, axis=0),
+        "a deceleration this hard leaves a side of the ropes without tension",
+        code="RF510",
+        key="deceleration_m_s2",
+        fix="lower the deceleration, or check its unit",
+    )
     return car_N, counterweight_N
 
 
@@ -261,14 +228,13 @@ def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray
             )
             / problem.wrap_angle_rad
         )
-    if problem.speed_m_s is not None and "speed" in model.effects:
-        mu[_BRAKING] /= 1.0 + problem.speed_m_s / _SPEED_SCALE_M_S
+    mu[_BRAKING] /= 1.0 + model.part("speed", problem.speed_m_s) / _SPEED_SCALE_M_S
     return mu
 
 
 def _undercut_rad(problem: TractionProblem, factor: FloatArray) -> FloatArray:
     """Return the undercut whose f/μ is `factor`, shape (4, n); NaN where none from 0 to 180° − γ has it."""
-    if problem.groove not in {"semicircular", "undercut"}:
+    if not problem.is_round:
         return np.full_like(factor, np.nan)
     gamma = problem.groove_angle_rad
     largest = np.pi - gamma
@@ -292,13 +258,55 @@ def _undercut_rad(problem: TractionProblem, factor: FloatArray) -> FloatArray:
 
 def answerable(problem: TractionProblem) -> BoolArray:
     """Return for which of n cases no side of the ropes loses its tension, shape (n,)."""
-    a = problem.deceleration_m_s2
-    if a is None:
-        return np.ones(problem.n, dtype=np.bool_)
-    idle = np.zeros(problem.n)
-    sides = (
-        (problem.car_kg, problem.car_pulley_kg),
-        (problem.counterweight_kg, problem.counterweight_pulley_kg),
-    )
-    held = [mass * (GRAVITY_M_S2 - a) > a * (idle if pulley is None else pulley) for mass, pulley in sides]
+    a = problem.product("deceleration_m_s2")
+    sides = (("car_kg", "car_pulley_kg"), ("counterweight_kg", "counterweight_pulley_kg"))
+    held = [
+        getattr(problem, mass) * (GRAVITY_M_S2 - a) > a * problem.product(pulley) for mass, pulley in sides
+    ]
     return np.asarray(held[0] & held[1])
+
+
+def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
+    heavy = problem.car_pulley_kg is not None or problem.counterweight_pulley_kg is not None
+    lacking = () if heavy else ("pulleys.car_side or pulleys.counterweight_side",)
+    return (*lacking, *missing({"deceleration_m_s2": "lift.deceleration"})(problem))
+
+
+SYSTEM: System[TractionProblem, TractionModel, TractionAnswer] = closed_form_system(
+    "traction",
+    "effect of a traction sheave",
+    solve_traction,
+    (
+        (
+            "rope-weight",
+            "the weight of the ropes, on the car's or the counterweight's side by where the car is",
+            "ropes without weight",
+            missing({"linear_density_kg_m": "ropes.linear_density"}),
+        ),
+        (
+            "deceleration",
+            "the inertia of car, load, counterweight and ropes in an emergency stop",
+            "a stop so soft that only the weights count",
+            missing({"deceleration_m_s2": "lift.deceleration"}),
+        ),
+        (
+            "pulley-inertia",
+            "the inertia of the deflector pulleys in an emergency stop",
+            "pulleys without mass",
+            _pulleys,
+        ),
+        (
+            "speed",
+            "a coefficient that falls with the rope's speed in an emergency stop, by 1 + v/(10 m/s)",
+            "the coefficient at rest",
+            missing({"speed_m_s": "lift.speed"}),
+        ),
+        *law_rows("sheave", "rope", missing({"friction": "friction"})),
+    ),
+    Method(
+        name="closed form",
+        error=1e-12,
+        why="weights, inertia and an exponential; there is nothing to approximate",
+    ),
+)
+"""A lift on its traction sheave."""

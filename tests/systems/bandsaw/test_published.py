@@ -16,7 +16,13 @@ from ropefric.systems.bandsaw.saw import (
     tension_difference_N,
     torque_N_m,
 )
-from ropefric.systems.bandsaw.span import frequency_Hz, string_frequencies_Hz
+from ropefric.systems.bandsaw.span import string_frequencies_Hz
+
+
+def frequency_Hz(mode, free_span_m, wave_speed_m_s, speed_m_s=0.0):
+    """Eq. (8)."""
+    return mode * (wave_speed_m_s**2 - speed_m_s**2) / (2.0 * free_span_m * wave_speed_m_s)
+
 
 T, S, R = Side.TIGHT, Side.SLACK, Side.REST
 # f_1 unrounded; the tables' inertia tension acts whether or not the column regards the speed.

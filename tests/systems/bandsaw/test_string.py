@@ -22,16 +22,9 @@ from ropefric.systems.bandsaw.saw import (
 from ropefric.systems.bandsaw.span import (
     CLAMPED,
     PINNED,
+    Pair,
     Span,
-    add,
-    as_pair,
-    divide,
-    frequency_at_shortfall_Hz,
-    frequency_Hz,
-    multiply,
-    running_mode,
     string_frequencies_Hz,
-    total,
 )
 
 
@@ -90,41 +83,13 @@ def test_the_frequency_falls_to_zero_at_the_critical_speed(saw):
 
 
 def test_the_period_is_the_time_there_and_back():
-    c, v = np.array([40.0, 75.6, 90.0]), np.array([0.0, 35.55, -89.9])
+    density, v = 0.5, np.array([0.0, 35.55, -89.9])
+    c = np.array([40.0, 75.6, 90.0])
+    blade = Span(free_span_m=1.6, linear_density_kg_m=density, preload_N=density * c**2, travel_speed_m_s=v)
     forward, backward = 1.6 / (c + v), 1.6 / (c - v)
-    np.testing.assert_allclose(1.0 / (forward + backward), frequency_Hz(1, 1.6, c, v), rtol=1e-14)
+    np.testing.assert_allclose(1.0 / (forward + backward), string_frequencies_Hz(blade, 1)[:, 0], rtol=1e-12)
     assert forward[1] < backward[1]
     assert forward[2] > backward[2]
-
-
-@pytest.mark.parametrize("mode", [1, 2, 5])
-@pytest.mark.parametrize("v", [0.0, 35.55, -60.0, 74.0])
-def test_a_running_mode_obeys_the_wave_equation_and_stays_at_the_ends(mode, v):
-    c, length = 75.6, 1.6
-    f = float(frequency_Hz(mode, length, c, v))
-    blade = {"mode": mode, "free_span_m": length, "wave_speed_m_s": c, "speed_m_s": v}
-    assert not running_mode([0.0, length], np.linspace(0, 1, 7), **blade).any()
-    x, t = np.linspace(0.2, 1.4, 13), np.linspace(0.0, 1.0 / f, 11)[:-1]
-    h, k = 2e-4 * length / mode, 2e-4 / (mode * 60)
-
-    def w(dx=0.0, dt=0.0):
-        return running_mode(x + dx, t + dt, **blade)
-
-    tt = (w(dt=k) - 2 * w() + w(dt=-k)) / k**2
-    xx = (w(dx=h) - 2 * w() + w(dx=-h)) / h**2
-    xt = (w(h, k) - w(h, -k) - w(-h, k) + w(-h, -k)) / (4 * h * k)
-    size = c**2 * (mode * np.pi / length) ** 2
-    np.testing.assert_allclose(tt + 2 * v * xt + (v**2 - c**2) * xx, 0.0, atol=3e-5 * size)
-    np.testing.assert_allclose(w(dt=1.0 / f), w(), atol=1e-12)
-
-
-def test_crests_travel_with_the_blade_when_it_runs():
-    """At rest all places swing in step; running, the phase at the far end leads by nπv/c."""
-    t = np.linspace(0, 0.2, 2001)
-    still = running_mode([0.4, 1.2], t, mode=1, free_span_m=1.6, wave_speed_m_s=75.6, speed_m_s=0.0)
-    np.testing.assert_allclose(still[:, 0], still[:, 1], atol=1e-14)
-    moving = running_mode([0.4, 1.2], t, mode=1, free_span_m=1.6, wave_speed_m_s=75.6, speed_m_s=40.0)
-    assert np.abs(moving[:, 0] - moving[:, 1]).max() > 0.5
 
 
 def test_a_million_blades_in_one_call():
@@ -183,8 +148,6 @@ def test_refusals_name_the_critical_speed(saw):
     c = float(Span(**GOOD).wave_speed_m_s[0])
     with pytest.raises(InputError, match=f"its critical speed is {c:.9g} m/s at case 1"):
         string_frequencies_Hz(Span(**GOOD, travel_speed_m_s=[10.0, c * 1.001]))
-    with pytest.raises(InputError, match=f"critical speed c = {c:.9g} m/s"):
-        frequency_Hz(1, 1.6, c, [1.0, c])
     half = replace(saw, mounting_factor=0.75)
     limit = float(span_of(half, Side.SLACK).critical_speed_m_s(PINNED)[0])
     assert limit == pytest.approx(2 * 74.4401, abs=1e-3)
@@ -196,10 +159,6 @@ def test_refusals_name_the_critical_speed(saw):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: frequency_Hz(0, 1.6, 75.0), "mode is 0"),
-        (lambda: frequency_Hz(1, 0.0, 75.0), "free_span_m is 0"),
-        (lambda: frequency_at_shortfall_Hz(1, 1.6, 75.0, 0.0), "shortfall is 0"),
-        (lambda: frequency_at_shortfall_Hz(1, 1.6, 75.0, 2.0), "backwards"),
         (lambda: string_frequencies_Hz(Span(**GOOD), 0), "0 modes"),
         (lambda: torsion_frequencies_Hz(Span(**GOOD), STEEL_85_09, 0), "0 modes"),
         (lambda: torque_N_m(7500.0, 0.0), "wheel_speed_rad_s is 0"),
@@ -207,10 +166,6 @@ def test_refusals_name_the_critical_speed(saw):
         (lambda: tension_difference_N(1.0, 0.0), "wheel_radius_m is 0"),
         (lambda: Section(width_m=0.001, thickness_m=0.1), "0.1 m thick"),
         (lambda: Section(width_m=0.0, thickness_m=0.1), "width_m is 0"),
-        (
-            lambda: running_mode([2.0], [0.0], mode=1, free_span_m=1.6, wave_speed_m_s=75.0, speed_m_s=0.0),
-            "outside the span",
-        ),
     ],
 )
 def test_functions_refuse(call, words):
@@ -218,27 +173,15 @@ def test_functions_refuse(call, words):
         call()
 
 
-@pytest.mark.parametrize(
-    ("changed", "words"),
-    [
-        ({"preload_N": 0.0}, "preload_N is 0"),
-        ({"mounting_factor": 1.01}, "mounting_factor is 1.01"),
-        ({"wheel_speed_rad_s": -1.0}, "wheel_speed_rad_s is -1"),
-    ],
-)
-def test_a_saw_refuses(saw, changed, words):
-    with pytest.raises(InputError, match=words):
-        replace(saw, **changed)
-
-
 @settings(max_examples=60, deadline=None)
-@given(st.floats(-1e8, 1e8), st.floats(-1e8, 1e8), st.floats(1e-6, 1e8))
+@given(st.floats(-1e8, 1e8), st.floats(-1e8, 1e8), st.floats(-1e8, 1e8))
 def test_pairs_hold_32_digits(a, b, c):
     # Products below 1e-290 are outside what pairs promise.
-    a, b = (0.0 if abs(x) < 1e-100 else x for x in (a, b))
+    a, b, c = (0.0 if abs(x) < 1e-90 else x for x in (a, b, c))
     with mpmath.workdps(60):
-        wanted = mpmath.mpf(a) * mpmath.mpf(b) / mpmath.mpf(c) + mpmath.mpf(a)
-        high, low = add(divide(multiply(as_pair(a), as_pair(b)), as_pair(c)), as_pair(a))
-        size = abs(mpmath.mpf(a) * mpmath.mpf(b) / mpmath.mpf(c)) + abs(a)
-        assert abs(mpmath.mpf(float(high)) + mpmath.mpf(float(low)) - wanted) <= size * mpmath.mpf(2) ** -98
-    assert float(total((high, low))) == float(high)
+        wanted = mpmath.mpf(a) * mpmath.mpf(b) * mpmath.mpf(c) - mpmath.mpf(a)
+        found = Pair(a) * Pair(b) * Pair(c) - Pair(a)
+        size = abs(mpmath.mpf(a) * mpmath.mpf(b) * mpmath.mpf(c)) + abs(a)
+        error = abs(mpmath.mpf(float(found.high)) + mpmath.mpf(float(found.low)) - wanted)
+        assert error <= size * mpmath.mpf(2) ** -98
+    assert float(found.total()) == float(found.high)

@@ -15,8 +15,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
-from ropefric.systems.beltdrive.drive import DriveModel, DriveProblem, best_speed_m_s, solve_drive
-from ropefric.systems.beltdrive.effects import SYSTEM
+from ropefric.systems.beltdrive.drive import SYSTEM, DriveModel, DriveProblem, best_speed_m_s, solve_drive
 from ropefric.systems.friction import WrapFriction
 
 RPM = 2.0 * math.pi / 60.0
@@ -181,10 +180,15 @@ def test_the_promise_holds_for_random_drives():
     assert counts["spared"] > 3
 
 
-def test_what_is_left_out_is_small():
+def test_all_of_it_is_solved_because_that_is_quicker_than_to_find_out_what_matters():
     slow = problem_of(0.3, **(CLOSED | {"speed_rad_s": 1.0}))
     plan, _ = make_plan(SYSTEM, slow, accuracy=0.01, effects="auto")
-    assert "centrifugal" in plan.left_out
+    assert plan.simulated == ("centrifugal", "wrap-dependence", "size")
+    told, _ = make_plan(SYSTEM, slow, accuracy=0.01, effects="auto", all_bounds=True)
+    assert 0.0 < told.decisions[0].bound < 0.01
+    assert told.decisions[0].why.endswith("of the answer; leaving it out would save no time")
+    left_out, _ = make_plan(SYSTEM, slow, accuracy=0.01, effects=())
+    assert 0.0 < left_out.error_bound < 0.01
 
 
 def scene(tmp_path, name="belt-drive", old="", new=""):

@@ -14,9 +14,9 @@ from ropefric.errors import InputError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, lifted_arc_rad
-from ropefric.systems.hoist.effects import SYSTEM
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, SYSTEM, HoistProblem
 
 
 def own(problem):
@@ -117,7 +117,7 @@ def test_all_effects_together_are_what_the_rope_element_integrates_to(full_probl
         return run.y[0, -1]
 
     def gap(contact):
-        ends = [float(lifted_arc_rad(stiff, F - circling)) for F in (slack_N, tight_N(contact))]
+        ends = [float(lifted_arc_rad(stiff / (F - circling))) for F in (slack_N, tight_N(contact))]
         return 9.42 - sum(ends) - contact
 
     contact = brentq(gap, 8.0, 9.42, xtol=1e-13)
@@ -128,8 +128,8 @@ def test_all_effects_together_are_what_the_rope_element_integrates_to(full_probl
 
 def test_the_lifted_arc_keeps_its_digits_where_the_arc_cosine_loses_them():
     e = 1e-14
-    assert lifted_arc_rad(e, 1.0) == pytest.approx(math.sqrt(2.0 * e), rel=1e-12)
-    assert lifted_arc_rad(0.5, 1.0) == pytest.approx(math.acos(0.5), rel=1e-15)
+    assert lifted_arc_rad(e) == pytest.approx(math.sqrt(2.0 * e), rel=1e-12)
+    assert lifted_arc_rad(0.5) == pytest.approx(math.acos(0.5), rel=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import pytest
 
 from ropefric.errors import DataError
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.statics import carried_belts, incidence, pull_matrix, span_density_kg_m
 
 
 def with_roller(press, which, **changes):
@@ -30,7 +29,7 @@ def test_spans_are_numbered_as_in_the_paper(paper_press):
 def test_the_graph_writes_the_balances_of_the_paper(paper_press, paper_data):
     rng = np.random.default_rng(1)
     T = dict(zip(range(1, 15), rng.uniform(500, 4000, 14), strict=True))
-    net = dict(zip(range(1, 14), incidence(paper_press) @ np.array(list(T.values())), strict=True))
+    net = dict(zip(range(1, 14), paper_press.incidence @ np.array(list(T.values())), strict=True))
     for i in (2, 3, 4, 6, 7, 8):
         assert net[i] == pytest.approx(T[i] - T[i - 1])  # (10), (11), (13)-(15), (19)
     assert net[5] == pytest.approx(T[5] - T[4] - T[14])  # (12)
@@ -38,19 +37,14 @@ def test_the_graph_writes_the_balances_of_the_paper(paper_press, paper_data):
     for i in (11, 12, 13):
         assert net[i] == pytest.approx(T[i + 1] - T[i])  # (17), (18), (20)
     assert (net[1], net[10]) == pytest.approx((T[1] - T[9], T[11] - T[10]))
-    pulls = pull_matrix(paper_press) @ np.array(list(T.values()))
+    pulls = paper_press.pull @ np.array(list(T.values()))
     upper = T[2] + T[3] * np.cos(paper_data["beta"])
     assert pulls == pytest.approx([upper, T[14] + T[13] * np.cos(paper_data["gamma"])])  # (21), (22)
 
 
 def test_belts_weigh_in_every_span_they_run_in(paper_press):
-    np.testing.assert_allclose(span_density_kg_m(paper_press), [15.0] * 4 + [30.0] * 4 + [15.0] * 6)
-    np.testing.assert_array_equal(carried_belts(paper_press).sum(axis=1), [9, 9])
-
-
-def test_spans_can_have_names(paper_press):
-    names = tuple(f"s{i}" for i in range(14))
-    assert [span.name for span in replace(paper_press, span_names=names).spans] == list(names)
+    np.testing.assert_allclose(paper_press.density_kg_m, [15.0] * 4 + [30.0] * 4 + [15.0] * 6)
+    np.testing.assert_array_equal(paper_press.carried.sum(axis=1), [9, 9])
 
 
 def test_three_belts_may_share_a_roller():
@@ -65,7 +59,7 @@ def test_three_belts_may_share_a_roller():
     belts = tuple(Belt(name=k, loop=("x", f"d{k}", f"t{k}"), **data) for k in "abc")
     press = Press(rollers=tuple(rollers), belts=belts, speed_m_s=1.0)
     assert len(press.spans) == 9
-    assert incidence(press)[0].tolist() == [1, 0, -1] * 3
+    assert press.incidence[0].tolist() == [1, 0, -1] * 3
 
 
 WRONG = {
@@ -104,7 +98,7 @@ WRONG = {
         "driver '7' is shared by the belts upper, lower",
     ),
     "shared tensioner between spans": (
-        lambda p: with_roller(p, "5", role="tensioner", tensioner=p.tensioners[0].tensioner),
+        lambda p: with_roller(p, "5", role="tensioner", tensioner=p.tensioners["3"]),
         "2 spans meet tensioner '5' on one side",
     ),
     "nothing drives": (
@@ -141,18 +135,14 @@ WRONG = {
         ),
         "run together from roller '5' to '6', but their lengths there are 1 m and 2 m",
     ),
-    "span names": (lambda p: replace(p, span_names=("a",)), "1 names for 14 spans: 1-2, 2-3"),
-    "repeated span name": (lambda p: replace(p, span_names=("a",) * 14), "14 span_names are called 'a'"),
     "speed": (lambda p: replace(p, speed_m_s=float("inf")), "speed_m_s is inf"),
     "no belts": (lambda p: replace(p, belts=()), "a press without belts moves nothing"),
     "slack geometry": (
-        lambda p: with_roller(
-            p, "3", tensioner=replace(p.tensioners[0].tensioner, downstream_angle_rad=np.pi)
-        ),
+        lambda p: with_roller(p, "3", tensioner=replace(p.tensioners["3"], downstream_angle_rad=np.pi)),
         "do not pull along the travel",
     ),
     "negative preload": (
-        lambda p: with_roller(p, "3", tensioner=replace(p.tensioners[0].tensioner, force_N=-1.0)),
+        lambda p: with_roller(p, "3", tensioner=replace(p.tensioners["3"], force_N=-1.0)),
         "rollers.3.tensioner.force_N is -1",
     ),
 }

@@ -2,26 +2,17 @@
 
 from dataclasses import replace
 
-import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.critical import sweep_press
-from ropefric.systems.press.slip import (
-    MEASURES,
-    Contact,
-    contacts_of,
-    slip_table,
-    steady_contacts,
-    utilisation,
-)
+from ropefric.systems.press.critical import PressSweep
+from ropefric.systems.press.slip import MEASURES, SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import steady_state
 
@@ -45,9 +36,13 @@ TABLE = {
 DECIMALS = (4, 4, 5, 5, 4)
 
 
+def steady_tension_N(press, closure="share"):
+    return steady_state(solve_statics(press, closure=closure)).effective_tension_N
+
+
 @pytest.fixture(scope="module")
 def paper_slip(paper_press, paper_data):
-    return slip_table(steady_contacts(steady_state(solve_statics(paper_press))), paper_data["mu"])
+    return SlipTable(paper_press, steady_tension_N(paper_press), paper_data["mu"])
 
 
 @pytest.mark.parametrize("roller", TABLE)
@@ -75,8 +70,8 @@ def test_measures_are_described_and_misses_are_named(paper_slip):
 @pytest.fixture(scope="module")
 def trends(paper_press, paper_data):
     statics = solve_statics(paper_press)
-    preload = sweep_press(statics, paper_data["mu"], preload_N=np.linspace(1500, 4000, 11))
-    speed = sweep_press(statics, paper_data["mu"], speed_m_s=2 * np.pi / 60 * 0.175 * np.linspace(0, 100, 11))
+    preload = PressSweep(statics, paper_data["mu"], preload_N=np.linspace(1500, 4000, 11))
+    speed = PressSweep(statics, paper_data["mu"], speed_m_s=2 * np.pi / 60 * 0.175 * np.linspace(0, 100, 11))
     return preload, speed
 
 
@@ -129,158 +124,29 @@ def test_tensions_fall_only_slightly_with_speed(trends):
 # --- exactly 1 at the limit ------------------------------------------------------------------------------
 
 
-class Element:
-    """The belt element dT/dφ = ρAR²θ̈ − F with F at its greatest everywhere, integrated directly."""
-
-    def __init__(self, mu, alpha, inertia_N):
-        self.mu, self.alpha, self.inertia_N = mu, alpha, inertia_N
-
-    def driven(self, slack_N):
-        """Friction brakes the belt; the slack side comes first and the angle counts from there."""
-        return self.solve(lambda s, T: self.inertia_N + self.mu(s) * T, slack_N)
-
-    def driver(self, slack_N):
-        """Friction pushes the belt; seen from the slack side, against the travel, inertia counts negative."""
-        return self.solve(lambda s, T: -self.inertia_N + self.mu(s) * T, slack_N)
-
-    def solve(self, slope, slack_N):
-        run = solve_ivp(slope, (0.0, self.alpha), [slack_N], method="DOP853", rtol=1e-13, atol=1e-12)
-        return run.y[0, -1]
-
-
-def contact(*, role, slack_N, tight_N, alpha, inertia_N=0.0, R=0.2):
-    upstream, downstream = (slack_N, tight_N) if role == "driven" else (tight_N, slack_N)
-    return Contact(
-        roller="x", radius_m=R, wrap_angle_rad=alpha, half_thickness_m=0.0025,
-        upstream_N=np.array(upstream), downstream_N=np.array(downstream), inertia_N=inertia_N,
-    )  # fmt: skip
-
-
 def law_friction(b, *, a=0.5, c=0.1):
     return WrapFriction(
         law=LAWS["wrap-power"], theta=np.array([a, b, c]), reference=one_condition(0.2, 0.0025, 2.0, 500.0)
     )
 
 
-def local_mu(friction, slack_N):
-    """Return μ(s) of the law by the derivative of its own ∫μ, high above the accuracy asked for."""
-    law, theta = friction.law, friction.theta
-    a, b, c = theta
-    # φ0 from ∫₀^φ0 μ = ln F_B, independent of the package.
-    phi0 = float(mpmath.findroot(lambda p: a * p ** (b + 1) / (b + 1) + c * p - mpmath.log(slack_N), 5.0))
-    at = Conditions(wheel_radius_m=0.2, rope_radius_m=0.0025, wrap_angle_rad=1.0, end_tension_N=slack_N)
-    assert float(law.local_mu(theta, 0.0, at)[0]) == pytest.approx(a * phi0**b + c)
-    return lambda s: a * (phi0 + s) ** b + c
-
-
-@pytest.mark.parametrize("role", ["driven", "driver"])
-@pytest.mark.parametrize("inertia_N", [0.0, 3.0, -3.0, 60.0])
-@pytest.mark.parametrize("alpha", [0.5, 2.5, 5.0])
-def test_utilisation_is_one_at_the_limit_of_constant_friction(role, inertia_N, alpha):
-    mu, slack_N = 0.8, 500.0
-    tight_N = getattr(Element(lambda s: mu, alpha, inertia_N), role)(slack_N)
-    q = inertia_N / mu if role == "driven" else -inertia_N / mu
-    assert tight_N == pytest.approx(
-        (slack_N + q) * np.exp(mu * alpha) - q, rel=1e-12
-    )  # the page's closed form
-    table = slip_table(
-        [contact(role=role, slack_N=slack_N, tight_N=tight_N, alpha=alpha, inertia_N=inertia_N)], mu
-    )
-    assert float(table.utilisation[0]) == pytest.approx(1.0, abs=1e-12)
-    assert float(table.log[0]) == pytest.approx(1.0, abs=1e-12)
-    assert float(table.mu_required[0]) == pytest.approx(mu, abs=1e-12)
-
-
-@pytest.mark.parametrize("role", ["driven", "driver"])
-@pytest.mark.parametrize("inertia_N", [0.0, 3.0, -3.0, 60.0])
-@pytest.mark.parametrize(("alpha", "b"), [(0.5, -0.5), (2.5, -0.3), (5.0, -0.8)])
-def test_utilisation_is_one_at_the_limit_of_wrap_dependent_friction(role, inertia_N, alpha, b):
-    friction, slack_N = law_friction(b), 500.0
-    tight_N = getattr(Element(local_mu(friction, slack_N), alpha, inertia_N), role)(slack_N)
-    table = slip_table(
-        [contact(role=role, slack_N=slack_N, tight_N=tight_N, alpha=alpha, inertia_N=inertia_N)], friction
-    )
-    assert float(table.utilisation[0]) == pytest.approx(1.0, abs=1e-12)
-    assert float(table.log[0]) == pytest.approx(1.0, abs=1e-12)
-
-
-@pytest.mark.parametrize("b", [-0.3, -0.7, -0.95])
-def test_the_integral_of_inertia_is_exact_where_the_coefficient_is_steep(b):
-    """With a slack side of 1 N the wrap counts from zero, where μ = a φ^b is infinite."""
-    friction, alpha, inertia_N = law_friction(b, a=0.2, c=0.05), 2.0, 5.0
-    a, c = 0.2, 0.05
-
-    def M(s):
-        return a * s ** (b + 1) / (b + 1) + c * s
-
-    with mpmath.workdps(30):
-        swell = (
-            mpmath.quad(lambda u: 20 * u**19 * mpmath.exp(M(alpha) - M(alpha * u**20)), [0, 0.5, 1]) * alpha
-        )
-        tight_N = float(mpmath.exp(M(alpha)) + inertia_N * swell)
-    found = utilisation(
-        [contact(role="driven", slack_N=1.0, tight_N=tight_N, alpha=alpha, inertia_N=inertia_N)], friction
-    )
-    assert float(found[0]) == pytest.approx(1.0, abs=1e-11)
-
-
-@pytest.mark.parametrize("role", ["driven", "driver"])
-def test_a_belt_that_only_accelerates_itself_needs_no_friction(role):
-    inertia_N, alpha = 8.0, 2.0
-    end_N = 500.0 + inertia_N * alpha
-    part = contact(
-        role="driven" if role == "driven" else "driver",
-        slack_N=500.0 if role == "driven" else end_N,
-        tight_N=end_N if role == "driven" else 500.0,
-        alpha=alpha,
-        inertia_N=inertia_N,
-    )
-    table = slip_table([part], 0.8)
-    assert float(table.utilisation[0]) == pytest.approx(0.0, abs=1e-12)
-    assert float(table.log[0]) == pytest.approx(0.0, abs=1e-12)
-
-
-def test_acceleration_is_continuous_at_zero(paper_press):
-    state = steady_state(solve_statics(paper_press))
-    still = slip_table(steady_contacts(state), 1.2)
-    slow = slip_table(steady_contacts(state, angular_acceleration_rad_s2=1e-9), 1.2)
-    for name in MEASURED:
-        np.testing.assert_allclose(getattr(slow, name), getattr(still, name), atol=1e-9)
-
-
-def test_the_printed_acceleration_term_is_that_of_a_driven_roller(paper_press):
-    """(37): both tensions plus ρAR²θ̈/μ."""
-    state = steady_state(solve_statics(paper_press))
-    spin = 5.0
-    table = slip_table(steady_contacts(state, angular_acceleration_rad_s2=spin), 1.2)
-    q = 15.0 * 0.075**2 * spin / 1.2
-    T1, T2 = float(state.effective("1")), float(state.effective("2"))
-    wanted = (T1 + q) / ((T2 + q) * np.expm1(1.2 * np.radians(28.1)))
-    assert float(table.of("2", "as_printed")) == pytest.approx(wanted, rel=1e-12)
-
-
-def test_two_belts_on_a_roller_accelerate_twice_the_mass(paper_press):
-    state = steady_state(solve_statics(paper_press))
-    inertia = {
-        part.roller: part.inertia_N for part in steady_contacts(state, angular_acceleration_rad_s2=2.0)
-    }
-    assert float(inertia["2"]) == pytest.approx(15 * 0.075**2 * 2)
-    assert float(inertia["6"]) == pytest.approx(30 * 0.2**2 * 2)
-
-
-def test_tensions_of_a_transient_are_read_the_same_way(paper_press):
-    """T with its rim speeds gives the contacts of T'."""
-    state = steady_state(solve_statics(paper_press), speed_m_s=[1.0, 3.0])
-    rim = np.array([[1.0], [3.0]])
-    for one, other in zip(
-        steady_contacts(state), contacts_of(paper_press, state.tension_N, rim_speed_m_s=rim), strict=True
-    ):
-        np.testing.assert_allclose(one.upstream_N, other.upstream_N, rtol=1e-12)
-        np.testing.assert_allclose(one.downstream_N, other.downstream_N, rtol=1e-12)
-    with pytest.raises(InputError, match="13,"):
-        contacts_of(paper_press, np.zeros(13))
-    with pytest.raises(InputError, match="tension_N must be finite"):
-        contacts_of(paper_press, np.full(14, np.nan))
+@pytest.mark.parametrize("friction", [0.8, law_friction(-0.5), law_friction(-0.8)])
+@pytest.mark.parametrize("turned", [False, True])
+def test_utilisation_is_one_at_the_limit(paper_press, friction, turned):
+    """Tensions of which the tight one is e^M times the slack one, on a driven roller and on a driver."""
+    law = friction if isinstance(friction, WrapFriction) else WrapFriction.constant(friction)
+    roller = paper_press.rollers[1]
+    exponent = law.exponent(
+        wheel_radius_m=roller.radius_m, rope_radius_m=0.0025, wrap_angle_rad=roller.wrap_angle_rad,
+        slack_tension_N=500.0,
+    )  # fmt: skip
+    tension_N = np.full(14, 500.0)
+    tension_N[0 if turned else 1] *= float(np.exp(exponent))
+    table = SlipTable(paper_press, tension_N, friction)
+    assert float(table.of("2")) == pytest.approx(1.0, abs=1e-12)
+    assert float(table.of("2", "log")) == pytest.approx(1.0, abs=1e-12)
+    wanted = float(exponent) / roller.wrap_angle_rad
+    assert float(table.of("2", "mu_required")) == pytest.approx(wanted, rel=1e-12)
 
 
 # --- friction laws ---------------------------------------------------------------------------------------
@@ -290,7 +156,7 @@ def test_tensions_of_a_transient_are_read_the_same_way(paper_press):
 def test_a_law_that_hardly_depends_on_the_wrap_is_a_constant(paper_press, paper_slip, theta):
     """b → 0 or a → 0."""
     friction = replace(law_friction(-0.5), theta=np.array(theta))
-    table = slip_table(steady_contacts(steady_state(solve_statics(paper_press))), friction)
+    table = SlipTable(paper_press, steady_tension_N(paper_press), friction)
     for name in MEASURED:
         np.testing.assert_allclose(getattr(table, name), getattr(paper_slip, name), rtol=1e-8, atol=1e-12)
 
@@ -298,14 +164,14 @@ def test_a_law_that_hardly_depends_on_the_wrap_is_a_constant(paper_press, paper_
 def test_a_law_sees_radius_thickness_and_slack_tension_of_each_roller(paper_press):
     law, theta = LAWS["coupled"], np.array([0.4, -0.02, -0.3, -0.4, 0.1])
     friction = WrapFriction(law=law, theta=theta, reference=one_condition(0.1, 0.0025, 2.0, 500.0))
-    contacts = steady_contacts(steady_state(solve_statics(paper_press)))
-    found = slip_table(contacts, friction).exponent
-    slack = [min(float(part.upstream_N), float(part.downstream_N)) for part in contacts]
+    tension_N = steady_tension_N(paper_press)
+    found = SlipTable(paper_press, tension_N, friction).exponent
+    slack = np.minimum(tension_N @ paper_press.into.T, tension_N @ paper_press.out_of.T)
     at = Conditions(
         wheel_radius_m=np.array([roller.radius_m for roller in paper_press.rollers]),
         rope_radius_m=0.0025,
         wrap_angle_rad=np.array([roller.wrap_angle_rad for roller in paper_press.rollers]),
-        end_tension_N=np.array(slack),
+        end_tension_N=slack,
     )
     np.testing.assert_allclose(found, law.log_lift(theta, at) - np.log(slack), rtol=1e-12)
 
@@ -313,51 +179,40 @@ def test_a_law_sees_radius_thickness_and_slack_tension_of_each_roller(paper_pres
 def test_blocks_of_points_are_the_points(paper_press):
     statics = solve_statics(paper_press)
     preload = np.linspace(1500, 3000, 70_001)
-    whole = utilisation(steady_contacts(steady_state(statics, preload_N=preload)), 1.2)
+    tension_N = steady_state(statics, preload_N=preload).effective_tension_N
+    whole = SlipTable(paper_press, tension_N, 1.2).utilisation
     assert whole.shape == (70_001, 13)
-    some = [0, 32767, 32768, 65536, 70_000]
-    part = utilisation(steady_contacts(steady_state(statics, preload_N=preload[some])), 1.2)
-    np.testing.assert_array_equal(whole[some], part)
-
-
-@pytest.mark.parametrize("spin", [0.0, 4.0])
-def test_each_point_can_have_its_own_coefficient(paper_press, spin):
-    mu, preload = np.array([[0.8], [1.0], [1.2]]), np.array([1800.0, 2500.0])
-    state = steady_state(solve_statics(paper_press), preload_N=preload)
-    contacts = steady_contacts(state, angular_acceleration_rad_s2=spin)
-    table = slip_table(contacts, mu)
-    np.testing.assert_allclose(utilisation(contacts, mu), table.utilisation, rtol=1e-14, atol=1e-15)
-    for i, each in enumerate(mu.ravel()):
-        for name in MEASURED:
-            np.testing.assert_allclose(
-                getattr(table, name)[i], getattr(slip_table(contacts, each), name), rtol=1e-12, atol=1e-15
-            )
+    some = [0, 16383, 16384, 32768, 70_000]
+    np.testing.assert_allclose(
+        whole[some], SlipTable(paper_press, tension_N[some], 1.2).utilisation, rtol=1e-14, atol=1e-15
+    )
+    np.testing.assert_allclose(
+        whole, SlipTable(paper_press, tension_N, 1.2).utilisation, rtol=1e-14, atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("mu", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_coefficient_is_positive(paper_press, mu):
-    with pytest.raises(InputError, match="friction coefficient"):
-        utilisation(steady_contacts(steady_state(solve_statics(paper_press))), mu)
+    with pytest.raises(InputError, match="mu is"):
+        SlipTable(paper_press, steady_tension_N(paper_press), mu)
 
 
 def test_a_law_without_friction_is_refused(paper_press):
-    contacts = steady_contacts(steady_state(solve_statics(paper_press)))
     friction = WrapFriction(
         law=LAWS["constant"], theta=np.array([0.0]), reference=one_condition(0.2, 0.0025, 2.0, 500.0)
     )
     with pytest.raises(InputError, match="roller 1: there is no friction at all"):
-        utilisation(contacts, friction)
+        SlipTable(paper_press, steady_tension_N(paper_press), friction)
 
 
 def test_a_belt_that_lifts_off_has_no_grip(paper_press):
     state = steady_state(solve_statics(paper_press), preload_N=[100.0, 2000.0], on_slack="flag")
-    for spin in (0.0, 1.0):
-        table = slip_table(steady_contacts(state, angular_acceleration_rad_s2=spin), 1.2)
-        for name in ("utilisation", "log", "mu_required"):
-            values = getattr(table, name)
-            assert np.isinf(values[0, :2]).all()  # span 1 is slack: rollers 1 and 2
-            assert np.isfinite(values[0, 2:]).all()
-            assert np.isfinite(values[1]).all()
+    table = SlipTable(paper_press, state.effective_tension_N, 1.2)
+    for name in ("utilisation", "log", "mu_required"):
+        values = getattr(table, name)
+        assert np.isinf(values[0, :2]).all()  # span 1 is slack: rollers 1 and 2
+        assert np.isfinite(values[0, 2:]).all()
+        assert np.isfinite(values[1]).all()
 
 
 # --- tendencies ------------------------------------------------------------------------------------------
@@ -383,7 +238,7 @@ def test_more_preload_never_raises_utilisation(paper_press, *, closure, mu, spee
         load_factor=load,
         on_slack="flag",
     )
-    less, tighter = utilisation(steady_contacts(state), mu)
+    less, tighter = SlipTable(state.press, state.effective_tension_N, mu).utilisation
     assert (tighter <= less * (1 + 1e-12) + 1e-12).all()
 
 
@@ -405,25 +260,28 @@ def test_more_load_never_lowers_utilisation(paper_press, *, closure, mu, speed_m
         load_factor=[load, load + more],
         on_slack="flag",
     )
-    less, heavier = utilisation(steady_contacts(state), mu)
+    less, heavier = SlipTable(state.press, state.effective_tension_N, mu).utilisation
     assert (heavier >= less * (1 - 1e-12) - 1e-12).all()
 
 
 def test_outside_that_domain_it_does_not_hold(paper_press):
     """One load alone tightens another roller's slack side; `equal` moves load between the drivers; μ may fall."""
     rollers = tuple(replace(r, gravity_torque_N_m=60.0) if r.name == "3" else r for r in paper_press.rollers)
-    heavier = utilisation(
-        steady_contacts(steady_state(solve_statics(replace(paper_press, rollers=rollers)))), 1.2
-    )
-    base = utilisation(steady_contacts(steady_state(solve_statics(paper_press))), 1.2)
+    machine = replace(paper_press, rollers=rollers)
+    heavier = SlipTable(machine, steady_tension_N(machine), 1.2).utilisation
+    base = SlipTable(paper_press, steady_tension_N(paper_press), 1.2).utilisation
     assert heavier[4] < base[4]
-    equal = solve_statics(paper_press, closure="equal")
-    one, other = utilisation(
-        steady_contacts(steady_state(equal, preload_N={"3": np.array([2000.0, 3000.0])})), 1.2
+    tighter = tuple(
+        replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
+        for r in paper_press.rollers
+    )
+    one, other = (
+        SlipTable(press, steady_tension_N(press, closure="equal"), 1.2).utilisation
+        for press in (paper_press, replace(paper_press, rollers=tighter))
     )
     assert other[9] > one[9]
     friction = law_friction(-0.9, a=0.5, c=0.0)
     state = steady_state(solve_statics(paper_press), preload_N=[2000.0, 4000.0])
-    less, tighter = utilisation(steady_contacts(state), friction)
+    less, tighter = SlipTable(state.press, state.effective_tension_N, friction).utilisation
     loaded = np.array([float(value) > 0.0 for *_, value in TABLE.values()])
     assert (tighter > less)[loaded].any()

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,17 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import fsolve
 
-from ropefric.errors import InputError, SolverError, UnknownNameError
+from ropefric.errors import InputError, SolverError
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.statics import (
-    CLOSURES,
-    incidence,
-    load_torques_N_m,
-    pull_matrix,
-    radii_m,
-    solve_statics,
-)
-from ropefric.systems.press.steady import loop_lengths_m, speed_shift_kg_m, steady_state
+from ropefric.systems.press.statics import CLOSURES, solve_statics
+from ropefric.systems.press.steady import speed_shift_kg_m, steady_state
 
 AT_REST = {
     "1": 821.382, "2": 1170.716, "3": 1520.049, "4": 1520.049, "5": 3615.793, "6": 3783.793, "7": 3951.793,
@@ -27,6 +21,10 @@ AT_REST = {
 }  # fmt: skip
 SPLIT = {"share": (2054.05, 2233.74), "equal": (2143.90, 2143.90), "equal-torque": (1734.72, 2553.08)}
 CROSS_SECTION = {"linear_density_kg_m": 2.0, "thickness_m": 0.005, "width_m": 1.0}
+
+
+def of_span(state, name):
+    return state.effective_tension_N[..., [span.name for span in state.press.spans].index(name)]
 
 
 def spring(**changes):
@@ -66,8 +64,8 @@ def test_the_closed_form_at_rest(paper_press, paper_data):
     force = {roller.name: roller.torque_N_m / roller.radius_m for roller in paper_press.rollers}
     T2 = (spring_N + paper_data["tensioner_force_up"] - force["3"] * cos_beta) / (1 + cos_beta)  # (35)
     T13 = (spring_N + paper_data["tensioner_force_down"] - force["13"]) / (1 + cos_gamma)  # (36)
-    assert float(state.effective("2")) == pytest.approx(T2, rel=1e-12)
-    assert float(state.effective("13")) == pytest.approx(T13, rel=1e-12)
+    assert float(of_span(state, "2")) == pytest.approx(T2, rel=1e-12)
+    assert float(of_span(state, "13")) == pytest.approx(T13, rel=1e-12)
 
 
 @pytest.mark.parametrize("closure", SPLIT)
@@ -75,11 +73,11 @@ def test_the_closed_form_at_rest(paper_press, paper_data):
 def test_every_balance_closes_at_any_speed(paper_press, closure, speed_m_s):
     """Torques balance in T and in T' alike, because what runs through a roller arrives and leaves."""
     state = steady_state(solve_statics(paper_press, closure=closure), speed_m_s=speed_m_s)
-    loads_N = load_torques_N_m(paper_press) / radii_m(paper_press)
+    loads_N = paper_press.rim_load_N
     driven = np.array([roller.role != "driver" for roller in paper_press.rollers])
     for tension in (state.tension_N, state.effective_tension_N):
-        np.testing.assert_allclose((incidence(paper_press) @ tension - loads_N)[driven], 0.0, atol=1e-9)
-    np.testing.assert_allclose(pull_matrix(paper_press) @ steady_state(
+        np.testing.assert_allclose((paper_press.incidence @ tension - loads_N)[driven], 0.0, atol=1e-9)
+    np.testing.assert_allclose(paper_press.pull @ steady_state(
         solve_statics(paper_press, closure=closure), speed_m_s=0.0
     ).tension_N, 2600.0)  # fmt: skip
 
@@ -91,8 +89,8 @@ def test_one_belt_less_than_two_would_break_the_balance_of_roller_5(paper_press)
     assert c == pytest.approx(12.5940, abs=5e-5)
     np.testing.assert_allclose(state.tension_N - state.effective_tension_N, [c] * 4 + [2 * c] * 4 + [c] * 6)
     literal = state.tension_N - c
-    loads_N = load_torques_N_m(paper_press) / radii_m(paper_press)
-    gap_N = (incidence(paper_press) @ literal - loads_N)[[4, 8]]
+    loads_N = paper_press.rim_load_N
+    gap_N = (paper_press.incidence @ literal - loads_N)[[4, 8]]
     np.testing.assert_allclose(gap_N, [c, -c], rtol=1e-9)
 
 
@@ -111,14 +109,15 @@ def test_a_determined_press_needs_no_closure():
 
 def test_closures_say_what_they_mean(paper_press):
     at = {name: steady_state(solve_statics(paper_press, closure=name), speed_m_s=0.0) for name in SPLIT}
-    share, torque = at["share"].effective, at["equal-torque"].effective
+    share, torque = (partial(of_span, at[name]) for name in ("share", "equal-torque"))
     assert float(share("9") - share("4")) == pytest.approx(float(share("10") - share("14")))
     assert float(torque("9") - torque("1")) == pytest.approx(float(torque("10") - torque("11")))
 
 
 def test_equal_torque_is_a_torque(paper_press):
     rollers = tuple(replace(r, radius_m=0.35) if r.name == "10" else r for r in paper_press.rollers)
-    T = steady_state(solve_statics(replace(paper_press, rollers=rollers), closure="equal-torque")).effective
+    machine = replace(paper_press, rollers=rollers)
+    T = partial(of_span, steady_state(solve_statics(machine, closure="equal-torque")))
     assert 0.175 * float(T("9") - T("1")) == pytest.approx(0.35 * float(T("10") - T("11")))
 
 
@@ -150,7 +149,7 @@ def test_speed_ratio_solves_steady_creep(paper_press):
     """Against the nonlinear statement: v_b (1 + T/EA) is the speed of the roller where a belt arrives."""
     EA, over = (2e6, 5e6), (1e-4, 3e-4)
     press = with_speeds(paper_press, EA, over)
-    T = steady_state(solve_statics(press, closure="speed-ratio"), speed_m_s=0.0).effective
+    T = partial(of_span, steady_state(solve_statics(press, closure="speed-ratio"), speed_m_s=0.0))
     T4, T14, total = float(T("4")), float(T("14")), float(T("9") + T("10"))
 
     def residuals(unknown):
@@ -166,12 +165,11 @@ def test_speed_ratio_solves_steady_creep(paper_press):
     # Linear in the strain, of order 1e-3: the pick-up of some hundred newtons is met to a few tenths of one.
     assert float(T("9")) == pytest.approx(exact, abs=0.5)
     slower = with_speeds(paper_press, EA, (1e-4, 0.0))
-    assert float(steady_state(solve_statics(slower, closure="speed-ratio")).effective("10")) < float(T("10"))
+    behind = steady_state(solve_statics(slower, closure="speed-ratio"))
+    assert float(of_span(behind, "10")) < float(T("10"))
 
 
-def test_an_unknown_closure_is_named(paper_press):
-    with pytest.raises(UnknownNameError, match="did you mean 'share'"):
-        solve_statics(paper_press, closure="shares")
+def test_the_closures_in_order():
     assert list(CLOSURES) == ["share", "equal", "equal-torque", "speed-ratio"]
 
 
@@ -209,7 +207,7 @@ def test_two_belts_over_any_number_of_shared_rollers(shared):
         statics = solve_statics(press, closure=closure)
         assert statics.rank == len(press.spans) - 1
         T = steady_state(statics)
-        tight = [float(T.effective(s.name)) for s in press.spans if s.start == f"m{shared - 1}"]
+        tight = [float(of_span(T, s.name)) for s in press.spans if s.start == f"m{shared - 1}"]
         assert tight[0] == pytest.approx(tight[1])
         assert tight[0] == pytest.approx(700.0 - 2.0 * 0.25 + 20.0 * shared)
 
@@ -251,11 +249,11 @@ def test_any_machine_of_two_belts_is_balanced(press, closure):
     assert statics.rank == len(press.spans) - 1
     T = steady_state(statics, on_slack="flag").tension_N
     driven = np.array([roller.role != "driver" for roller in press.rollers])
-    loads_N = load_torques_N_m(press) / radii_m(press)
-    np.testing.assert_allclose((incidence(press) @ T)[driven], loads_N[driven], atol=1e-8)
-    acting_N = [600.0 + roller.tensioner.force_N for roller in press.tensioners]
-    np.testing.assert_allclose(pull_matrix(press) @ T, acting_N, rtol=1e-10)
-    assert float((incidence(press) @ T)[~driven].sum()) == pytest.approx(-loads_N.sum(), abs=1e-8)
+    loads_N = press.rim_load_N
+    np.testing.assert_allclose((press.incidence @ T)[driven], loads_N[driven], atol=1e-8)
+    acting_N = [600.0 + tensioner.force_N for tensioner in press.tensioners.values()]
+    np.testing.assert_allclose(press.pull @ T, acting_N, rtol=1e-10)
+    assert float((press.incidence @ T)[~driven].sum()) == pytest.approx(-loads_N.sum(), abs=1e-8)
 
 
 def test_three_belts_need_two_statements():
@@ -270,7 +268,7 @@ def test_three_belts_need_two_statements():
     statics = solve_statics(press)
     assert len(statics.undetermined) == 2
     T = steady_state(statics)
-    np.testing.assert_allclose([float(T.effective(s.name)) for s in press.spans if s.start == "x"], 730.0)
+    np.testing.assert_allclose([float(of_span(T, s.name)) for s in press.spans if s.start == "x"], 730.0)
 
 
 def test_two_drivers_of_one_belt():
@@ -295,7 +293,7 @@ def test_a_driven_belt_is_dragged_along_by_the_other(paper_press):
     rollers = tuple(replace(r, role="driven") if r.name == "10" else r for r in paper_press.rollers)
     statics = solve_statics(replace(paper_press, rollers=rollers))
     assert (statics.rank, statics.undetermined) == (14, ())
-    T = steady_state(statics).effective
+    T = partial(of_span, steady_state(statics))
     assert float(T("10")) == pytest.approx(float(T("11")))
 
 
@@ -344,26 +342,23 @@ def test_grids_are_the_points_by_themselves(paper_press):
 
 
 def test_each_tensioner_can_have_its_own_preload(paper_press):
-    statics = solve_statics(paper_press)
-    both = steady_state(statics, preload_N={"3": 3000.0})
-    base = steady_state(statics)
+    rollers = tuple(
+        replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
+        for r in paper_press.rollers
+    )
+    both = steady_state(solve_statics(replace(paper_press, rollers=rollers)))
+    base = steady_state(solve_statics(paper_press))
     rise = both.effective_tension_N - base.effective_tension_N
     moved = 1000.0 / (1 + math.cos(math.radians(19.9)))
     np.testing.assert_allclose(rise, moved * np.array([1.0] * 9 + [0.0] * 5), atol=1e-9)
-    with pytest.raises(UnknownNameError, match="preload_N names 4, which carries no tensioner"):
-        steady_state(statics, preload_N={"4": 1.0})
 
 
 def test_bad_points_are_named(paper_press):
     statics = solve_statics(paper_press)
     with pytest.raises(InputError, match="speed_m_s is -1"):
         steady_state(statics, speed_m_s=[1.0, -1.0])
-    with pytest.raises(InputError, match="preload_N of tensioner 3 is nan"):
+    with pytest.raises(InputError, match="preload_N is nan"):
         steady_state(statics, preload_N=float("nan"))
-    with pytest.raises(UnknownNameError, match="tensioner = 'loose' is unknown"):
-        steady_state(statics, tensioner="loose")
-    with pytest.raises(UnknownNameError, match="unknown span '15'"):
-        steady_state(statics).effective("15")
 
 
 def test_a_slack_span_is_refused_by_name_or_flagged(paper_press):
@@ -417,13 +412,16 @@ def elastic(press, EA=2e6, spring_N_m=None):
     return replace(press, belts=belts, rollers=rollers)
 
 
+def loop_lengths_m(press):
+    arcs_m = {r.name: r.radius_m * r.wrap_angle_rad for r in press.rollers}
+    return np.array([sum(b.span_lengths_m) + sum(arcs_m[name] for name in b.loop) for b in press.belts])
+
+
 @pytest.mark.parametrize("EA", [1e6, 2e6, 1e7])
 def test_the_elastic_speed_effect_in_closed_form(paper_press, paper_data, EA):
     press = elastic(paper_press, EA)
     shift = speed_shift_kg_m(solve_statics(press), "elastic")
     lengths_m = loop_lengths_m(press)
-    arcs_m = {r.name: r.radius_m * r.wrap_angle_rad for r in press.rollers}
-    assert lengths_m[0] == pytest.approx(8.0 + sum(arcs_m[name] for name in press.belts[0].loop))
     cosines = np.array([1 + math.cos(paper_data["beta"]), 1 + math.cos(paper_data["gamma"])])
     s = cosines**2 * (EA / lengths_m) / paper_data["tensioner_stiffness"]
     upper, lower = -15.0 / (1 + s)
@@ -446,7 +444,7 @@ def test_the_elastic_run_obeys_the_translation_of_the_tensioners(paper_press, cl
     statics = solve_statics(press, closure=closure)
     v = 6.0
     state = steady_state(statics, speed_m_s=v, tensioner="elastic")
-    travel_m = (pull_matrix(press) @ state.effective_tension_N - 2000.0) / 20000.0
+    travel_m = (press.pull @ state.effective_tension_N - 2000.0) / 20000.0
     assert (travel_m < 0.03).all()
     shift = speed_shift_kg_m(statics, "elastic")
     np.testing.assert_allclose(
@@ -460,5 +458,3 @@ def test_the_elastic_run_obeys_the_translation_of_the_tensioners(paper_press, cl
 def test_elasticity_needs_its_data(paper_press):
     with pytest.raises(InputError, match=r"belts\.upper\.axial_stiffness_N.*belts\.lower\.span_lengths_m"):
         steady_state(solve_statics(paper_press), tensioner="elastic")
-    with pytest.raises(InputError, match=r"belts\.upper\.span_lengths_m"):
-        loop_lengths_m(paper_press)

@@ -9,8 +9,8 @@ import pytest
 
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
-from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings
-from ropefric.systems.press.transient.motion import elastic_press
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
+from ropefric.systems.press.transient.motion import ElasticPress
 
 RADII_MM = [175, 75, 75, 75, 250, 200, 175, 150, 100, 175, 75, 75, 75]
 WRAPS_DEG = [177.6, 28.1, 163.3, 28.1, 56.7, 131.8, 157.0, 147.2, 91.1, 81.4, 79.6, 64.1, 126.1]
@@ -28,7 +28,16 @@ def tube_inertia(radius_m, wall_m=0.009, length_m=2.2):
 
 
 def paper_machine(
-    *, EA_N=2e6, eta_s=1e-3, C1=500.0, k1=2e4, force_N=2000.0, load=1.0, density=15.0, overspeed=None
+    *,
+    EA_N=2e6,
+    eta_s=1e-3,
+    C1=500.0,
+    k1=2e4,
+    force_N=2000.0,
+    load=1.0,
+    density=15.0,
+    overspeed=None,
+    travel_m=0.03,
 ):
     angles = {3: (0.0, BETA), 13: (GAMMA, 0.0)}
     rollers = []
@@ -36,7 +45,7 @@ def paper_machine(
         tensioner = None
         if i in angles:
             tensioner = Tensioner(
-                spring_N_m=k1, travel_m=0.03, force_N=force_N, mass_kg=121.0, damping_N_s_m=C1,
+                spring_N_m=k1, travel_m=travel_m, force_N=force_N, mass_kg=121.0, damping_N_s_m=C1,
                 upstream_angle_rad=angles[i][0], downstream_angle_rad=angles[i][1],
             )  # fmt: skip
         rollers.append(
@@ -91,19 +100,19 @@ def small_machine(*, EA_N=2e5, eta_s=2e-3, load_N_m=20.0, k1=1e4, C1=200.0, wrap
 
 def run_up(law="s-curve", speed_m_s=SPEED_M_S, duration_s=2.0):
     if law == "constant":
-        return DRIVE_LAWS[law].speed(speed_m_s=speed_m_s)
-    return DRIVE_LAWS[law].speed(speed_m_s=speed_m_s, duration_s=duration_s)
+        return DRIVE_LAWS[law](speed_m_s=speed_m_s)
+    return DRIVE_LAWS[law](speed_m_s=speed_m_s, duration_s=duration_s)
 
 
 def linear_problem(press, speed=None, loads="with-speed", **model):
-    made = elastic_press(press, **model)
+    made = ElasticPress(press, **model)
     return LinearStartUp(
         model=made, inputs=press_inputs(made.overspeed, run_up() if speed is None else speed, loads)
     )
 
 
 def solve(problem, times_s, integrator="exact", **settings):
-    return INTEGRATORS[integrator].solve(problem, np.asarray(times_s, dtype=float), Settings(**settings))
+    return INTEGRATORS[integrator](problem, np.asarray(times_s, dtype=float), **settings)
 
 
 @pytest.fixture(scope="session")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ropefric.errors import InputError, SolverError, UnknownNameError
-from ropefric.systems.press.transient.integrators import INTEGRATORS, rk4_limit_s
+from ropefric.errors import InputError, SolverError
+from ropefric.systems.press.transient.integrators import rk4_limit_s
 from ropefric.systems.press.transient.motion import MOVING
 
 TIMES_S = np.linspace(0.0, 1.5, 16)
@@ -21,9 +21,7 @@ def case(kit):
     return problem, kit.solve(problem, TIMES_S)
 
 
-@pytest.mark.parametrize(
-    "name", [name for name, method in INTEGRATORS.items() if method.control == "tolerance"]
-)
+@pytest.mark.parametrize("name", ["dop853", "radau", "lsoda"])
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
 def test_adaptive_methods_agree_with_the_exact_solution(kit, case, name, tolerance):
     problem, exact = case
@@ -118,5 +116,3 @@ def test_bad_settings_are_refused(kit, case):
         kit.solve(problem, [1.0], "radau", tolerance=0.0)
     with pytest.raises(SolverError, match="limit of stability"):
         kit.solve(problem, [1.0], "rk4", step_s=-1.0)
-    with pytest.raises(UnknownNameError, match="did you mean 'radau'"):
-        INTEGRATORS["radua"]

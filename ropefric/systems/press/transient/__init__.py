@@ -2,7 +2,7 @@
 
 `drives` is what moves the press from outside: ways to run up and the inputs they make. `motion` turns the machine into
 arrays and writes one mode of it (what sticks, slips, is slack) as rows, with powers, energies and places of rest.
-`exact` solves with slip and slack: matrix exponentials between events. `integrators` solves the linear problem, exactly
-or by the methods that is compared with. `start_up` is the whole: machine and drive in, histories and what they amount
-to out.
+`exact` solves it, with slip and slack or without: matrix exponentials between events. `integrators` are other ways to
+solve the linear problem, and what it is compared with. `start_up` is the whole: machine and drive in, histories and
+what they amount to out.
 """

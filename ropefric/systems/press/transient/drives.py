@@ -10,60 +10,40 @@ from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.registry import Registry
 from ropefric.systems.checks import checked
 
 
-def piecewise(starts_s: npt.ArrayLike, coefficients: npt.ArrayLike) -> PPoly:
+def piecewise(starts_s: Sequence[float] | FloatArray, coefficients: npt.ArrayLike) -> PPoly:
     """Return the function Σ c_j (t − t_i)^j on each piece; the first starts at 0, the last never ends."""
-    starts, rows = np.array(starts_s, dtype=np.float64), np.array(coefficients, dtype=np.float64)
-    if rows.ndim != 2 or starts.shape != rows.shape[:1] or not starts.size:
-        raise InputError("a piecewise polynomial needs one row of coefficients for each piece")
-    if not (np.isfinite(starts).all() and np.isfinite(rows).all()):
-        raise InputError("a piecewise polynomial needs finite numbers")
-    if starts[0] != 0.0 or (np.diff(starts) <= 0.0).any():
-        raise InputError(f"the pieces start at {starts.tolist()} s; they must start at 0 and rise")
-    return PPoly(rows.T[::-1], np.append(starts, 2.0 * starts[-1] + 1.0))
-
-
-def settles(function: PPoly) -> bool:
-    """Return whether a function ends with a constant."""
-    return not function.c[:-1, -1].any()
+    rows = np.array(coefficients, dtype=np.float64)
+    return PPoly(rows.T[::-1], np.append(starts_s, 2.0 * starts_s[-1] + 1.0))
 
 
 def final_value(function: PPoly) -> float:
-    """Return the value that a function ends with."""
-    if not settles(function):
-        raise InputError("the function never settles", fix="let its last piece be constant")
+    """Return the constant that a function ends with."""
     return float(function.c[-1, -1])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DriveLaw:
-    """A named way to run up; position, speed and acceleration follow from it exactly."""
-
-    name: str
-    meaning: str
-    parameters: tuple[str, ...]
-    speed: Callable[..., PPoly]
-
-
 def _constant(*, speed_m_s: float) -> PPoly:
+    """Return full speed from the first moment, while the rest of the machine still stands."""
     return piecewise([0.0], [[float(checked("speed_m_s", speed_m_s))]])
 
 
 def _ramp(*, speed_m_s: float, duration_s: float) -> PPoly:
+    """Return constant acceleration; it jumps at both ends of the ramp."""
     final, duration = float(checked("speed_m_s", speed_m_s)), float(checked("duration_s", duration_s))
     return piecewise([0.0, duration], [[0.0, final / duration], [final, 0.0]])
 
 
 def _s_curve(*, speed_m_s: float, duration_s: float) -> PPoly:
+    """Return a smooth rise whose acceleration starts and ends at zero; its greatest is 1.5 times the mean."""
     final, duration = float(checked("speed_m_s", speed_m_s)), float(checked("duration_s", duration_s))
     rise = [0.0, 0.0, 3.0 * final / duration**2, -2.0 * final / duration**3]
     return piecewise([0.0, duration], [rise, [final, 0.0, 0.0, 0.0]])
 
 
 def _table(*, time_s: npt.ArrayLike, speed_m_s: npt.ArrayLike) -> PPoly:
+    """Return speeds at given times with straight lines between them; after the last one the speed stays."""
     times, speeds = np.asarray(time_s, dtype=np.float64), np.asarray(speed_m_s, dtype=np.float64)
     if times.ndim != 1 or times.shape != speeds.shape or not times.size:
         raise InputError(
@@ -78,38 +58,15 @@ def _table(*, time_s: npt.ArrayLike, speed_m_s: npt.ArrayLike) -> PPoly:
     return piecewise(times, np.column_stack([speeds, slopes]))
 
 
-DRIVE_LAWS: Registry[DriveLaw] = Registry(
-    "drive law",
-    [
-        DriveLaw(
-            name="constant",
-            meaning="full speed from the first moment, while the rest of the machine still stands",
-            parameters=("speed_m_s",),
-            speed=_constant,
-        ),
-        DriveLaw(
-            name="ramp",
-            meaning="constant acceleration; it jumps at both ends of the ramp",
-            parameters=("speed_m_s", "duration_s"),
-            speed=_ramp,
-        ),
-        DriveLaw(
-            name="s-curve",
-            meaning="a smooth rise whose acceleration starts and ends at zero; its greatest is 1.5 times the mean",
-            parameters=("speed_m_s", "duration_s"),
-            speed=_s_curve,
-        ),
-        DriveLaw(
-            name="table",
-            meaning="speeds at given times with straight lines between them; after the last one the speed stays",
-            parameters=("time_s", "speed_m_s"),
-            speed=_table,
-        ),
-    ],
-)
-"""The drive laws."""
+DRIVE_LAWS: dict[str, Callable[..., PPoly]] = {
+    "constant": _constant,
+    "ramp": _ramp,
+    "s-curve": _s_curve,
+    "table": _table,
+}
+"""Ways to run up; position and acceleration follow from the speed exactly."""
 
-Loads = Literal["with-speed", "constant"] | PPoly
+Loads = Literal["with-speed", "constant"]
 
 ONE, LOAD, SPEED, ACCELERATION, SPEED_SQUARED, FIRST_DRIVER = range(6)
 """Places of the inputs: 1, the factor on all loads, v, dv/dt, v²; then shift and its two derivatives per driver."""
@@ -136,18 +93,9 @@ class Inputs:
 def press_inputs(overspeed: FloatArray, speed: PPoly, loads: Loads) -> Inputs:
     """Return the inputs of a press whose drivers run ahead of the drive by some share each."""
     one = piecewise([0.0], [[1.0]])
-    if isinstance(loads, PPoly):
-        factor = loads
-    elif loads == "with-speed":
-        if final_value(speed) <= 0.0:
-            raise InputError("loads 'with-speed' need a drive that ends with a positive speed", key="loads")
-        factor = PPoly(speed.c / final_value(speed), speed.x)
-    elif loads == "constant":
-        factor = one
-    else:
-        raise InputError(
-            f"loads = '{loads}' is unknown", key="loads", fix="with-speed, constant, or a function"
-        )
+    if loads == "with-speed" and final_value(speed) <= 0.0:
+        raise InputError("loads 'with-speed' need a drive that ends with a positive speed", key="loads")
+    factor = one if loads == "constant" else PPoly(speed.c / final_value(speed), speed.x)
     squared = PPoly(np.array([np.convolve(row, row) for row in speed.c.T]).T, speed.x)
     functions = [one, factor, speed, speed.derivative(), squared]
     for extra in overspeed - overspeed[0]:

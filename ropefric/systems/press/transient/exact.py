@@ -7,7 +7,7 @@ frequencies in size; balanced by powers of two, slow motions keep their digits b
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -34,13 +34,11 @@ from ropefric.systems.press.transient.motion import (
 _TAYLOR_TERMS = 24
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Propagator:
     """Steps of z = (y, p_r … p_0), the state beside the powers of the time since the start of a piece."""
 
-    state: FloatArray
-    drive: FloatArray
-    taylor: FloatArray
+    def __init__(self, state: FloatArray, drive: FloatArray, taylor: FloatArray) -> None:
+        self.state, self.drive, self.taylor = state, drive, taylor
 
     @cached_property
     def read(self) -> FloatArray:
@@ -50,9 +48,7 @@ class Propagator:
 
     def lift(self, y: FloatArray, tau_s: float) -> FloatArray:
         """Return z at the time `tau_s` after the start of the piece."""
-        powers = np.ones(self.taylor.shape[1])
-        for j in range(1, len(powers)):
-            powers[j] = powers[j - 1] * tau_s / j
+        powers = np.cumprod([1.0, *(tau_s / j for j in range(1, self.taylor.shape[1]))])
         return np.concatenate([y, powers[::-1]])
 
     @cached_property
@@ -128,12 +124,28 @@ class Guard(NamedTuple):
 
 
 def guards_of(motion: Motion) -> list[Guard]:
-    """Return the guards of a mode."""
-    force_N = _FORCE_SHARE * float(motion.model.preload_N.max())
-    mode = motion.mode
-    found: list[Guard] = []
-    for i in range(motion.n_rollers):
-        found += _contact_guards(motion, i, force_N) + _turning_guards(motion, i, force_N)
+    """Return the guards of a mode; the linear model, in which nothing slips or goes slack, has none."""
+    if motion.limit is None:
+        return []
+    model, mode, found = motion.model, motion.mode, []
+    force_N = _FORCE_SHARE * float(model.preload_N.max())
+    for i, (contact, turning) in enumerate(zip(mode.contact, mode.turning, strict=True)):
+        if contact == STICK:
+            for way, most_N in zip((FORWARD, BACKWARD), motion.limit_N, strict=True):
+                found.append(Guard(most_N[i] - way * motion.friction_N[i], force_N, "slip", i, way))
+        else:
+            found.append(Guard(contact * motion.slip_speed_m_s[i], _SPEED_M_S, "stick", i))
+        load_N = float(model.press.rim_load_N[i])
+        if i in model.drivers or load_N <= 0.0:
+            continue
+        if turning == 0:
+            held_N = load_N * motion.inputs[LOAD]
+            found += [
+                Guard(held_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)
+            ]
+        elif turning < 0 or contact != STICK:
+            # The load of a roller that the belt takes along is as given, as in the linear model.
+            found.append(Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i))
     bits: tuple[tuple[What, FloatArray, tuple[bool, ...]], ...] = (
         ("pressed", motion.pressing_N, mode.pressed),
         ("taut", motion.unclipped_N, mode.taut),
@@ -144,33 +156,9 @@ def guards_of(motion: Motion) -> list[Guard]:
     return found
 
 
-def _contact_guards(motion: Motion, i: int, force_N: float) -> list[Guard]:
-    contact = motion.mode.contact[i]
-    if contact != STICK:
-        return [Guard(contact * motion.slip_speed_m_s[i], _SPEED_M_S, "stick", i)]
-    forward, backward = motion.limit_N[0][i], motion.limit_N[1][i]
-    return [
-        Guard(forward - motion.friction_N[i], force_N, "slip", i, FORWARD),
-        Guard(backward + motion.friction_N[i], force_N, "slip", i, BACKWARD),
-    ]
-
-
-def _turning_guards(motion: Motion, i: int, force_N: float) -> list[Guard]:
-    turning, load_N = motion.mode.turning[i], float(motion.model.load_N[i])
-    if i in motion.model.drivers or load_N <= 0.0:
-        return []
-    if turning == 0:
-        most_N = load_N * motion.input(LOAD)
-        return [Guard(most_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)]
-    if turning > 0 and motion.mode.contact[i] == STICK:
-        # The load of a roller that the belt takes along is as given, as in the linear model.
-        return []
-    return [Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i)]
-
-
-def switched(motion: Motion, guard: Guard, y: FloatArray, u: FloatArray) -> tuple[Mode, FloatArray]:
+def switched(motion: Motion, guard: Guard, w: FloatArray) -> tuple[Mode, FloatArray]:
     """Return the mode after a guard has fired, and the state with the speeds that the new mode ties set equal."""
-    mode, place, state = motion.mode, guard.place, y.copy()
+    mode, place, state = motion.mode, guard.place, w[: len(motion.derivative)].copy()
 
     def put(name: str, value: int) -> Mode:
         states = getattr(mode, name)
@@ -178,13 +166,13 @@ def switched(motion: Motion, guard: Guard, y: FloatArray, u: FloatArray) -> tupl
 
     if guard.what in {"pressed", "taut", "strained"}:
         return put(guard.what, not getattr(mode, guard.what)[place]), state
-    speed_m_s = float(motion.rim_speed_m_s[place] @ np.concatenate([y, u]))
+    speed_m_s = float(motion.rim_speed_m_s[place] @ w)
     if guard.what == "slip":
         if mode.turning[place] and speed_m_s < -_SPEED_M_S:
             mode = put("turning", -1)
         return put("contact", guard.direction), state
     if guard.what == "stick":
-        state[len(state) - motion.n_rollers + place] = 0.0
+        state[place - len(mode.contact)] = 0.0
         return put("contact", STICK), state
     if guard.what == "hold":
         row = int(np.flatnonzero(motion.model.driven == place)[0])
@@ -199,56 +187,44 @@ _FIRST_STEPS = (64.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0)
 """What the longest step is divided by after a change of mode."""
 
 
-class _Phase:
+class _Phase(Propagator):
     """One mode during one piece of the drive, ready to be stepped through and watched."""
 
     def __init__(self, motion: Motion, taylor: FloatArray) -> None:
-        self.motion = motion
-        rows, n = motion.derivative, 2 * motion.n_coordinates
-        self.propagator = Propagator(state=rows[:, :n], drive=rows[:, n:], taylor=taylor)
-        self.guards = guards_of(motion)
+        rows, n = motion.derivative, len(motion.derivative)
+        super().__init__(rows[:, :n], rows[:, n:], taylor)
+        self.motion, self.forms, self.guards = motion, power_forms(motion), guards_of(motion)
         self.tolerances = np.array([guard.tolerance for guard in self.guards])
         # The guards, and below them their rates, as rows over z.
-        read = self.propagator.read
-        n_z = read.shape[1]
-        rate = np.vstack([rows @ read, np.eye(n_z - n, n_z, k=n + 1)])
-        watched = np.array([guard.row for guard in self.guards]) @ read
+        n_w, n_z = self.read.shape
+        rate = np.vstack([rows @ self.read, np.eye(n_z - n, n_z, k=n + 1)])
+        watched = np.vstack([np.empty((0, n_w)), *(guard.row for guard in self.guards)]) @ self.read
         self.watch = np.vstack([watched, watched @ rate])
         self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
 
     @cached_property
     def step_s(self) -> float:
-        """Return the longest step at which no oscillation is overlooked [s]."""
-        eigenvalues = eigvals(self.propagator.state)
-        swinging = np.abs(eigenvalues[eigenvalues.imag != 0.0])
-        return 2.0 * np.pi / (float(swinging.max()) * _STEPS_PER_PERIOD) if swinging.size else np.inf
+        """Return the longest step at which no oscillation is overlooked [s]; any, where nothing is watched."""
+        eigenvalues = eigvals(self.state) if self.guards else np.empty(0)
+        fastest = float(np.abs(eigenvalues[eigenvalues.imag != 0.0]).max(initial=0.0))
+        return 2.0 * np.pi / (fastest * _STEPS_PER_PERIOD) if fastest else np.inf
 
     def lengths(self, whole_s: float, *, fresh: bool) -> list[float]:
         """Return steps that cover a time; where the mode is fresh, short ones first, since fast motions die early."""
         longest = min(self.step_s, whole_s)
-        first = [longest / part for part in _FIRST_STEPS] if fresh else []
+        first = [longest / part for part in _FIRST_STEPS] if fresh and self.guards else []
         left = whole_s - sum(first)
         check_steps(left / longest)
         count = max(1, int(np.ceil(left / longest)))
         # Rounding makes equal steps differ in their last digits; one matrix serves them all.
         return [*first, *[float(f"{left / count:.11e}")] * count]
 
-    def step(self, length_s: float, *, comes_again: bool = False) -> tuple[FloatArray, FloatArray]:
+    def over(self, length_s: float, *, comes_again: bool = False) -> tuple[FloatArray, FloatArray]:
         """Return the matrices of z after a step and of the works during it; kept for a length that comes again."""
-        if length_s in self._known:
-            return self._known[length_s]
-        made = self.propagator.step(length_s), self.propagator.integrals(self._forms, length_s)
+        made = self._known.get(length_s) or (self.step(length_s), self.integrals(self.forms, length_s))
         if comes_again:
             self._known[length_s] = made
         return made
-
-    @cached_property
-    def _forms(self) -> FloatArray:
-        return power_forms(self.motion)
-
-    def after(self, z: FloatArray, length_s: float) -> FloatArray:
-        """Return z after a time."""
-        return np.asarray(self.propagator.step(length_s) @ z) if length_s > 0.0 else z
 
 
 def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
@@ -269,7 +245,7 @@ def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -
             cubic = g0[i] + place * (a + place * (0.5 * slope[1] + place * slope[0] / 3.0))
             if cubic >= -phase.tolerances[i]:
                 continue
-            value = float(phase.watch[i] @ phase.after(z, place * length))
+            value = float(phase.watch[i] @ (phase.step(place * length) @ z))
             if value < -phase.tolerances[i] and place * length <= first:
                 fired[:] = False
                 fired[i], first = True, place * length
@@ -284,13 +260,13 @@ def _first_to_fall(phase: _Phase, z: FloatArray, fired: BoolArray, bound: float)
         chosen = rows[fired]
 
         def margin(tau: float, chosen: FloatArray = chosen) -> float:
-            return float((chosen @ phase.after(z, tau)).min()) + 1.0
+            return float((chosen @ phase.step(tau) @ z).min()) + 1.0
 
         if margin(0.0) <= 0.0:
             passed = 0.0
         else:
             passed = float(brentq(margin, 0.0, passed, xtol=1e-15 + 1e-12 * passed, rtol=1e-13))
-        margins = rows @ phase.after(z, passed)
+        margins = rows @ (phase.step(passed) @ z)
         # One that falls and rises again before the others fall is met here.
         earlier = (margins < -2.0) & ~fired
         if passed == 0.0 or not earlier.any():
@@ -303,13 +279,13 @@ _MAX_SWITCHES = 3_000
 
 
 class HybridSolver:
-    """A start-up in which belts may slip and go slack.
+    """A start-up in which belts may slip and go slack where friction has a limit, and do not where it has none.
 
     Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
     guards of the mode are looked at 24 times in a period of its fastest oscillation.
     """
 
-    def __init__(self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit) -> None:
+    def __init__(self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None) -> None:
         self.model, self.inputs, self.limit = model, inputs, limit
         self.changes: list[tuple[float, Guard]] = []
         self._phases: dict[tuple[Mode, int], _Phase] = {}
@@ -337,7 +313,7 @@ class HybridSolver:
 
     def _motion(self, mode: Mode) -> Motion:
         if mode not in self._motions:
-            self._motions[mode] = Motion(model=self.model, mode=mode, limit=self.limit)
+            self._motions[mode] = Motion(self.model, mode, self.limit)
         return self._motions[mode]
 
     def _phase(self, mode: Mode, piece: int) -> _Phase:
@@ -355,13 +331,12 @@ class HybridSolver:
         while remaining > 0.0:
             mode, y = self._settle(mode, y, piece, stop - remaining)
             phase = self._phase(mode, piece)
-            z = phase.propagator.lift(y, stop - remaining - start)
+            z = phase.lift(y, stop - remaining - start)
             for length in phase.lengths(remaining, fresh=fresh):
                 ended, passed, z = self._try(phase, z, length)
                 remaining -= passed
                 if ended is not None:
-                    u = (phase.propagator.read @ z)[n:]
-                    mode, y = self._change(phase, ended, z[:n], u, stop - max(remaining, 0.0))
+                    mode, y = self._change(phase, ended, z, stop - max(remaining, 0.0))
                     fresh = True
                     break
             else:
@@ -372,39 +347,36 @@ class HybridSolver:
         """Return the guard that ends the mode within a step, or None; the time that passed, and z after it."""
         self._steps += 1
         check_steps(self._steps)
-        flow, integrals = phase.step(length, comes_again=True)
-        after = flow @ z
-        fired, bound = _first_dip(phase, z, after, length)
-        if not fired.any():
-            self._works = self._works + (integrals @ z) @ z
-            return None, length, after
-        guard, passed = _first_to_fall(phase, z, fired, bound)
-        if passed > 0.0:
-            flow, integrals = phase.step(passed)
-            self._works = self._works + (integrals @ z) @ z
-            z = flow @ z
-        return guard, passed, z
+        flow, integrals = phase.over(length, comes_again=True)
+        fired, passed = _first_dip(phase, z, flow @ z, length)
+        guard = None
+        if fired.any():
+            guard, passed = _first_to_fall(phase, z, fired, passed)
+            if passed == 0.0:
+                return guard, passed, z
+            flow, integrals = phase.over(passed)
+        self._works = self._works + (integrals @ z) @ z
+        return guard, passed, flow @ z
 
     def _settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
         """Switch until no guard is below zero."""
         for _ in range(_SWITCHES_AT_ONCE):
             phase = self._phase(mode, piece)
-            z = phase.propagator.lift(y, now - float(self.inputs.starts_s[piece]))
+            if not phase.guards:
+                return mode, y
+            z = phase.lift(y, now - float(self.inputs.starts_s[piece]))
             margins = (phase.watch[: len(phase.guards)] @ z) / phase.tolerances
             # What has just been switched stands at minus its tolerance.
             if margins.min() >= -2.0:
                 return mode, y
-            u = (phase.propagator.read @ z)[len(y) :]
-            mode, y = self._change(phase, phase.guards[int(np.argmin(margins))], y, u, now)
+            mode, y = self._change(phase, phase.guards[int(np.argmin(margins))], z, now)
         raise SolverError(
             f"the state of the contacts cannot be settled at t = {now:.6g} s",
             code="RF524",
             fix="give the belts some damping, or a smoother drive",
         )
 
-    def _change(
-        self, phase: _Phase, guard: Guard, y: FloatArray, u: FloatArray, now: float
-    ) -> tuple[Mode, FloatArray]:
+    def _change(self, phase: _Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
         self.changes.append((now, guard))
         if len(self.changes) > _MAX_SWITCHES:
             raise SolverError(
@@ -412,4 +384,4 @@ class HybridSolver:
                 code="RF524",
                 fix="give the belts some damping, or ask for a shorter time",
             )
-        return switched(phase.motion, guard, y, u)
+        return switched(phase.motion, guard, phase.read @ z)

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -11,9 +10,8 @@ from scipy.integrate import solve_ivp
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.registry import Registry
 from ropefric.systems.press.transient.drives import SPEED, Inputs
-from ropefric.systems.press.transient.exact import Propagator, check_steps
+from ropefric.systems.press.transient.exact import HybridSolver, check_steps
 from ropefric.systems.press.transient.motion import (
     ElasticPress,
     Motion,
@@ -23,44 +21,37 @@ from ropefric.systems.press.transient.motion import (
 )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class LinearStartUp:
-    """A start-up in which no belt slips or goes slack: dy/dt = A y + B u(t), and powers that are squares of it."""
+    """A start-up in which no belt slips or goes slack: dy/dt = A y + B u(t), and powers that are squares of it.
 
-    model: ElasticPress
-    inputs: Inputs
+    Attributes
+    ----------
+    n_state, start
+        Size of the state y = (q, dq/dt), and y at t = 0.
+    forms
+        The powers, shape (6, n_w, n_w), see `power_forms`.
+    scale
+        What counts as large for each state and work, for absolute tolerances, shape (n_state + 6,).
+    tension_scale
+        What changes a tension by as much as there is at rest, for each state; infinite for works. The tension is
+        T_0 + k (e + η de/dt): on a stiff, damped belt a speed that is small beside the drive's is a large tension, so
+        that an error of the states alone says little of the tensions.
+    """
 
-    @cached_property
-    def motion(self) -> Motion:
-        """Return the equations of motion."""
-        return Motion(model=self.model, mode=sticking(self.model))
-
-    @cached_property
-    def n_state(self) -> int:
-        """Return the size of the state y = (q, dq/dt)."""
-        return 2 * self.motion.n_coordinates
-
-    @cached_property
-    def forms(self) -> FloatArray:
-        """Return the powers, shape (6, n_w, n_w), see `ropefric.systems.press.transient.motion.POWERS`."""
-        return power_forms(self.motion)
-
-    @cached_property
-    def start(self) -> FloatArray:
-        """Return the state at t = 0."""
-        return starting_state(self.motion, self.inputs)
-
-    @cached_property
-    def scale(self) -> FloatArray:
-        """Return what counts as large for each state and work, for absolute tolerances, shape (n_state + 6,)."""
-        model = self.model
+    def __init__(self, model: ElasticPress, inputs: Inputs) -> None:
+        self.model, self.inputs = model, inputs
+        self.motion = Motion(model, sticking(model))
+        self.forms, self.start = power_forms(self.motion), starting_state(self.motion, inputs)
+        self.n_state, n_q = len(self.start), self.motion.n_coordinates
         way = float((model.preload_N / model.stiffness_N_m).max())
-        speed = max(float(np.abs(self.inputs.taylor[:, SPEED, 0]).max()), 1e-3)
+        speed = max(float(np.abs(inputs.taylor[:, SPEED, 0]).max()), 1e-3)
         mass = float(model.roller_mass_kg.sum() + model.arc_mass_kg.sum())
-        n_q = self.n_state // 2
-        return np.repeat([way, speed, 0.5 * mass * speed**2], [n_q, n_q, 6])
+        self.scale = np.repeat([way, speed, 0.5 * mass * speed**2], [n_q, n_q, 6])
+        with np.errstate(divide="ignore"):
+            ways = model.preload_N[:, np.newaxis] / np.abs(self.motion.tension_N[:, : self.n_state])
+        self.tension_scale = np.concatenate([ways.min(axis=0), np.full(6, np.inf)])
 
-    @cached_property
+    @property
     def eigenvalues(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s]."""
         return np.linalg.eigvals(self.motion.derivative[:, : self.n_state])
@@ -73,29 +64,15 @@ class LinearStartUp:
     def jacobian(self, y: FloatArray, u: FloatArray) -> FloatArray:
         """Return the derivative of `rate` by (state, works), shape (n_state + 6, n_state + 6)."""
         n = self.n_state
-        w = np.concatenate([y[:n], u])
-        whole = np.zeros((n + 6, n + 6))
-        whole[:n, :n] = self.motion.derivative[:, :n]
-        whole[n:, :n] = 2.0 * (self.forms @ w)[:, :n]
-        return whole
+        by_state = np.vstack(
+            [self.motion.derivative[:, :n], 2.0 * (self.forms @ np.concatenate([y[:n], u]))[:, :n]]
+        )
+        return np.pad(by_state, ((0, 0), (0, 6)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
-    """What integrators can be told; each reads what concerns it."""
-
-    tolerance: float = 1e-6
-    step_s: float | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Integrator:
-    """A way to integrate; `solve` returns states beside works at sorted times, shape (n_times, n_state + 6)."""
-
-    name: str
-    meaning: str
-    control: Literal["exact", "step", "tolerance"]
-    solve: Callable[[LinearStartUp, FloatArray, Settings], FloatArray]
+def _exact(problem: LinearStartUp, times_s: FloatArray, **_: object) -> FloatArray:
+    """Take matrix exponentials: no error of discretisation at any stiffness, at the times asked for only."""
+    return np.hstack(HybridSolver(problem.model, problem.inputs, None).run(times_s)[1:])
 
 
 Advance = Callable[[int, float, FloatArray, FloatArray], FloatArray]
@@ -118,33 +95,6 @@ def _piece_by_piece(problem: LinearStartUp, times_s: FloatArray, advance: Advanc
     return states
 
 
-_SAME_STEP = 1e-12
-"""Steps that differ by less, against the time reached, are one step: times on a grid are rounded."""
-
-
-def _by_exponentials(problem: LinearStartUp, times_s: FloatArray, _: Settings) -> FloatArray:
-    n, derivative = problem.n_state, problem.motion.derivative
-
-    def advance(piece: int, start: float, stops: FloatArray, y: FloatArray) -> FloatArray:
-        propagator = Propagator(
-            state=derivative[:, :n], drive=derivative[:, n:], taylor=problem.inputs.taylor[piece]
-        )
-        known: list[tuple[float, FloatArray, FloatArray]] = []
-        z, works, found = propagator.lift(y[:n], 0.0), y[n:], []
-        for length, stop in zip(np.diff(stops, prepend=start).tolist(), stops.tolist(), strict=True):
-            same = (made for made in known if abs(made[0] - length) <= _SAME_STEP * stop)
-            made = next(same, None)
-            if made is None:
-                made = length, propagator.step(length), propagator.integrals(problem.forms, length)
-                known.append(made)
-            works = works + (made[2] @ z) @ z
-            z = made[1] @ z
-            found.append(np.concatenate([z[:n], works]))
-        return np.array(found)
-
-    return _piece_by_piece(problem, times_s, advance)
-
-
 def rk4_limit_s(eigenvalues: np.ndarray) -> float:
     """Return the greatest step at which the classical Runge-Kutta method does not amplify any motion [s].
 
@@ -158,16 +108,17 @@ def rk4_limit_s(eigenvalues: np.ndarray) -> float:
 def _border(direction: complex) -> float:
     # |R|² − 1 is a polynomial in the distance; its root at 0 is divided out.
     series = direction ** np.arange(5) / np.array([1.0, 1.0, 2.0, 6.0, 24.0])
-    squared = np.convolve(series, series.conj()).real[1:]
-    roots = np.roots(squared[::-1])
+    roots = np.roots(np.convolve(series, series.conj()).real[:0:-1])
     real = roots[np.abs(roots.imag) <= 1e-6 * np.abs(roots)].real
-    beyond = real[real > 1.5]
-    return float(beyond.min()) if beyond.size else 2.0 * np.sqrt(2.0)
+    return float(real[real > 1.5].min()) if (real > 1.5).any() else 2.0 * np.sqrt(2.0)
 
 
-def _by_rk4(problem: LinearStartUp, times_s: FloatArray, settings: Settings) -> FloatArray:
+def _rk4(
+    problem: LinearStartUp, times_s: FloatArray, *, step_s: float | None = None, **_: object
+) -> FloatArray:
+    """Take the classical Runge-Kutta method with a fixed step, the paper's; an unstable step is refused."""
     limit_s = rk4_limit_s(problem.eigenvalues)
-    step_s = 0.1 * limit_s if settings.step_s is None else settings.step_s
+    step_s = 0.1 * limit_s if step_s is None else step_s
     if not 0.0 < step_s <= limit_s:
         raise SolverError(
             f"the step of {step_s:.6g} s is not within RK4's limit of stability, {limit_s:.6g} s for this press",
@@ -198,31 +149,27 @@ def _by_rk4(problem: LinearStartUp, times_s: FloatArray, settings: Settings) -> 
 
 
 _RATES_A_STEP = 12
-_IMPLICIT_SHARE = 0.1
-_EXPLICIT_SHARE = 0.01
+_SHARES = {"DOP853": 0.01, "Radau": 0.1, "LSODA": 0.1}
 """What a step may err by, of the tensions: steps add up, and explicit ones on a stiff belt dance on the border of
 their stability, where each keeps what the one before erred by."""
 
 
-def _adaptively(
+def _adaptive(
     problem: LinearStartUp,
     times_s: FloatArray,
-    settings: Settings,
     *,
     method: Literal["DOP853", "Radau", "LSODA"],
-    implicit: bool,
+    tolerance: float = 1e-6,
+    **_: object,
 ) -> FloatArray:
-    """Return states beside works at sorted times.
+    """Take a method of scipy; the implicit ones with the analytic Jacobian.
 
     Steps are such that the tensions, too, are off by no more than some times the tolerance, however stiff the belt;
     where nothing damps it, errors add up over the periods.
     """
-    if not 1e-13 <= settings.tolerance < 1.0:
-        raise InputError(
-            f"the tolerance is {settings.tolerance:g}; it must lie between 1e-13 and 1", key="tolerance"
-        )
-    share = _IMPLICIT_SHARE if implicit else _EXPLICIT_SHARE
-    absolute = settings.tolerance * np.minimum(problem.scale, share * _tension_scale(problem))
+    if not 1e-13 <= tolerance < 1.0:
+        raise InputError(f"the tolerance is {tolerance:g}; it must lie between 1e-13 and 1", key="tolerance")
+    absolute = tolerance * np.minimum(problem.scale, _SHARES[method] * problem.tension_scale)
     asked = 0
 
     def advance(piece: int, start: float, stops: FloatArray, y: FloatArray) -> FloatArray:
@@ -233,7 +180,7 @@ def _adaptively(
             return problem.rate(y, problem.inputs.at(t, piece))
 
         options: dict[str, Any] = {}
-        if implicit:
+        if method != "DOP853":
             options["jac"] = lambda t, y: problem.jacobian(y, problem.inputs.at(t, piece))
         found = solve_ivp(
             rate,
@@ -241,7 +188,7 @@ def _adaptively(
             y,
             method=method,
             t_eval=stops,
-            rtol=settings.tolerance,
+            rtol=tolerance,
             atol=absolute,
             **options,
         )
@@ -256,51 +203,13 @@ def _adaptively(
     return _piece_by_piece(problem, times_s, advance)
 
 
-def _tension_scale(problem: LinearStartUp) -> FloatArray:
-    """Return what changes a tension by as much as there is at rest, for each state; infinite for works.
-
-    The tension is T_0 + k (e + η de/dt): on a stiff, damped belt a speed that is small beside the drive's is a large
-    tension, so that an error of the states alone says little of the tensions.
-    """
-    rows = np.abs(problem.motion.tension_N[:, : problem.n_state])
-    with np.errstate(divide="ignore"):
-        ways = (problem.model.preload_N[:, np.newaxis] / rows).min(axis=0)
-    return np.concatenate([ways, np.full(6, np.inf)])
-
-
-INTEGRATORS: Registry[Integrator] = Registry(
-    "integrator",
-    [
-        Integrator(
-            name="exact",
-            meaning="matrix exponential; no error of discretisation at any stiffness, at the times asked for only",
-            control="exact",
-            solve=_by_exponentials,
-        ),
-        Integrator(
-            name="rk4",
-            meaning="classical Runge-Kutta with a fixed step, the paper's method; refuses an unstable step",
-            control="step",
-            solve=_by_rk4,
-        ),
-        Integrator(
-            name="dop853",
-            meaning="explicit Runge-Kutta of eighth order; for small errors where nothing is stiff",
-            control="tolerance",
-            solve=partial(_adaptively, method="DOP853", implicit=False),
-        ),
-        Integrator(
-            name="radau",
-            meaning="implicit Runge-Kutta of fifth order with the analytic Jacobian; for stiff, damped belts",
-            control="tolerance",
-            solve=partial(_adaptively, method="Radau", implicit=True),
-        ),
-        Integrator(
-            name="lsoda",
-            meaning="multistep, which changes between stiff and non-stiff by itself, with the analytic Jacobian",
-            control="tolerance",
-            solve=partial(_adaptively, method="LSODA", implicit=True),
-        ),
-    ],
-)
-"""The integrators; the first is the default."""
+INTEGRATORS: dict[str, Callable[..., FloatArray]] = {
+    "exact": _exact,
+    "rk4": _rk4,
+    "dop853": partial(
+        _adaptive, method="DOP853"
+    ),  # explicit, eighth order: small errors where nothing is stiff
+    "radau": partial(_adaptive, method="Radau"),  # implicit, fifth order: stiff, damped belts
+    "lsoda": partial(_adaptive, method="LSODA"),  # multistep, changes between stiff and non-stiff by itself
+}
+"""Return states beside works at sorted times, shape (n_times, n_state + 6); each takes the settings it knows."""

@@ -16,25 +16,15 @@ for constant μ κ = M/(e^M − 1); where it slips backward, with the sides exch
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.machine import Press, missing_elasticity, missing_masses, refuse_missing
-from ropefric.systems.press.slip import available_pull_N, contacts_of, grip_on
-from ropefric.systems.press.statics import (
-    carried_belts,
-    has_balance,
-    incidence,
-    load_torques_N_m,
-    pull_matrix,
-    radii_m,
-    span_density_kg_m,
-)
+from ropefric.systems.press.machine import Press, refuse_missing
+from ropefric.systems.press.slip import contacts_of
 from ropefric.systems.press.transient.drives import (
     ACCELERATION,
     FIRST_DRIVER,
@@ -49,36 +39,34 @@ MOVING = frozenset({"belt-inertia", "belt-damping", "tensioner-damping", "arc-in
 """What a start-up may contain beside elastic belts and turning rollers; what is left out is never computed."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ElasticPress:
-    """A press ready to be moved. Rollers are described at their rims: s = Rθ [m], mass J/R² [kg], load M/R [N]."""
+    """A press ready to be moved, as arrays over spans, rollers, drivers and tensioners.
 
-    press: Press
-    incidence: FloatArray
-    pull: FloatArray
-    stiffness_N_m: FloatArray
-    damping_N_s_m: FloatArray
-    density_kg_m: FloatArray
-    preload_N: FloatArray
-    roller_mass_kg: FloatArray
-    arc_mass_kg: FloatArray
-    load_N: FloatArray
-    driven: npt.NDArray[np.intp]
-    drivers: npt.NDArray[np.intp]
-    overspeed: FloatArray
-    tensioner_mass_kg: FloatArray
-    tensioner_damping_N_s_m: FloatArray
-    spring_N_m: FloatArray
+    Rollers are described at their rims: s = Rθ [m], mass J/R² [kg], load M/R [N].
+    """
 
-    @property
-    def into(self) -> FloatArray:
-        """Return 1 where a span arrives at a roller, shape (n_rollers, n_spans)."""
-        return np.maximum(-self.incidence, 0.0)
-
-    @property
-    def out_of(self) -> FloatArray:
-        """Return 1 where a span leaves a roller, shape (n_rollers, n_spans)."""
-        return np.maximum(self.incidence, 0.0)
+    def __init__(self, press: Press, effects: Collection[str] = MOVING) -> None:
+        refuse_missing("a start-up", [*press.missing_elasticity, *press.missing_masses], fix="give them")
+        self.press, rollers, carriers = press, press.rollers, press.tensioners.values()
+        self.preload_N = standstill_tension_N(press)
+        index = {(span.start, span.end): i for i, span in enumerate(press.spans)}
+        self.stiffness_N_m, self.damping_N_s_m = np.zeros((2, len(index)))
+        for belt in press.belts:
+            for step, length_m in zip(belt.steps, belt.span_lengths_m or (), strict=True):
+                own = (belt.axial_stiffness_N or 0.0) / length_m
+                self.stiffness_N_m[index[step]] += own
+                self.damping_N_s_m[index[step]] += own * belt.damping_s * ("belt-damping" in effects)
+        self.density_kg_m = press.density_kg_m * ("belt-inertia" in effects)
+        on_arcs = [sum(belt.linear_density_kg_m for belt in press.belts_on(one.name)) for one in rollers]
+        arcs_m = press.radius_m * [one.wrap_angle_rad for one in rollers]
+        self.arc_mass_kg = np.array(on_arcs) * arcs_m * ("arc-inertia" in effects)
+        self.roller_mass_kg = np.array([one.inertia_kg_m2 or 0.0 for one in rollers]) / press.radius_m**2
+        self.driven, self.drivers = np.flatnonzero(press.is_driven), np.flatnonzero(~press.is_driven)
+        self.overspeed = np.array([one.overspeed or 0.0 for one in press.drivers])
+        self.spring_N_m = np.array([one.spring_N_m for one in carriers])
+        self.tensioner_mass_kg = np.array([one.mass_kg or 0.0 for one in carriers])
+        dampers = np.array([one.damping_N_s_m for one in carriers])
+        self.tensioner_damping_N_s_m = dampers * ("tensioner-damping" in effects)
 
 
 def standstill_tension_N(press: Press) -> FloatArray:
@@ -86,15 +74,14 @@ def standstill_tension_N(press: Press) -> FloatArray:
 
     Without torques each belt has one tension all around, and the tensioners' balance k1 x + F = P T says which.
     """
-    belts_in = carried_belts(press)
-    by_belt = pull_matrix(press) @ belts_in.T
-    force_N = np.array([part.spring_N_m * part.travel_m + part.force_N for part in press.take_ups])
+    by_belt = press.pull @ press.carried.T
+    force_N = np.array([one.spring_N_m * one.travel_m + one.force_N for one in press.tensioners.values()])
     if np.linalg.matrix_rank(by_belt) < len(press.belts) or len(force_N) > len(press.belts):
         raise InputError(
             f"{len(force_N)} tensioners do not settle the standstill tensions of {len(press.belts)} belts",
             code="RF521",
             key="preload_N",
-            fix="give each belt one tensioner; in Python, give the tension of every span at rest (preload_N)",
+            fix="give each belt one tensioner",
         )
     level_N = np.linalg.solve(by_belt, force_N)
     if not (level_N > 0.0).all():
@@ -104,58 +91,11 @@ def standstill_tension_N(press: Press) -> FloatArray:
             code="RF523",
             fix="raise the tensioner's force or travel",
         )
-    return np.asarray(level_N @ belts_in)
+    return np.asarray(level_N @ press.carried)
 
 
-def elastic_press(
-    press: Press, *, effects: Collection[str] = MOVING, preload_N: npt.ArrayLike | None = None
-) -> ElasticPress:
-    """Return a press with elastic belts as arrays."""
-    refuse_missing("a start-up", [*missing_elasticity(press), *missing_masses(press)], fix="give them")
-    preload = standstill_tension_N(press) if preload_N is None else np.array(preload_N, dtype=np.float64)
-    if preload.shape != (len(press.spans),) or not (np.isfinite(preload) & (preload > 0.0)).all():
-        raise InputError(
-            f"the preload needs one positive tension for each of {len(press.spans)} spans", key="preload_N"
-        )
-    index = {(span.start, span.end): i for i, span in enumerate(press.spans)}
-    stiffness, damping = np.zeros(len(index)), np.zeros(len(index))
-    for belt in press.belts:
-        for step, length_m in zip(belt.steps, belt.span_lengths_m or (), strict=True):
-            own = (belt.axial_stiffness_N or 0.0) / length_m
-            stiffness[index[step]] += own
-            damping[index[step]] += own * belt.damping_s
-    arcs = [
-        sum(belt.linear_density_kg_m for belt in press.belts_on(roller))
-        * roller.radius_m
-        * roller.wrap_angle_rad
-        for roller in press.rollers
-    ]
-    balanced, radius = has_balance(press), radii_m(press)
-    drivers = np.flatnonzero(~balanced)
-    return ElasticPress(
-        press=press,
-        incidence=incidence(press),
-        pull=pull_matrix(press),
-        stiffness_N_m=stiffness,
-        damping_N_s_m=damping * ("belt-damping" in effects),
-        density_kg_m=span_density_kg_m(press) * ("belt-inertia" in effects),
-        preload_N=preload,
-        roller_mass_kg=np.array([roller.inertia_kg_m2 or 0.0 for roller in press.rollers]) / radius**2,
-        arc_mass_kg=np.array(arcs) * ("arc-inertia" in effects),
-        load_N=load_torques_N_m(press) / radius,
-        driven=np.flatnonzero(balanced),
-        drivers=drivers,
-        overspeed=np.array([press.rollers[i].overspeed or 0.0 for i in drivers]),
-        tensioner_mass_kg=np.array([part.mass_kg or 0.0 for part in press.take_ups]),
-        tensioner_damping_N_s_m=np.array([part.damping_N_s_m for part in press.take_ups])
-        * ("tensioner-damping" in effects),
-        spring_N_m=np.array([part.spring_N_m for part in press.take_ups]),
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FrictionLimit:
-    """What gross slip on each roller is governed by: e^M, and κ, see `motion`; each (n_rollers,)."""
+class FrictionLimit(NamedTuple):
+    """What gross slip on each roller is governed by: e^M, and κ, see above; each (n_rollers,)."""
 
     growth: FloatArray
     share: FloatArray
@@ -163,30 +103,29 @@ class FrictionLimit:
 
 _LEAST_GRIP = 1e-7
 """A thousand times what `exact.guards_of` takes for zero, as a share of the tension."""
+_NODES = 48
 
 
 def friction_limit(model: ElasticPress, friction: float | WrapFriction) -> FrictionLimit:
-    """Return what gross slip on each roller is governed by."""
-    press = model.press
-    growth, share = np.empty(len(press.rollers)), np.empty(len(press.rollers))
-    spin = 1.0 / radii_m(press)
-    for i, contact in enumerate(contacts_of(press, model.preload_N, angular_acceleration_rad_s2=spin)):
-        grip = grip_on(contact, friction)
-        growth[i] = np.exp(grip.exponent)
-        if growth[i] - 1.0 < _LEAST_GRIP:
-            raise InputError(
-                f"roller {press.rollers[i].name} holds the belt by e^(μφ) − 1 = {growth[i] - 1.0:.3g} of its tension:"
-                f" a start-up with slip cannot tell less than {_LEAST_GRIP:g} from no friction at all",
-                code="RF523",
-                key="friction",
-                fix="give a larger coefficient or wrap angle, or write slip = false",
-            )
-        still = float(contact.slack_N) * np.expm1(float(grip.exponent))
-        # What the acceleration of 1 m/s² alone adds to the friction that can be borne.
-        added = float(available_pull_N(contact, grip)) - still
-        arc_N = float(contact.inertia_towards_tight_N) * contact.wrap_angle_rad
-        share[i] = 1.0 / (1.0 + added / arc_N) if arc_N else float(grip.exponent) / (growth[i] - 1.0)
-    return FrictionLimit(growth=growth, share=share)
+    """Return what gross slip on each roller is governed by, with the law at the tensions of the standstill."""
+    contacts = contacts_of(model.press, model.preload_N)
+    exponent = contacts.exponent(friction)
+    grip = np.expm1(exponent)
+    weakest = int(np.argmin(grip))
+    if grip[weakest] < _LEAST_GRIP:
+        raise InputError(
+            f"roller {contacts.roller[weakest]} holds the belt by e^(μφ) − 1 = {grip[weakest]:.3g} of its tension:"
+            f" a start-up with slip cannot tell less than {_LEAST_GRIP:g} from no friction at all",
+            code="RF523",
+            key="friction",
+            fix="give a larger coefficient or wrap angle, or write slip = false",
+        )
+    # Nodes of ∫ ds/α crowd near the slack side, where a falling μ is steepest.
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    u = 0.5 * (nodes + 1.0)
+    left = exponent - contacts.exponent(friction, share=u[:, np.newaxis] ** 4)
+    swell = (2.0 * weights * u**3) @ np.expm1(left)
+    return FrictionLimit(growth=np.exp(exponent), share=1.0 / (1.0 + swell))
 
 
 def friction_utilisation(
@@ -229,215 +168,118 @@ class Mode:
 
 def sticking(model: ElasticPress) -> Mode:
     """Return the mode of the linear model: no belt slips, all are taut."""
-    n_rollers, n_spans = model.incidence.shape
+    n_rollers, n_spans = model.press.incidence.shape
     every = (True,) * n_spans
     return Mode(
         contact=(STICK,) * n_rollers, turning=(1,) * n_rollers, pressed=every, taut=every, strained=every
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """One mode of a press as rows over w = (q, dq/dt, u)."""
+    """One mode of a press as rows over w = (q, dq/dt, u), each array of shape (how many, n_w).
 
-    model: ElasticPress
-    mode: Mode
-    limit: FrictionLimit | None = None
+    Attributes
+    ----------
+    inputs
+        The inputs u themselves.
+    relative_way_m, rim_speed_m_s, rim_acceleration_m_s2
+        Rθ of every roller less that of the first driver; Rθ'; Rθ''.
+    slip_m, slip_speed_m_s, belt_acceleration_m_s2
+        δ of every roller, dδ/dt, and the acceleration of the belt on it.
+    travel_m, travel_speed_m_s, travel_acceleration_m_s2
+        ξ of every tensioner, ξ', ξ''.
+    stretch_speed_m_s
+        de/dt of every span.
+    spring_N, unclipped_N, pressing_N, tension_N
+        T_0 + k e of every span; T_0 + k (e + η de/dt); this less ρAv²; all as if it could push. And T, which cannot.
+    limit_N
+        The friction of gross slip on every roller, forward and backward.
+    load_N, friction_N
+        M/R against forward motion, nil on a roller that is held; the friction with which the belt drives the rim,
+        negative on a driver.
+    derivative
+        d(q, dq/dt)/dt, shape (2 n_q, n_w).
+    """
 
-    @cached_property
-    def n_rollers(self) -> int:
-        """Return the number of rollers."""
-        return len(self.model.load_N)
-
-    @cached_property
-    def n_coordinates(self) -> int:
-        """Return the number of coordinates q."""
-        slips = self.n_rollers if self.limit is not None else 0
-        return len(self.model.driven) + len(self.model.spring_N_m) + slips
-
-    @cached_property
-    def n_inputs(self) -> int:
-        """Return the number of inputs u."""
-        return FIRST_DRIVER + 3 * len(self.model.drivers)
-
-    @property
-    def _n_w(self) -> int:
-        return 2 * self.n_coordinates + self.n_inputs
-
-    def input(self, place: int) -> FloatArray:
-        """Return the row of one input, shape (n_w,)."""
-        return np.eye(1, self._n_w, k=2 * self.n_coordinates + place).reshape(-1)
-
-    def _of_rollers(self, order: int) -> FloatArray:
-        """Return ways (order 0), speeds (1) or accelerations (2) of the rims relative to the first driver's.
-
-        Coordinates have no accelerations of their own: those of all but the drivers stay zero.
-        """
-        rows, n_q, model = np.zeros((self.n_rollers, self._n_w)), self.n_coordinates, self.model
-        if order < 2:
-            rows[model.driven, order * n_q + np.arange(len(model.driven))] = 1.0
-        rows[model.drivers, 2 * n_q + FIRST_DRIVER + 3 * np.arange(len(model.drivers)) + order] = 1.0
-        return rows
-
-    def _of_tensioners(self, order: int) -> FloatArray:
-        first = order * self.n_coordinates + len(self.model.driven)
-        return np.eye(len(self.model.spring_N_m), self._n_w, k=first)
-
-    def _of_slips(self, order: int) -> FloatArray:
-        if self.limit is None:
-            return np.zeros((self.n_rollers, self._n_w))
-        return np.eye(self.n_rollers, self._n_w, k=(order + 1) * self.n_coordinates - self.n_rollers)
-
-    @cached_property
-    def travel_m(self) -> FloatArray:
-        """Return ξ, shape (n_tensioners, n_w)."""
-        return self._of_tensioners(0)
-
-    @cached_property
-    def travel_speed_m_s(self) -> FloatArray:
-        """Return dξ/dt, shape (n_tensioners, n_w)."""
-        return self._of_tensioners(1)
-
-    @cached_property
-    def relative_way_m(self) -> FloatArray:
-        """Return Rθ of every roller less that of the first driver, shape (n_rollers, n_w)."""
-        return self._of_rollers(0)
-
-    @cached_property
-    def rim_speed_m_s(self) -> FloatArray:
-        """Return Rθ' of every roller, shape (n_rollers, n_w)."""
-        return self._of_rollers(1) + self.input(SPEED)
-
-    @cached_property
-    def slip_m(self) -> FloatArray:
-        """Return δ of every roller, shape (n_rollers, n_w)."""
-        return self._of_slips(0)
-
-    @cached_property
-    def slip_speed_m_s(self) -> FloatArray:
-        """Return dδ/dt of every roller, shape (n_rollers, n_w)."""
-        return self._of_slips(1)
-
-    @cached_property
-    def stretch_speed_m_s(self) -> FloatArray:
-        """Return de/dt of every span, shape (n_spans, n_w)."""
-        speeds = self.rim_speed_m_s - self.input(SPEED) + self.slip_speed_m_s
-        return -self.model.incidence.T @ speeds - self.model.pull.T @ self.travel_speed_m_s
-
-    @cached_property
-    def spring_N(self) -> FloatArray:
-        """Return T_0 + k e of every span, as if it could push, shape (n_spans, n_w)."""
-        model = self.model
-        stretch = -model.incidence.T @ (self.relative_way_m + self.slip_m) - model.pull.T @ self.travel_m
-        return model.stiffness_N_m[:, None] * stretch + np.outer(model.preload_N, self.input(ONE))
-
-    @cached_property
-    def unclipped_N(self) -> FloatArray:
-        """Return T_0 + k (e + η de/dt) of every span, as if it could push, shape (n_spans, n_w)."""
-        return self.spring_N + self.model.damping_N_s_m[:, None] * self.stretch_speed_m_s
-
-    @cached_property
-    def tension_N(self) -> FloatArray:
-        """Return T of every span, shape (n_spans, n_w)."""
-        return np.array(self.mode.taut, dtype=np.float64)[:, None] * self.unclipped_N
-
-    @cached_property
-    def pressing_N(self) -> FloatArray:
-        """Return T − ρAv² of every span, as if it could push, shape (n_spans, n_w)."""
-        return self.unclipped_N - np.outer(self.model.density_kg_m, self.input(SPEED_SQUARED))
-
-    @cached_property
-    def net_pull_N(self) -> FloatArray:
-        """Return D T, the belts' pull on every roller and on what lies on it, shape (n_rollers, n_w)."""
-        return self.model.incidence @ self.tension_N
-
-    @cached_property
-    def limit_N(self) -> tuple[FloatArray, FloatArray]:
-        """Return the friction of gross slip, forward and backward, each of shape (n_rollers, n_w)."""
-        if self.limit is None:
-            nothing = np.zeros_like(self.net_pull_N)
-            return nothing, nothing
-        pressing = np.array(self.mode.pressed, dtype=np.float64)[:, None] * self.pressing_N
-        upstream, downstream = self.model.into @ pressing, self.model.out_of @ pressing
-        tight, slack = (
-            (1.0 - self.limit.share)[:, None],
-            (self.limit.share * self.limit.growth - 1.0)[:, None],
+    def __init__(self, model: ElasticPress, mode: Mode, limit: FrictionLimit | None = None) -> None:
+        self.model, self.mode, self.limit = model, mode, limit
+        press, driven, drivers = model.press, model.driven, model.drivers
+        n_rollers, n_tensioners = len(press.rollers), len(model.spring_N_m)
+        self.n_coordinates = n_q = len(driven) + n_tensioners + (0 if limit is None else n_rollers)
+        self.n_inputs = FIRST_DRIVER + 3 * len(drivers)
+        n_w = 2 * n_q + self.n_inputs
+        self.inputs = np.eye(self.n_inputs, n_w, k=2 * n_q)
+        # Coordinates have no accelerations of their own: those of all but the drivers stay zero here.
+        way, speed, acceleration = np.zeros((3, n_rollers, n_w))
+        for order, rows in enumerate((way, speed, acceleration)):
+            rows[drivers, 2 * n_q + FIRST_DRIVER + 3 * np.arange(len(drivers)) + order] = 1.0
+            if order < 2:
+                rows[driven, order * n_q + np.arange(len(driven))] = 1.0
+        self.relative_way_m, self.rim_speed_m_s = way, speed + self.inputs[SPEED]
+        self.travel_m, self.travel_speed_m_s = (
+            np.eye(n_tensioners, n_w, k=order * n_q + len(driven)) for order in (0, 1)
         )
+        self.slip_m, self.slip_speed_m_s = (
+            np.zeros((n_rollers, n_w)) if limit is None else np.eye(n_rollers, n_w, k=order * n_q - n_rollers)
+            for order in (1, 2)
+        )
+        self.stretch_speed_m_s = (
+            -press.incidence.T @ (speed + self.slip_speed_m_s) - press.pull.T @ self.travel_speed_m_s
+        )
+        stretch = -press.incidence.T @ (way + self.slip_m) - press.pull.T @ self.travel_m
+        preload_N = np.outer(model.preload_N, self.inputs[ONE])
+        momentum_N = np.outer(model.density_kg_m, self.inputs[SPEED_SQUARED])
+        self.spring_N = model.stiffness_N_m[:, None] * stretch + preload_N
+        self.unclipped_N = self.spring_N + model.damping_N_s_m[:, None] * self.stretch_speed_m_s
+        self.pressing_N = self.unclipped_N - momentum_N
+        self.tension_N = _where(mode.taut, self.unclipped_N)
+        self.load_N = np.outer(press.rim_load_N * np.array(mode.turning), self.inputs[LOAD])
+        self.limit_N = self._limit_N()
+        self._move_rollers(press.incidence @ self.tension_N, acceleration + self.inputs[ACCELERATION])
+        force_N = press.pull @ (self.tension_N - preload_N - momentum_N)
+        force_N -= model.spring_N_m[:, None] * self.travel_m
+        force_N -= model.tensioner_damping_N_s_m[:, None] * self.travel_speed_m_s
+        self.travel_acceleration_m_s2 = force_N / model.tensioner_mass_kg[:, None]
+        slipping = self.belt_acceleration_m_s2 - self.rim_acceleration_m_s2
+        self.derivative = np.vstack(
+            [
+                np.eye(n_q, n_w, k=n_q),
+                self.rim_acceleration_m_s2[driven] - self.inputs[ACCELERATION],
+                self.travel_acceleration_m_s2,
+                slipping[: 0 if limit is None else n_rollers],
+            ]
+        )
+
+    def _limit_N(self) -> tuple[FloatArray, FloatArray]:
+        if self.limit is None:
+            return np.zeros_like(self.load_N), np.zeros_like(self.load_N)
+        press, pressing = self.model.press, _where(self.mode.pressed, self.pressing_N)
+        upstream, downstream = press.into @ pressing, press.out_of @ pressing
+        tight, slack = 1.0 - self.limit.share[:, None], (self.limit.share * self.limit.growth - 1.0)[:, None]
         return tight * downstream + slack * upstream, tight * upstream + slack * downstream
 
-    @cached_property
-    def load_N(self) -> FloatArray:
-        """Return M/R of every roller against forward motion, shape (n_rollers, n_w); nil of one that is held."""
-        return np.outer(self.model.load_N * np.array(self.mode.turning), self.input(LOAD))
-
-    @cached_property
-    def _driver_acceleration(self) -> FloatArray:
-        return self._of_rollers(2) + self.input(ACCELERATION)
-
-    @cached_property
-    def rim_acceleration_m_s2(self) -> FloatArray:
-        """Return Rθ'' of every roller, shape (n_rollers, n_w)."""
-        rows = self._driver_acceleration.copy()
+    def _move_rollers(self, net_N: FloatArray, driver_m_s2: FloatArray) -> None:
+        """Share what the belts pull, D T, between the rollers and what lies on them."""
         model, mode = self.model, self.mode
-        for i in model.driven:
-            if mode.turning[i] == 0:
-                rows[i] = 0.0
-            elif mode.contact[i] == STICK:
-                mass = model.roller_mass_kg[i] + model.arc_mass_kg[i]
-                rows[i] = (self.net_pull_N[i] - self.load_N[i]) / mass
-            else:
-                rows[i] = (self.friction_N[i] - self.load_N[i]) / model.roller_mass_kg[i]
-        return rows
+        self.friction_N, self.rim_acceleration_m_s2 = np.zeros_like(net_N), driver_m_s2
+        self.belt_acceleration_m_s2 = np.zeros_like(net_N)
+        for i, (contact, turning) in enumerate(zip(mode.contact, mode.turning, strict=True)):
+            arc_kg, roller_kg, rim = model.arc_mass_kg[i], model.roller_mass_kg[i], self.rim_acceleration_m_s2
+            sticks, drives = contact == STICK, i in model.drivers
+            if not sticks:
+                self.friction_N[i] = contact * self.limit_N[contact < 0][i]
+            if not drives:
+                acting_N, mass_kg = (
+                    (net_N[i], roller_kg + arc_kg) if sticks else (self.friction_N[i], roller_kg)
+                )
+                rim[i] = (acting_N - self.load_N[i]) / mass_kg if turning else 0.0
+            if sticks:
+                self.friction_N[i] = net_N[i] - arc_kg * rim[i]
+            self.belt_acceleration_m_s2[i] = rim[i] if sticks else (net_N[i] - self.friction_N[i]) / arc_kg
 
-    @cached_property
-    def friction_N(self) -> FloatArray:
-        """Return the friction that the belt drives each rim with, shape (n_rollers, n_w); negative on a driver."""
-        model, rows = self.model, np.zeros_like(self.net_pull_N)
-        for i, contact in enumerate(self.mode.contact):
-            if contact != STICK:
-                rows[i] = contact * self.limit_N[contact < 0][i]
-            elif i in model.drivers:
-                rows[i] = self.net_pull_N[i] - model.arc_mass_kg[i] * self._driver_acceleration[i]
-            elif self.mode.turning[i] == 0:
-                rows[i] = self.net_pull_N[i]
-            else:
-                share = model.arc_mass_kg[i] / (model.roller_mass_kg[i] + model.arc_mass_kg[i])
-                rows[i] = self.net_pull_N[i] - share * (self.net_pull_N[i] - self.load_N[i])
-        return rows
 
-    @cached_property
-    def belt_acceleration_m_s2(self) -> FloatArray:
-        """Return the acceleration of the belt on every roller, shape (n_rollers, n_w)."""
-        rows = self.rim_acceleration_m_s2.copy()
-        for i, contact in enumerate(self.mode.contact):
-            if contact != STICK:
-                rows[i] = (self.net_pull_N[i] - self.friction_N[i]) / self.model.arc_mass_kg[i]
-        return rows
-
-    @cached_property
-    def travel_acceleration_m_s2(self) -> FloatArray:
-        """Return ξ'' of every tensioner, shape (n_tensioners, n_w)."""
-        model = self.model
-        rest = np.outer(model.preload_N, self.input(ONE)) + np.outer(
-            model.density_kg_m, self.input(SPEED_SQUARED)
-        )
-        force = model.pull @ (self.tension_N - rest)
-        force -= model.spring_N_m[:, None] * self.travel_m
-        force -= model.tensioner_damping_N_s_m[:, None] * self.travel_speed_m_s
-        return force / model.tensioner_mass_kg[:, None]
-
-    @cached_property
-    def derivative(self) -> FloatArray:
-        """Return d(q, dq/dt)/dt, shape (2 n_q, n_w)."""
-        n_q = self.n_coordinates
-        rows = [
-            np.eye(n_q, self._n_w, k=n_q),
-            self.rim_acceleration_m_s2[self.model.driven] - self.input(ACCELERATION),
-            self.travel_acceleration_m_s2,
-        ]
-        if self.limit is not None:
-            rows.append(self.belt_acceleration_m_s2 - self.rim_acceleration_m_s2)
-        return np.vstack(rows)
+def _where(holds: tuple[bool, ...], rows: FloatArray) -> FloatArray:
+    return np.array(holds, dtype=np.float64)[:, None] * rows
 
 
 def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
@@ -445,8 +287,8 @@ def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
 
     Belts that slip do not take part: their δ stay zero.
     """
-    n_q = motion.n_coordinates
-    free = len(motion.model.driven) + len(motion.model.spring_N_m)
+    n_q, model = motion.n_coordinates, motion.model
+    free = len(model.driven) + len(model.spring_N_m)
     rows = motion.derivative[n_q : n_q + free]
     stiffness, load = rows[:, :free], rows[:, 2 * n_q :] @ inputs
     if np.linalg.matrix_rank(stiffness) < free:
@@ -470,41 +312,33 @@ def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
     return np.concatenate([resting_coordinates(motion, still), speeds])
 
 
-def settled_tension_N(model: ElasticPress, *, speed_m_s: float, load_factor: float = 1.0) -> FloatArray:
+def settled_tension_N(model: ElasticPress, speed_m_s: float) -> FloatArray | None:
     """Return the tensions of steady running in closed form, shape (n_spans,) [N].
 
     It is what a start-up tends to; with the tensioners' damping alone that takes hours, and with no damping at all it
-    is only the mean.
+    is only the mean. None where drivers of different speed stretch the belts between them until one slips.
     """
     if np.ptp(model.overspeed) > 0.0 and speed_m_s != 0.0:
-        raise InputError(
-            "drivers of different speed stretch the belts between them until one slips: nothing settles",
-            key="overspeed",
-            fix="give all drivers one speed, or solve the start-up with friction",
-        )
-    motion = Motion(model=model, mode=sticking(model))
+        return None
+    motion = Motion(model, sticking(model))
     inputs = np.zeros(motion.n_inputs)
-    inputs[[ONE, LOAD, SPEED, SPEED_SQUARED]] = 1.0, load_factor, speed_m_s, speed_m_s**2
+    inputs[[ONE, LOAD, SPEED, SPEED_SQUARED]] = 1.0, 1.0, speed_m_s, speed_m_s**2
     at_rest = resting_coordinates(motion, inputs)
     return np.asarray(motion.tension_N @ np.concatenate([at_rest, np.zeros_like(at_rest), inputs]))
 
 
-POWERS = ("drive", "load", "belt", "tensioner", "slip", "centrifugal")
-"""Works that are counted: done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and
-done by the running belts' momentum ρAv² on the tensioners."""
-
-
 def power_forms(motion: Motion) -> FloatArray:
-    """Return the powers in the order of `POWERS` as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w)."""
-    model = motion.model
-    drivers = model.drivers
-    push = (model.roller_mass_kg[:, None] * motion.rim_acceleration_m_s2 + motion.load_N - motion.friction_N)[
-        drivers
-    ]
-    kept = np.array(motion.mode.strained, dtype=np.float64)[:, None] * motion.spring_N
-    momentum = -np.outer(model.pull @ model.density_kg_m, motion.input(SPEED_SQUARED))
+    """Return powers as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w).
+
+    They are done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and done by the
+    running belts' momentum ρAv² on the tensioners.
+    """
+    model, drivers = motion.model, motion.model.drivers
+    push = model.roller_mass_kg[:, None] * motion.rim_acceleration_m_s2 + motion.load_N - motion.friction_N
+    kept = _where(motion.mode.strained, motion.spring_N)
+    momentum = -np.outer(model.press.pull @ model.density_kg_m, motion.inputs[SPEED_SQUARED])
     pairs = (
-        (push, motion.rim_speed_m_s[drivers]),
+        (push[drivers], motion.rim_speed_m_s[drivers]),
         (motion.load_N, motion.rim_speed_m_s),
         (motion.tension_N - kept, motion.stretch_speed_m_s),
         (model.tensioner_damping_N_s_m[:, None] * motion.travel_speed_m_s, motion.travel_speed_m_s),
@@ -531,5 +365,5 @@ def elastic_energy_J(motion: Motion, w: FloatArray) -> FloatArray:
     spring, travel = w @ motion.spring_N.T, w @ motion.travel_m.T
     if motion.limit is not None:
         spring = np.maximum(spring, 0.0)  # the linear model's belts push, and store energy by it
-    held = travel**2 @ (0.5 * model.spring_N_m) + travel @ (model.pull @ model.preload_N)
+    held = travel**2 @ (0.5 * model.spring_N_m) + travel @ (model.press.pull @ model.preload_N)
     return np.asarray(spring**2 @ (0.5 / model.stiffness_N_m) + held)

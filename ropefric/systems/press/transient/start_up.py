@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,19 +13,15 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.statics import radii_m
-from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, final_value, press_inputs, settles
+from ropefric.systems.press.transient.drives import SPEED, Loads, final_value, press_inputs
 from ropefric.systems.press.transient.exact import Guard, HybridSolver
-from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp, Settings
+from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import (
     MOVING,
-    POWERS,
     STICK,
     ElasticPress,
-    FrictionLimit,
     Motion,
     elastic_energy_J,
-    elastic_press,
     friction_limit,
     friction_utilisation,
     kinetic_energy_J,
@@ -33,53 +29,32 @@ from ropefric.systems.press.transient.motion import (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SlipInterval:
-    """One time during which a belt slipped on a roller."""
+class SlipInterval(NamedTuple):
+    """One time during which a belt slipped on a roller, forward (1) or backward (-1)."""
 
     roller: str
     start_s: float
     end_s: float
     direction: int
-    ends_stuck: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Energies:
-    """Works since the start and energies, each of shape (n_times,) [J]."""
+    """Works since the start and energies, each of shape (n_times,) [J], from states w and works (n_times, 6).
 
-    drive: FloatArray
-    load: FloatArray
-    belt: FloatArray
-    tensioner: FloatArray
-    slip: FloatArray
-    centrifugal: FloatArray
-    kinetic: FloatArray
-    elastic: FloatArray
+    `residual` is what does not add up since the first time, zero but for rounding and the integrator's error;
+    `relative_residual` its greatest over the greatest of all works and changes of energy [-].
+    """
 
-    @property
-    def residual(self) -> FloatArray:
-        """Return what does not add up since the first time [J]; zero but for rounding and the integrator's error."""
-        stored = self.kinetic + self.elastic
+    def __init__(self, motion: Motion, w: FloatArray, works: FloatArray) -> None:
+        self.drive, self.load, self.belt = works.T[:3]
+        self.tensioner, self.slip, self.centrifugal = works.T[3:]
+        self.kinetic, self.elastic = kinetic_energy_J(motion, w), elastic_energy_J(motion, w)
         supplied = self.drive + self.centrifugal - self.load - self.belt - self.tensioner - self.slip
-        return np.asarray((supplied - supplied[0]) - (stored - stored[0]))
-
-    @property
-    def relative_residual(self) -> float:
-        """Return the greatest residual over the greatest of all works and changes of energy [-]."""
-        parts = [getattr(self, name) for name in POWERS]
-        parts += [part - part[0] for part in (self.kinetic, self.elastic)]
-        scale = max(float(np.abs(part).max()) for part in parts)
-        return float(np.abs(self.residual).max()) / scale if scale > 0.0 else 0.0
-
-
-def energies_of(motion: Motion, w: FloatArray, works: FloatArray) -> Energies:
-    """Return the balance of states w, shape (n, n_w), and works in the order of `POWERS`, shape (n, 6)."""
-    return Energies(
-        **dict(zip(POWERS, works.T, strict=True)),
-        kinetic=kinetic_energy_J(motion, w),
-        elastic=elastic_energy_J(motion, w),
-    )
+        stored = self.kinetic + self.elastic
+        self.residual = (supplied - supplied[0]) - (stored - stored[0])
+        changes = (self.kinetic - self.kinetic[0], self.elastic - self.elastic[0])
+        scale = max(float(np.abs(part).max()) for part in (*works.T, *changes))
+        self.relative_residual = float(np.abs(self.residual).max()) / scale if scale > 0.0 else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -87,7 +62,6 @@ class StartUp:
     """A start-up of a press: histories at the times asked for, and what they amount to."""
 
     press: Press
-    integrator: str
     time_s: FloatArray
     drive_speed_m_s: FloatArray
     tension_N: FloatArray
@@ -103,52 +77,31 @@ class StartUp:
     slips: tuple[SlipInterval, ...]
     settled_tension_N: FloatArray | None
 
-    @property
-    def peak_tension_N(self) -> dict[str, float]:
-        """Return the highest tension of each span at the times asked for [N]."""
-        return self._by_span(self.tension_N.max(axis=0))
-
-    @property
-    def peak_utilisation(self) -> dict[str, float]:
-        """Return the highest utilisation of each roller at the times asked for [-]; empty without friction."""
-        if self.utilisation is None:
-            return {}
-        names = (roller.name for roller in self.press.rollers)
-        return dict(zip(names, self.utilisation.max(axis=0).tolist(), strict=True))
-
-    @property
-    def first_slip_s(self) -> dict[str, float]:
-        """Return when each roller that slips does so first [s], in the order of time."""
+    def summary(self) -> dict[str, Any]:
+        """Return what the histories amount to, as plain data; rollers that slip in the order of their first slip."""
+        spans = [span.name for span in self.press.spans]
+        rollers = [roller.name for roller in self.press.rollers]
         first: dict[str, float] = {}
-        for slip in self.slips:
-            first.setdefault(slip.roller, slip.start_s)
-        return first
-
-    @property
-    def slipping_s(self) -> dict[str, float]:
-        """Return how long each roller that slips does so in all [s]."""
         total: dict[str, float] = defaultdict(float)
         for slip in self.slips:
+            first.setdefault(slip.roller, slip.start_s)
             total[slip.roller] += slip.end_s - slip.start_s
-        return dict(total)
 
-    def summary(self) -> dict[str, Any]:
-        """Return what the histories amount to, as plain data."""
-        settled = self.settled_tension_N
+        def named(names: Sequence[str], values: FloatArray) -> dict[str, float]:
+            return dict(zip(names, values.tolist(), strict=True))
+
+        used, settled = self.utilisation, self.settled_tension_N
         return {
-            "peak_tension_N": self.peak_tension_N,
-            "lowest_tension_N": self._by_span(self.tension_N.min(axis=0)),
-            "peak_utilisation": self.peak_utilisation,
-            "first_slip_s": self.first_slip_s,
-            "slipping_s": self.slipping_s,
+            "peak_tension_N": named(spans, self.tension_N.max(axis=0)),
+            "lowest_tension_N": named(spans, self.tension_N.min(axis=0)),
+            "peak_utilisation": {} if used is None else named(rollers, used.max(axis=0)),
+            "first_slip_s": first,
+            "slipping_s": dict(total),
             "drive_work_J": float(self.energy.drive[-1]),
             "slip_loss_J": float(self.energy.slip[-1]),
             "energy_residual": self.energy.relative_residual,
-            "settled_tension_N": None if settled is None else self._by_span(settled),
+            "settled_tension_N": None if settled is None else named(spans, settled),
         }
-
-    def _by_span(self, values: FloatArray) -> dict[str, float]:
-        return dict(zip((span.name for span in self.press.spans), values.tolist(), strict=True))
 
 
 def start_up(
@@ -160,127 +113,93 @@ def start_up(
     slip: bool = True,
     loads: Loads = "with-speed",
     effects: Collection[str] = MOVING,
-    preload_N: npt.ArrayLike | None = None,
     integrator: str = "exact",
-    settings: Settings | None = None,
+    **settings: float | None,
 ) -> StartUp:
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
 
     The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). Without friction no belt slips
-    and none goes slack, the problem is linear and any integrator may solve it. With friction and `slip` a belt does
-    not push, and a roller takes no more than T'_tight = T'_slack e^M with what accelerating the belt adds; between
-    two changes of a contact the solution is exact.
+    and none goes slack, and the problem is linear, which is all that integrators other than the exact one solve. With
+    friction and `slip` a belt does not push, and a roller takes no more than T'_tight = T'_slack e^M with what
+    accelerating the belt adds; between two changes of a contact the solution is exact.
     """
+    times = _checked(time_s)
+    model = ElasticPress(press, effects=effects)
+    inputs = press_inputs(model.overspeed, speed, loads)
+    limit = None if friction is None else friction_limit(model, friction)
+    slips = limit is not None and slip and integrator == "exact"
+    if slips and not (model.arc_mass_kg > 0.0).all():
+        raise InputError(
+            "a belt that slips moves by its own mass, but it has none on the rollers",
+            key="arc_inertia",
+            fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
+        )
+    if integrator == "exact":
+        solver = HybridSolver(model, inputs, limit if slips else None)
+        motions, states, works = solver.run(times)
+        changes = solver.changes
+    else:
+        problem = LinearStartUp(model=model, inputs=inputs)
+        found = INTEGRATORS[integrator](problem, times, **settings)
+        states, works = np.split(found, [problem.n_state], axis=1)
+        motions, changes = [problem.motion] * len(times), []
+    w = np.hstack([states, inputs.at(times)])
+    chosen: dict[Motion, list[int]] = defaultdict(list)
+    for i, motion in enumerate(motions):
+        chosen[motion].append(i)
+
+    def read(rows: Callable[[Motion], FloatArray]) -> FloatArray:
+        whole = np.zeros((len(w), len(rows(motions[0]))))
+        for motion, indices in chosen.items():
+            whole[indices] = w[indices] @ rows(motion).T
+        return whole
+
+    first, tension = motions[0], read(lambda motion: motion.tension_N)
+    friction_N, pressing_N = (read(lambda motion: motion.friction_N), read(lambda motion: motion.pressing_N))
+    contact = np.array([motion.mode.contact for motion in motions], dtype=np.int8)
+    utilisation = None
+    if limit is not None:
+        utilisation = friction_utilisation(
+            limit,
+            friction_N=friction_N,
+            upstream_N=pressing_N @ press.into.T,
+            downstream_N=pressing_N @ press.out_of.T,
+            arc_force_N=model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2),
+        )
+    if slips and utilisation is not None:
+        tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
+        # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
+        lifted = (pressing_N <= 0.0).astype(np.float64) @ np.abs(press.incidence).T > 0.0
+        forward, backward = read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1])
+        most = np.where(friction_N >= 0.0, forward, backward)
+        share = np.divide(np.abs(friction_N), most, out=np.zeros_like(most), where=most > 0.0)
+        utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
+    return StartUp(
+        press=press,
+        time_s=times,
+        drive_speed_m_s=w[:, states.shape[1] + SPEED],
+        tension_N=tension,
+        roller_speed_rad_s=w @ first.rim_speed_m_s.T / press.radius_m,
+        relative_angle_rad=w @ first.relative_way_m.T / press.radius_m,
+        travel_m=np.array([one.travel_m for one in press.tensioners.values()]) + w @ first.travel_m.T,
+        contact=contact,
+        slip_m=w @ first.slip_m.T,
+        slip_speed_m_s=w @ first.slip_speed_m_s.T,
+        friction_N=friction_N,
+        utilisation=utilisation,
+        energy=Energies(first, w, works),
+        slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
+        settled_tension_N=settled_tension_N(model, final_value(speed)),
+    )
+
+
+def _checked(time_s: npt.ArrayLike) -> FloatArray:
     times = np.array(time_s, dtype=np.float64)
     if times.ndim != 1 or not times.size or not np.isfinite(times).all():
         raise InputError("a start-up needs a list of finite times", key="time_s")
     if times[0] < 0.0 or times[-1] <= 0.0 or (np.diff(times) <= 0.0).any():
         raise InputError("the times of a start-up must rise from 0 on", key="time_s")
-    model = elastic_press(press, effects=effects, preload_N=preload_N)
-    inputs = press_inputs(model.overspeed, speed, loads)
-    limit = None if friction is None else friction_limit(model, friction)
-    method = INTEGRATORS[integrator]
-    slips: tuple[SlipInterval, ...] = ()
-    if limit is not None and slip:
-        if method.control != "exact":
-            raise InputError(
-                f"'{integrator}' solves the linear start-up; slip and slack are solved exactly between their events",
-                key="integrator",
-                fix="take the integrator 'exact', or set slip to false",
-            )
-        if not (model.arc_mass_kg > 0.0).all():
-            raise InputError(
-                "a belt that slips moves by its own mass, but it has none on the rollers",
-                key="arc_inertia",
-                fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
-            )
-        solver = HybridSolver(model, inputs, limit)
-        motions, states, works = solver.run(times)
-        slips = _slip_intervals([roller.name for roller in press.rollers], solver.changes, float(times[-1]))
-    else:
-        problem = LinearStartUp(model=model, inputs=inputs)
-        motions = [problem.motion]
-        states, works = np.split(
-            method.solve(problem, times, settings or Settings()), [problem.n_state], axis=1
-        )
-    return StartUp(
-        press=press,
-        integrator=integrator,
-        slips=slips,
-        settled_tension_N=_settled(model, speed, loads),
-        **_histories(motions, states, works, inputs=inputs, times_s=times, limit=limit),
-    )
-
-
-def _settled(model: ElasticPress, speed: PPoly, loads: Loads) -> FloatArray | None:
-    """Return what the tensions tend to, where drive and loads end with constants and the drivers do not part."""
-    factor = loads if isinstance(loads, PPoly) else None
-    if not settles(speed) or np.ptp(model.overspeed) > 0.0 or not (factor is None or settles(factor)):
-        return None
-    load_factor = 1.0 if factor is None else final_value(factor)
-    return settled_tension_N(model, speed_m_s=final_value(speed), load_factor=load_factor)
-
-
-def _histories(
-    motions: Sequence[Motion],
-    states: FloatArray,
-    works: FloatArray,
-    *,
-    inputs: Inputs,
-    times_s: FloatArray,
-    limit: FrictionLimit | None,
-) -> dict[str, Any]:
-    """Return the arrays of a `StartUp` by name; one motion for all times, or one for each."""
-    first, model, press = motions[0], motions[0].model, motions[0].model.press
-    w = np.hstack([states, inputs.at(times_s)])
-    chosen: dict[Motion, list[int]] = defaultdict(list)
-    for i in range(len(times_s)):
-        chosen[motions[i % len(motions)]].append(i)
-
-    def read(rows: Callable[[Motion], FloatArray]) -> FloatArray:
-        whole = np.zeros((len(w), len(rows(first))))
-        for motion, indices in chosen.items():
-            whole[indices] = w[indices] @ rows(motion).T
-        return whole
-
-    tension = read(lambda motion: motion.tension_N)
-    friction = read(lambda motion: motion.friction_N)
-    if first.limit is not None:
-        tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
-    contact = np.zeros((len(times_s), first.n_rollers), dtype=np.int8)
-    for motion, indices in chosen.items():
-        contact[indices] = motion.mode.contact
-    utilisation = None
-    if limit is not None:
-        pressing = read(lambda motion: motion.pressing_N)
-        utilisation = friction_utilisation(
-            limit,
-            friction_N=friction,
-            upstream_N=pressing @ model.into.T,
-            downstream_N=pressing @ model.out_of.T,
-            arc_force_N=model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2),
-        )
-        if first.limit is not None:
-            # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
-            lifted = (pressing <= 0.0).astype(np.float64) @ np.abs(model.incidence).T > 0.0
-            forward, backward = read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1])
-            most = np.where(friction >= 0.0, forward, backward)
-            share = np.divide(np.abs(friction), most, out=np.zeros_like(most), where=most > 0.0)
-            utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
-    return {
-        "time_s": times_s,
-        "drive_speed_m_s": w[:, states.shape[1] + SPEED],
-        "tension_N": tension,
-        "roller_speed_rad_s": w @ first.rim_speed_m_s.T / radii_m(press),
-        "relative_angle_rad": w @ first.relative_way_m.T / radii_m(press),
-        "travel_m": np.array([part.travel_m for part in press.take_ups]) + w @ first.travel_m.T,
-        "contact": contact,
-        "slip_m": w @ first.slip_m.T,
-        "slip_speed_m_s": w @ first.slip_speed_m_s.T,
-        "friction_N": friction,
-        "utilisation": utilisation,
-        "energy": energies_of(first, w, works),
-    }
+    return times
 
 
 def _slip_intervals(
@@ -290,20 +209,16 @@ def _slip_intervals(
     begun: dict[int, tuple[float, int]] = {}
     found: list[SlipInterval] = []
 
-    def close(place: int, time_s: float, *, stuck: bool) -> None:
+    def close(place: int, time_s: float) -> None:
         start_s, direction = begun.pop(place)
         if time_s > start_s:
-            found.append(
-                SlipInterval(
-                    roller=names[place], start_s=start_s, end_s=time_s, direction=direction, ends_stuck=stuck
-                )
-            )
+            found.append(SlipInterval(names[place], start_s, time_s, direction))
 
     for time_s, guard in changes:
         if guard.what == "slip":
             begun[guard.place] = time_s, guard.direction
         elif guard.what == "stick" and guard.place in begun:
-            close(guard.place, time_s, stuck=True)
+            close(guard.place, time_s)
     for place in list(begun):
-        close(place, end_s, stuck=False)
+        close(place, end_s)
     return tuple(sorted(found, key=lambda slip: (slip.start_s, slip.roller)))

@@ -1,7 +1,7 @@
 """What a study of accuracy is made of: cases, methods at several settings, one reference, and measured points."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from math import isfinite, nan
 from typing import Any
 
@@ -26,6 +26,7 @@ class Outcome:
     evaluations: float
     bias: float = nan
     noise: float = nan
+    shares: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +80,7 @@ class Measured(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """Return the point as plain data, None where there is no number."""
         tree = asdict(self) | {"spread_s": self.spread_s}
+        tree |= tree.pop("shares")
         return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in tree.items()}
 
 

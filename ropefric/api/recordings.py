@@ -51,7 +51,7 @@ def read_trace(
     Parameters
     ----------
     path : path-like
-        Text, MATLAB, TDMS or Excel.
+        Text, LabVIEW, Vernier, MATLAB, TDMS, HDF5 or Excel.
     profile : ImportProfile, optional
         How to understand it; what it leaves open is found out or refused.
     sample : str

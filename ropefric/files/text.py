@@ -154,7 +154,8 @@ class Text:
 
     def part(self, start: int, stop: int) -> "Text":
         """Return some bytes of a text that is held whole, as a text of their own."""
-        return replace(self, data=self.data[start:stop], first_line=1 + self.data.count(b"\n", 0, start))
+        first_line, is_ended = 1 + self.data.count(b"\n", 0, start), self.is_ended or stop < len(self.data)
+        return replace(self, data=self.data[start:stop], first_line=first_line, is_ended=is_ended)
 
     def without_end(self, data_row: int, cut: Callable[[bytes, bool], bytes]) -> "Text":
         """Return the text whose rows from a line on end as `cut` says of them and of whether their last line ends."""
@@ -182,6 +183,11 @@ class Text:
         """Return an iterator over the file's lines with their numbers, from a 1-based line on."""
         for block in self.blocks(number):
             yield from block.lines()
+
+    def rows_from(self, number: int, separator: str) -> Iterator[tuple[int, list[str]]]:
+        """Return an iterator over the cells of the lines that are not blank, with their numbers."""
+        lines = self.lines_from(number)
+        return ((n, split_line(line, separator)) for n, line in lines if not is_blank_line(line, separator))
 
 
 class Block(NamedTuple):
@@ -229,9 +235,12 @@ def start_of_line(block: bytes, line: int) -> int:
 
 def first_lines(source: Source, most: int = 40) -> list[str]:
     """Return the first lines of a text, as far as they can be read without knowing its encoding."""
-    block = next(iter(source.unpacked() if source.is_packed else (source.file.part(0, HEAD_BYTES),)), b"")
-    encoding = next((name for mark, name in _MARKS if block.startswith(mark)), "utf-8")
-    return block[:HEAD_BYTES].decode(encoding, errors="replace").splitlines()[:most]
+    head = next(source.file.blocks(HEAD_BYTES), b"")[:HEAD_BYTES]
+    if head.startswith(GZIP_MAGIC):
+        with suppress(zlib.error):  # which is told when the file is read
+            head = zlib.decompressobj(_GZIP).decompress(head, HEAD_BYTES // 8)
+    encoding = next((name for mark, name in _MARKS if head.startswith(mark)), "utf-8")
+    return head[: HEAD_BYTES // 8].decode(encoding, errors="replace").split("\n", most)[:most]
 
 
 def load_text(source: Source, encoding: str = "") -> Text:

@@ -6,7 +6,7 @@ What the user says holds; what is left open is found in the first 64 kB, or refu
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
 
@@ -89,17 +89,26 @@ class HeadRows(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """The layout of a text table as found."""
+    """The layout of a text table as found, and what is to be told of the text when it is read."""
 
     separator: str
     decimal: str
     rows: HeadRows
     header: tuple[str, ...]
     units: tuple[str, ...]
-    n_cells: int
-    stamps: frozenset[int]
-    no_value: frozenset[str]
-    no_value_numbers: tuple[float, ...]
+    first_row: Sequence[str]
+    layout: TableLayout
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def n_cells(self) -> int:
+        """Return the number of cells of the first data row."""
+        return len(self.first_row)
+
+    @property
+    def stamps(self) -> frozenset[int]:
+        """Return the columns that hold text time stamps."""
+        return frozenset(index for index, cell in enumerate(self.first_row) if is_stamp(cell))
 
 
 def is_number(cell: str, decimal: str) -> bool:
@@ -144,17 +153,14 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         for row in rows[:2]
     )
     decimal = layout.decimal or _find_decimal(head, rows.data_row, separator, text.source)
-    first_row = split_line(lines[rows.data_row - 1], separator)
     return Dialect(
         separator=separator,
         decimal=decimal,
         rows=rows,
         header=header,
         units=units,
-        n_cells=len(first_row),
-        stamps=frozenset(index for index, cell in enumerate(first_row) if is_stamp(cell)),
-        no_value=layout.no_value,
-        no_value_numbers=layout.no_value_numbers(decimal),
+        first_row=split_line(lines[rows.data_row - 1], separator),
+        layout=layout,
     )
 
 
@@ -271,24 +277,17 @@ def _comma_cells(head: bytes, data_row: int, separator: str) -> Iterator[tuple[i
 
 
 def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source: Source) -> HeadRows:
-    """Return where header, units and data of a text file start, see `find_head_rows`."""
+    """Return where header, units and data start in a text.
+
+    What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
+    row of words above it, with a row of units allowed between. Rows further up are a preamble.
+    """
     last = [split_line(line, separator) for line in lines[-_N_SAMPLE:] if line.strip()]
     few = max(layout.last_head_row, layout.data_row) + _N_SAMPLE  # a clean file has its data in line 2
     for n_lines in (few, len(lines)):
         rows = [split_line(line, separator) for line in lines[:n_lines]]
         if found := _search(rows, last, layout):
             return found
-    raise _no_data(rows, layout, source)
-
-
-def find_head_rows(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source) -> HeadRows:
-    """Return where header, units and data start in a table of cell texts.
-
-    What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
-    row of words above it, with a row of units allowed between. Rows further up are a preamble.
-    """
-    if found := _search(rows, rows[-_N_SAMPLE:], layout):
-        return found
     raise _no_data(rows, layout, source)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.errors import DataError, RopefricError
+from ropefric.errors import RopefricError
 from ropefric.files.folder import Folder, OutputFolder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text, json_document
 from ropefric.fitting.compare import Choice, Comparison, choose_law, compare_laws
@@ -18,11 +18,10 @@ from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
-from ropefric.traces.breakaway import Status
 from ropefric.trials.campaign_model import Campaign, DesignWheel
 from ropefric.trials.conditions import set_aside_impossible
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.result import Extraction, count_trials, write_tables
+from ropefric.trials.result import Extraction, count_trials, no_force, write_tables
 from ropefric.trials.table import TrialTable, read_trial_table
 
 Progress = Callable[[str, int, int], None]
@@ -182,7 +181,8 @@ def run_campaign(
     target.publish("tables")
     if on_extracted is not None:
         on_extracted(extraction)
-    _require_a_force(extraction, campaign)
+    if (without := no_force(extraction, campaign.path)) is not None:
+        raise without
     # From the file, so that every fit names its data, with its hash, and can be made again.
     answer = answer_trials(
         read_trial_table(tables[0]),
@@ -207,17 +207,6 @@ def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]
     if answer.prediction is not None:
         texts["prediction.json"] = json_document(answer.prediction.to_dict())
     return target.write(texts)
-
-
-def _require_a_force(extraction: Extraction, campaign: Campaign) -> None:
-    if any(trial.breakaway.status == Status.OK for trial in extraction.trials):
-        return
-    raise DataError(
-        f"none of the {len(extraction.trials)} recordings gave a usable force",
-        code="RF301",
-        path=campaign.path,
-        fix="problems.csv says why for each; `ropefric inspect FILE` shows what a file holds",
-    )
 
 
 def _ranking_text(comparison: Comparison) -> str:

@@ -112,6 +112,8 @@ def _folded(title: str, width: int = 62) -> str:
 def _table(result: StudyResult) -> DataTable:
     fronts = {case.name: set(result.front(case.name)) for case in result.study.cases}
     columns = {name: [getattr(point, name) for point in result.points] for name in _COLUMNS}
+    for name in dict.fromkeys(name for point in result.points for name in point.shares):
+        columns[name] = [point.shares.get(name, math.nan) for point in result.points]
     return DataTable.of_columns(columns | {"on_front": [p in fronts[p.case] for p in result.points]})
 
 

@@ -24,7 +24,7 @@ from ropefric.report.parts import (
     uncertainty_sections,
     verdict_section,
 )
-from ropefric.report.section import Section, Table, as_text, interval, percent, plain
+from ropefric.report.section import Section, as_text, interval, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import (
@@ -43,8 +43,18 @@ _NAMED = 8
 """Trials that an alert names; the others are counted."""
 _SAID = 3
 """Problems of one kind that are said in full."""
+_CHAPTERS = {
+    "warnings": "What to know first",
+    "result": "The result",
+    "trials": "What was measured",
+    "friction": "Does it obey the capstan equation?",
+    "law": "How good the law is",
+    "uncertainty": "What makes up the uncertainty",
+    "design": "The design and its neighbours",
+    "next": "What to measure next",
+    "provenance": "Settings and provenance",
+}
 _NONE = (math.nan, math.nan, 0)
-_NOTHING = ("nothing was found",)
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
     "were, so that the lift force of the design becomes as certain as it can."
@@ -95,21 +105,18 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
         for name, cell in run.campaign.cells.items()
         if cell.assumed
     ]
-    sections = [
-        Section(lines=tuple(lines)),
+    sections = (
+        Section(lines=lines),
         verdict_section(answer.verdict, "The verdict"),
         _law_section(run),
         comparison_section(answer.comparison),
         diagnosis_section(answer.diagnosis),
-        Section(title="Doubts", notes=answer.doubts or _NOTHING),
-    ]
+        Section("Doubts", notes=answer.doubts or ("nothing was found",)),
+    )
     if answer.prediction is not None:
-        sections.append(prediction_section(answer.prediction))
-    elif run.campaign.design is None:
-        sections.append(
-            Section(title="Lift force", lines=("the campaign names no wheel: add [design] to it",))
-        )
-    return tuple(sections)
+        return (*sections, prediction_section(answer.prediction))
+    nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
+    return sections if run.campaign.design is not None else (*sections, nowhere)
 
 
 def _tally(extraction: Extraction) -> str:
@@ -126,60 +133,51 @@ def campaign_report(
     run: CampaignRun, evidence: Evidence, provenance: Provenance, pictures: Pictures
 ) -> Report:
     """Return a campaign's report: what to know first, the result, the evidence, settings and provenance."""
-    answer = run.answer
-    shown = {key: tuple(drawn) for key, drawn in pictures.items()}
-    trials, diagnosis = shown.get("trials", ()), diagnosis_section(answer.diagnosis)
-    undecided = tuple(
+    answer, extraction, plan = run.answer, run.extraction, evidence.plan
+    by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
+    undecided = [
         f"{cause.cause}: {cause.experiment}"
         for cause in answer.diagnosis.causes
         if cause.supported == "cannot-tell"
-    )
-    result: list[Block] = [_facts(run, evidence), _law_section(run)]
-    if evidence.hand:
-        result.append(Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True)))
-    friction: list[Block] = [
-        Section(lines=diagnosis.lines, notes=diagnosis.notes),
-        *shown.get("friction", ()),
     ]
-    if undecided:
-        friction.append(Section(title="What would decide it", notes=undecided))
-    law: tuple[Block, ...] = (
-        comparison_section(answer.comparison),
-        *shown.get("ladder", ()),
-        *shown.get("bands", ()),
-        Section(title="Tested range: beyond it the law is extrapolated", notes=tested_ranges(answer.fit)),
-        *shown.get("residuals", ()),
-        *notes_sections(answer.fit),
-    )
-    measured: tuple[Block, ...] = (
-        _measured_section(run),
-        *trials[:1],
-        _set_aside_section(run.extraction),
-        *_decided_section(run.extraction),
-        _conditions_section(run.extraction, evidence),
-        *_sliding_section(run.extraction),
-        *trials[1:],
-    )
-    plan = () if evidence.plan is None else (Section(lines=(_WHERE,)), *plan_sections(evidence.plan))
-    chapters = (
-        Chapter("warnings", "What to know first", (_alerts(run, evidence, with_figures=bool(pictures)),)),
-        Chapter("result", "The result", tuple(result)),
-        Chapter("trials", "What was measured", measured),
-        Chapter("friction", "Does it obey the capstan equation?", tuple(friction)),
-        Chapter("law", "How good the law is", law),
-        Chapter("uncertainty", "What makes up the uncertainty", tuple(_uncertainty(evidence, shown))),
-        Chapter("design", "The design and its neighbours", shown.get("design", ())),
-        Chapter("next", "What to measure next", plan),
-        Chapter("provenance", "Settings and provenance", _provenance(provenance)),
-    )
+    blocks: dict[str, Iterable[Block]] = {
+        "warnings": [_alerts(run, evidence, with_figures=bool(pictures))],
+        "result": [_facts(run, evidence), _law_section(run), *([by_hand] if evidence.hand else [])],
+        "trials": [
+            _measured_section(run),
+            *pictures.get("trials", ())[:1],
+            *_trial_sections(extraction, evidence),
+            *_decided_section(extraction),
+            *_sliding_section(extraction),
+            *pictures.get("trials", ())[1:],
+        ],
+        "friction": [
+            diagnosis_section(answer.diagnosis)._replace(title=""),
+            *pictures.get("friction", ()),
+            *([Section("What would decide it", notes=undecided)] if undecided else []),
+        ],
+        "law": [
+            comparison_section(answer.comparison),
+            *pictures.get("ladder", ()),
+            *pictures.get("bands", ()),
+            Section("Tested range: beyond it the law is extrapolated", notes=tested_ranges(answer.fit)),
+            *pictures.get("residuals", ()),
+            *notes_sections(answer.fit),
+        ],
+        "uncertainty": _uncertainty(evidence, pictures),
+        "design": pictures.get("design", ()),
+        "next": () if plan is None else [Section(lines=(_WHERE,)), *plan_sections(plan)],
+        "provenance": _provenance(provenance),
+    }
+    chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
     return Report(
         title=run.campaign.name,
-        lead=f"{_tally(run.extraction)}; the friction law they ask for, how good it is, and the lift force it gives.",
+        lead=f"{_tally(extraction)}; the friction law they ask for, how good it is, and the lift force it gives.",
         chapters=tuple(chapter for chapter in chapters if chapter.blocks),
     )
 
 
-def _uncertainty(evidence: Evidence, shown: Mapping[str, tuple[Picture, ...]]) -> Iterator[Block]:
+def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
     typical = f"condition {evidence.typical_number}, a typical one"
     for stated, key, of_what in (
         (evidence.lift, "budget_lift", "the design"),
@@ -188,9 +186,9 @@ def _uncertainty(evidence: Evidence, shown: Mapping[str, tuple[Picture, ...]]) -
         if stated is not None:
             budget, *rest = uncertainty_sections(stated, f"Budget of the {stated.model.name} of {of_what}")
             yield budget
-            yield from shown.get(key, ())
+            yield from pictures.get(key, ())
             yield from (part for part in rest if part.lines or part.notes)
-            yield from shown.get("tornado", ()) if stated is evidence.lift else ()
+            yield from pictures.get("tornado", ()) if stated is evidence.lift else ()
 
 
 def _alerts(run: CampaignRun, evidence: Evidence, *, with_figures: bool) -> list[Alert]:
@@ -230,30 +228,24 @@ def _alerts_of_answer(run: CampaignRun, evidence: Evidence) -> Iterator[Alert]:
 
 
 def _alerts_of_trials(extraction: Extraction) -> Iterator[Alert]:
-    groups: dict[tuple[str, str], list[TrialResult]] = {}
+    groups: dict[tuple[int, int, str], list[TrialResult]] = {}
+    statuses, outcomes = [str(status) for status in Status], ("without a force", "rejected", "excluded")
     for trial in extraction.trials:
-        if trial.outcome == "without a force":
-            groups.setdefault(("without a force", trial.breakaway.status), []).append(trial)
-        elif trial.outcome == "rejected":
-            groups.setdefault(("rejected", trial.rejected_by), []).append(trial)
-        elif trial.excluded:
-            groups.setdefault(("excluded", trial.excluded), []).append(trial)
-    grave, statuses = ("without a force", "rejected", "excluded"), [str(status) for status in Status]
-    ranked = sorted(
-        groups, key=lambda key: (grave.index(key[0]), statuses.index(key[1]) if key[0] == grave[0] else 0)
-    )
-    for what, why in ranked:
-        alike = groups[what, why]
+        if trial.outcome in outcomes:
+            grave, status = outcomes.index(trial.outcome), str(trial.breakaway.status)
+            why = (status, trial.rejected_by, trial.excluded)[grave]
+            groups.setdefault((grave, 0 if grave else statuses.index(status), why), []).append(trial)
+    for (grave, _, why), alike in sorted(groups.items(), key=lambda group: group[0][:2]):
         names = ", ".join(trial.trial for trial in alike[:_NAMED])
         names += f" and {len(alike) - _NAMED} more" if len(alike) > _NAMED else ""
-        n = counted(len(alike), "trial")
-        if what == "without a force":
-            yield Alert("doubt", f"{n} without a force: {why}", f"{names}. {_advice(Status(why), alike)}")
-        elif what == "rejected":
+        what = f"{counted(len(alike), 'trial')} {outcomes[grave]}"
+        if grave == 0:
+            yield Alert("doubt", f"{what}: {why}", f"{names}. {_advice(Status(why), alike)}")
+        elif grave == 1:
             text = f"{names}. They take no part in the law; look for a physical reason."
-            yield Alert("note", f"{n} rejected by the rule {why} ({_rule_label(why)})", text)
+            yield Alert("note", f"{what} by the rule {why} ({_rule_label(why)})", text)
         else:
-            yield Alert("note", f"{n} excluded: {why}", f"{names}.")
+            yield Alert("note", f"{what}: {why}", f"{names}.")
 
 
 def _rule_label(rule: str) -> str:
@@ -292,17 +284,16 @@ def _facts(run: CampaignRun, evidence: Evidence) -> list[Fact]:
     facts = []
     fit, found = run.answer.fit, run.answer.prediction
     if found is not None:
-        at, level = found.conditions, f"{100 * found.level:g} %"
-        where = (
-            f"on average, for R_w = {plain(1e3 * at.wheel_radius_m[0])} mm, φ = "
-            f"{plain(math.degrees(at.wrap_angle_rad[0]))} deg, F_B = {plain(at.end_tension_N[0])} N, rope of "
-            f"{plain(2e3 * at.rope_radius_m[0])} mm"
-        )
-        mean = f"where the average of many ropes lies; standard error {plain(found.std_N[0], '.2g')} N"
-        one, pull = found.prediction_interval_N[0], "where one pull with a new rope lies"
+        at = found.conditions
+        cells = _setting_cells(at.wheel_radius_m[0], at.wrap_angle_rad[0], at.end_tension_N[0])
+        (wheel, wrap, tension), rope = cells, plain(2e3 * at.rope_radius_m[0])
+        where = f"on average, for R_w = {wheel} mm, φ = {wrap} deg, F_B = {tension} N, rope of {rope} mm"
         facts.append(Fact("Lift force of the design", f"{plain(found.lift_force_N[0], '.5g')} N", where))
+        level, one = f"{100 * found.level:g} %", found.prediction_interval_N[0]
+        mean = f"where the average of many ropes lies; standard error {plain(found.std_N[0], '.2g')} N"
         facts.append(Fact(f"{level} confidence interval", f"{interval(found.interval_N[0])} N", mean))
         if not math.isnan(float(one[0])):
+            pull = "where one pull with a new rope lies"
             facts.append(Fact(f"{level} prediction interval", f"{interval(one)} N", pull))
     facts.append(Fact("Law", f"{fit.law}, {run.answer.verdict.word}", run.answer.verdict.reason))
     unseen, scatter = run.answer.winner.entry.loco_error, fit.statistics.scatter_within
@@ -312,11 +303,9 @@ def _facts(run: CampaignRun, evidence: Evidence) -> list[Fact]:
     if math.isfinite(scatter):
         facts.append(Fact("Scatter between repeats", percent(scatter), "standard deviation of one pull"))
     if evidence.lift is not None:
-        first = evidence.lift.budget.lines[0]
-        name = f"What dominates the {evidence.lift.model.name}"
+        first, name = evidence.lift.budget.lines[0], f"What dominates the {evidence.lift.model.name}"
         facts.append(Fact(name, first.label, f"{percent(first.share, '.0f')} of its variance"))
-    if evidence.plan is not None:
-        plan = evidence.plan
+    if (plan := evidence.plan) is not None:
         value = f"{counted(len(plan), 'condition')}, {counted(len(plan) * plan.repeats, 'pull')}"
         better = f"for a mean law {plain(plan.improvement, '.2g')} times as certain"
         facts.append(Fact("What to measure next", value, better))
@@ -326,48 +315,58 @@ def _facts(run: CampaignRun, evidence: Evidence) -> list[Fact]:
 def _measured_section(run: CampaignRun) -> Section:
     """Return with what was measured, and over which range."""
     campaign, rope = run.campaign, run.campaign.rope
-    of_rope = [f"rope: {plain(2e3 * rope.radius_m)} mm in diameter"]
-    if rope.linear_density_kg_m is not None:
-        of_rope.append(f"{plain(1e3 * rope.linear_density_kg_m)} g/m")
-    if rope.material:
-        of_rope.append(rope.material)
-    wheels = ", ".join(
+    density = rope.linear_density_kg_m
+    weight = "" if density is None else f"{plain(1e3 * density)} g/m"
+    of_rope = (f"rope: {plain(2e3 * rope.radius_m)} mm in diameter", weight, rope.material)
+    wheels = [
         f"{name} R_w = {plain(1e3 * wheel.radius_m)} mm" + (f" ({wheel.material})" if wheel.material else "")
         for name, wheel in campaign.wheels.items()
-    )
-    cells = ", ".join(
+    ]
+    cells = [
         f"{name} to {plain(cell.full_scale_N)} N"
         + (f" ({', '.join(cell.assumed)} assumed, not stated)" if cell.assumed else "")
         for name, cell in campaign.cells.items()
-    )
-    smoothing = campaign.smoothing.mode
-    if campaign.smoothing.window_s:
-        smoothing += f", {plain(1e3 * campaign.smoothing.window_s)} ms"
+    ]
+    window_s = campaign.smoothing.window_s
+    smoothing = campaign.smoothing.mode + (f", {plain(1e3 * window_s)} ms" if window_s else "")
     notes = (
-        ", ".join(of_rope),
-        f"wheels: {wheels}" if wheels else "",
-        f"force cells: {cells}" if cells else "",
+        ", ".join(filter(None, of_rope)),
+        f"wheels: {', '.join(wheels)}" if wheels else "",
+        f"force cells: {', '.join(cells)}" if cells else "",
         f"tested: {', '.join(tested_ranges(run.answer.fit))}",
         f"protocol {campaign.protocol.name}; smoothing {smoothing}; outliers by {campaign.rejection}",
     )
     return Section(notes=tuple(filter(None, notes)))
 
 
-def _tensions(extraction: Extraction) -> tuple[str, str]:
-    """Return the symbols of the tension that is known and of the one that is measured."""
+def _setting_cells(wheel_m: float, wrap_rad: float, known_N: float) -> tuple[str, str, str]:
+    return plain(1e3 * wheel_m), plain(math.degrees(wrap_rad)), plain(known_N)
+
+
+def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section, Section]:
+    """Return all trials that do not count, with what became of them and why; and all conditions.
+
+    Of a condition: how many trials, their mean force, scatter and uncertainty, and which do not count.
+    """
     slack = any(trial.measures_slack for trial in extraction.trials)
-    return ("F_A", "F_B") if slack else ("F_B", "F_A")
-
-
-def _setting_cells(item: ConditionSummary | TrialResult, known_N: float) -> tuple[str, str, str]:
-    return plain(1e3 * item.wheel_radius_m), plain(math.degrees(item.wrap_angle_rad)), plain(known_N)
-
-
-def _conditions_section(extraction: Extraction, evidence: Evidence) -> Section:
-    """Return all conditions: how many trials, their mean force, scatter and uncertainty, and which do not count."""
-    known, measured = _tensions(extraction)
+    known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    place = {name: summary for summary in extraction.conditions for name in summary.trials}
+    gone = {trial.trial: trial for trial in extraction.trials if not trial.kept}
+    counts = count_trials(extraction)
+    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {outcome_words(counts)})"
+    aside = Section(title, ("Every trial gave a force and counts.",))
+    rows: list[tuple[str, ...]] = []
+    headings: tuple[str, ...]
+    if gone:
+        for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
+            fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
+            known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
+            cells = _setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
+            why = _why(trial, place.get(trial.trial))
+            rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
+        headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
+        aside = Section(title, headings=headings, rows=rows, left=2)
     budgets = {item.condition.number: item for item in evidence.measured}
-    gone = {trial.trial for trial in extraction.trials if not trial.kept}
     rows = []
     for number, item in enumerate(extraction.conditions, start=1):
         uncertainty = ("–", "–", "")
@@ -375,17 +374,12 @@ def _conditions_section(extraction: Extraction, evidence: Evidence) -> Section:
             largest = stated.budget.lines[0]
             part = f"{largest.label} ({percent(largest.share, '.0f')})"
             uncertainty = (plain(stated.budget.combined, ".2g"), percent(stated.relative), part)
-        rows.append(
-            (
-                str(number),
-                *_setting_cells(item, item.lift_force_N if known == "F_A" else item.end_tension_N),
-                f"{item.n_kept} of {item.n_recorded}",
-                plain(item.mean_kept_N),
-                plain(item.std_kept_N, ".2g"),
-                *uncertainty,
-                ", ".join(name for name in item.trials if name in gone),
-            )
-        )
+        known_N = item.lift_force_N if slack else item.end_tension_N
+        cells = _setting_cells(item.wheel_radius_m, item.wrap_angle_rad, known_N)
+        forces = plain(item.mean_kept_N), plain(item.std_kept_N, ".2g")
+        not_kept = ", ".join(name for name in item.trials if name in gone)
+        kept = f"{item.n_kept} of {item.n_recorded}"
+        rows.append((str(number), *cells, kept, *forces, *uncertainty, not_kept))
     headings = (
         *("no.", "R_w [mm]", "φ [deg]", f"{known} [N]", "kept", f"mean {measured} [N]", "s [N]"),
         *("u_c [N]", "u_c/mean", "largest part of u_c ", "not kept "),
@@ -394,9 +388,7 @@ def _conditions_section(extraction: Extraction, evidence: Evidence) -> Section:
         f"mean {measured} and s: of the trials kept; u_c: standard uncertainty of that mean, repeats and measuring "
         "chain; every trial stands in trials.csv"
     )
-    return Section(
-        title="Conditions", table=Table(headings=headings, rows=tuple(rows), left=0), notes=(note,)
-    )
+    return aside, Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
 
 
 def _sliding_section(extraction: Extraction) -> Iterator[Section]:
@@ -412,36 +404,7 @@ def _sliding_section(extraction: Extraction) -> Iterator[Section]:
         rows.append((str(number), str(max(n for *_, n in found)), *cells))
     headings = ("no.", "n", *(SUMMARISED[name] for name in shown))
     note = "mean ± s of the kept trials, n of them at most; every trial stands in trials.csv"
-    yield Section(
-        title="Beside the break-away force",
-        table=Table(headings=headings, rows=tuple(rows), left=0),
-        notes=(note,),
-    )
-
-
-def _set_aside_section(extraction: Extraction) -> Section:
-    """Return all trials that do not count: their condition, what became of them, and why."""
-    place = {name: summary for summary in extraction.conditions for name in summary.trials}
-    counts = count_trials(extraction)
-    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {outcome_words(counts)})"
-    known, measured = _tensions(extraction)
-    rows = tuple(
-        (
-            trial.trial,
-            str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome,
-            *_setting_cells(trial, trial.peak_N if trial.measures_slack else trial.end_tension_N),
-            plain(trial.measured_N),
-            _why(trial, place.get(trial.trial)),
-        )
-        for trial in sorted(
-            extraction.trials, key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL
-        )
-        if not trial.kept
-    )
-    if not rows:
-        return Section(title=title, lines=("Every trial gave a force and counts.",))
-    headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-    return Section(title=title, table=Table(headings=headings, rows=rows, left=2))
+    yield Section("Beside the break-away force", headings=headings, rows=rows, left=0, notes=(note,))
 
 
 def _decided_section(extraction: Extraction) -> Iterator[Section]:
@@ -460,8 +423,7 @@ def _decided_section(extraction: Extraction) -> Iterator[Section]:
     )
     if rows:
         headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
-        table = Table(headings=headings, rows=rows, left=1)
-        yield Section(title="Decided by people", table=table)
+        yield Section("Decided by people", headings=headings, rows=rows, left=1)
 
 
 def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
@@ -481,21 +443,18 @@ def _provenance(provenance: Provenance) -> tuple[Block, ...]:
     seeds = ", ".join(f"{name} {seed}" for name, seed in provenance.seeds.items())
     made = ", ".join(f"{name} {number}" for name, number in sorted(provenance.versions.items()))
     notes = (provenance.command, f"versions: {made}", f"seeds: {seeds}")
-    settings = Table(headings=("setting", "value "), rows=tuple(_flat(provenance.settings)))
+    settings = Section(headings=("setting", "value "), rows=[*_flat(provenance.settings)])
     return (
-        Section(title="How to make it again", lines=("in the campaign's folder:",), notes=notes),
-        Section(title="Inputs", table=_hashes((provenance.campaign, provenance.trial_list))),
-        Fold(
-            f"SHA-256 of the {len(provenance.recordings)} recordings",
-            Section(table=_hashes(provenance.recordings)),
-        ),
-        Fold("All settings, defaults filled in, in SI", Section(table=settings)),
+        Section("How to make it again", ("in the campaign's folder:",), notes=notes),
+        _hashes((provenance.campaign, provenance.trial_list), "Inputs"),
+        Fold(f"SHA-256 of the {len(provenance.recordings)} recordings", _hashes(provenance.recordings)),
+        Fold("All settings, defaults filled in, in SI", settings),
     )
 
 
-def _hashes(files: Iterable[InputFile]) -> Table:
-    rows = tuple((item.path, item.sha256 or "could not be read") for item in files)
-    return Table(headings=("file", "SHA-256 "), rows=rows)
+def _hashes(files: Iterable[InputFile], title: str = "") -> Section:
+    rows = [(item.path, item.sha256 or "could not be read") for item in files]
+    return Section(title, headings=("file", "SHA-256 "), rows=rows)
 
 
 def _flat(tree: Mapping[str, Any], stem: str = "") -> Iterator[tuple[str, str]]:

@@ -3,7 +3,6 @@
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from ropefric.accuracy.measure import Machine, StudyResult
@@ -13,17 +12,14 @@ from ropefric.plotting.figure import save_figure
 from ropefric.plotting.svg import svg_text
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import Chapter, Picture, Report, as_html
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, plain
 
 TITLE = "What accuracy costs in time"
 
 _CAPTION = "Time of one call over its error; the thick grey line joins the settings that no other beats."
+_LEAD = "How long a call takes for how small an error, and which method is the cheapest for it."
 _WORTH_A_NOTE = 0.05
 _POWER = re.compile(r"(?<=\de)-(?=\d)")
-_OVERVIEW = (
-    "first the cheapest way to an accuracy in the ordinary case of each study; where ropefric does something dearer, "
-    "it is for the sake of the other cases, which follow"
-)
 _ASKED = (1e-2, 1e-4, 1e-8, 1e-12)
 
 
@@ -34,52 +30,58 @@ def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Sec
     )
     if any(result.quick for result in results):
         how += "; a quick look: some settings only, and little time for each"
-    lines = (f"measured on {machine.line}", how, *((_OVERVIEW,) if results else ()))
-    head = Section(title="", lines=lines, table=_overview(results))
-    return (head, *(_study_section(result) for result in results))
-
-
-def _overview(results: Sequence[StudyResult]) -> Table | None:
-    """Return which method is cheapest at each of a few accuracies, in the ordinary case of each study."""
+    lines = [f"measured on {machine.line}", how]
     if not results:
-        return None
+        return (Section(lines=lines),)
+    lines.append(
+        "first the cheapest way to an accuracy in the ordinary case of each study; where ropefric does something "
+        "dearer, it is for the sake of the other cases, which follow"
+    )
     rows = []
     for result in results:
         found = dict(result.cheapest(result.study.cases[0].name))
         best = (point and f"{point.name}: {time_text(point.seconds)}" for point in map(found.get, _ASKED))
         rows.append((result.study.name, result.study.used or "–", *(cell or "–" for cell in best)))
     headings = ("study", "what ropefric does", *(f"cheapest to {_power(one)} " for one in _ASKED))
-    return Table(headings=headings, rows=tuple(rows), left=2)
+    return (Section("", lines, headings, rows, 2), *map(_study_section, results))
 
 
 def _study_section(result: StudyResult) -> Section:
+    """Return a study: its question, the cheapest setting of each case for each accuracy, equal rows in one."""
     study = result.study
     lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}")
-    cases = tuple(f"{case.name}: {case.title}" for case in study.cases)
+    cases = [f"{case.name}: {case.title}" for case in study.cases]
+    groups: dict[tuple[str, ...], list[float]] = {}
+    for row in zip(*(result.cheapest(case.name) for case in study.cases), strict=True):
+        if any(point is not None for _, point in row):
+            groups.setdefault(tuple(_cell(point) for _, point in row), []).append(row[0][0])
     notes = list(result.findings)
     if result.unsteady > _WORTH_A_NOTE:
         notes.append(
             f"{100 * result.unsteady:.0f} % of the times spread by more than half: the machine was busy with other "
             "work, and close ranks may be chance. Measure again when it is idle."
         )
-    return Section(
-        title=f"{study.name}: {study.title}",
-        lines=(*lines, *cases),
-        table=_cheapest_table(result),
-        notes=tuple(notes),
-    )
+    title = f"{study.name}: {study.title}"
+    if result.points and result.points[0].shares:
+        return Section(title, (*lines, *cases), *_shares_table(result), 2, notes=notes)
+    headings = ("accuracy", *(f"{case.name} " for case in study.cases))
+    rows = [(_span(accuracies), *cells) for cells, accuracies in groups.items()]
+    return Section(title, (*lines, *cases), headings, rows, notes=notes)
 
 
-def _cheapest_table(result: StudyResult) -> Table:
-    """Return the cheapest setting of each case for each accuracy, equal rows in one."""
-    cases = [case.name for case in result.study.cases]
-    columns = [result.cheapest(case) for case in cases]
-    groups: dict[tuple[str, ...], list[float]] = {}
-    for row in zip(*columns, strict=True):
-        if any(point is not None for _, point in row):
-            groups.setdefault(tuple(_cell(point) for _, point in row), []).append(row[0][0])
-    rows = tuple((_span(accuracies), *cells) for cells, accuracies in groups.items())
-    return Table(headings=("accuracy", *(f"{case} " for case in cases)), rows=rows)
+def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
+    names = [name for name in result.points[0].shares if name != "recordings"]
+    rows = []
+    for point in result.points:
+        shares = (plain(100.0 * point.shares[name], ".0f") for name in names)
+        errors = (
+            plain(100.0 * one, "+.2g" if one is point.bias else ".2g")
+            for one in (point.bias, point.noise, point.error)
+        )
+        rows.append((point.case, point.name, *shares, *errors, time_text(point.seconds)))
+    percent = (f"{name.replace('_', ' ')} [%]" for name in (*names, "bias", "scatter", "95 %"))
+    return ("case", "picker", *percent, "time"), rows
 
 
 def _span(accuracies: list[float]) -> str:
@@ -100,32 +102,32 @@ def _cell(point: Measured | None) -> str:
 def cost_markdown(results: Sequence[StudyResult], machine: Machine) -> str:
     r"""Return the page as Markdown; the figures stand beside it as NAME.png."""
     head, *studies = cost_sections(results, machine)
-    overview = () if head.table is None else (_markdown_table(head.table),)
-    parts = [f"# {TITLE}\n\n" + "\n\n".join((*head.lines, *overview)) + "\n"]
+    parts = [f"# {TITLE}\n\n" + "\n\n".join((*head.lines, *_markdown_table(head))) + "\n"]
     for result, section in zip(results, studies, strict=True):
         name = result.study.name
+        cases, notes = (
+            "\n".join(f"- {line}" for line in lines) for lines in (section.lines[3:], section.notes)
+        )
+        figure, table = f"![{name}]({name}.png)", _markdown_table(section) if section.rows else ()
         blocks = [
             f"## {section.title}",
             *section.lines[:3],
-            _items(section.lines[3:]),
-            f"![{name}]({name}.png)",
+            cases,
+            figure,
+            *table,
+            *([notes] if notes else []),
         ]
-        if section.table is not None and section.table.rows:
-            blocks.append(_markdown_table(section.table))
-        if section.notes:
-            blocks.append(_items(section.notes))
         parts.append("\n\n".join(blocks) + f"\n\nAll numbers: [{name}.csv]({name}.csv)\n")
     return "\n".join(parts)
 
 
-def _items(lines: Sequence[str]) -> str:
-    return "\n".join(f"- {line}" for line in lines)
-
-
-def _markdown_table(table: Table) -> str:
-    head = "| " + " | ".join(heading.rstrip() for heading in table.headings) + " |"
-    rule = "|" + "---|" * len(table.headings)
-    return "\n".join([head, rule, *("| " + " | ".join(row) + " |" for row in table.rows)])
+def _markdown_table(section: Section) -> tuple[str, ...]:
+    if not section.headings:
+        return ()
+    head, *rows = (
+        "| " + " | ".join(row) + " |" for row in (map(str.rstrip, section.headings), *section.rows)
+    )
+    return ("\n".join([head, "|" + "---|" * len(section.headings), *rows]),)
 
 
 def write_cost(
@@ -142,17 +144,10 @@ def write_cost(
         written = save_figure(drawn, target, name)
         target.publish(name)
         picture = Picture(name, svg_text(drawn, stem=name), _CAPTION, (written[-1].name,))
-        chapters.append(Chapter(name, section.title, (picture, replace(section, title=""))))
+        chapters.append(Chapter(name, section.title, (picture, section._replace(title=""))))
         paths += written
-    page = as_html(
-        Report(
-            TITLE,
-            "How long a call takes for how small an error, and which method is the cheapest for it.",
-            tuple(chapters),
-        )
-    )
     # No line ends within a power of ten: a word joiner behind each minus.
-    page = _POWER.sub("-\u2060", page)
+    page = _POWER.sub("-\u2060", as_html(Report(TITLE, _LEAD, tuple(chapters))))
     paths += target.write({"cost.md": cost_markdown(results, machine), "cost.html": page})
     target.publish("page")
     return tuple(paths)

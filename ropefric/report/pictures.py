@@ -1,8 +1,8 @@
 """The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
 
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from functools import partial
-from typing import NamedTuple
 
 from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
@@ -10,7 +10,7 @@ from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignAnswer, CampaignRun
 from ropefric.plotting.conditions import conditions_of, draw_condition
 from ropefric.plotting.design_chart import draw_design_chart
-from ropefric.plotting.figure import FigureWithData, save_figure
+from ropefric.plotting.figure import FigureWithData, begin, figure_files
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
 from ropefric.plotting.overview import draw_overview
 from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
@@ -25,14 +25,9 @@ _LAWS = 4
 _FLAGGED = 4
 _SWEPT = ("wrap_angle_rad", "end_tension_N", "wheel_radius_m")
 
-
-class Drawing(NamedTuple):
-    """A figure to be drawn."""
-
-    chapter: str
-    stem: str
-    draw: Callable[[], FigureWithData]
-    caption: str
+Draw = Callable[[], FigureWithData]
+Drawings = Iterator[tuple[str, str, str, Draw]]
+"""Chapter, name and caption of figures, and what draws each."""
 
 
 def draw_pictures(
@@ -40,31 +35,40 @@ def draw_pictures(
     evidence: Evidence,
     folder: Folder,
     *,
+    executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> dict[str, list[Picture]]:
     """Return the figures of a report by chapter, and write the CSV files of their numbers into a folder."""
     drawings = [*_of_trials(run.extraction), *_of_laws(run.answer), *_of_design(evidence)]
-    found: dict[str, list[Picture]] = {}
-    for done, drawing in enumerate(drawings, start=1):
-        drawn = drawing.draw()
-        paths = save_figure(drawn, folder, f"{FOLDER}/{drawing.stem}", formats=())
-        files = tuple(f"{FOLDER}/{path.name}" for path in paths)
-        picture = Picture(drawing.stem, svg_text(drawn, stem=drawing.stem), drawing.caption, files)
-        found.setdefault(drawing.chapter, []).append(picture)
+    drawn = begin({stem: partial(_drawn, stem, draw) for _, stem, _, draw in drawings}, executor)
+    made: dict[str, tuple[str, tuple[str, ...]]] = {}
+    for done, (stem, (svg, files)) in enumerate(drawn(), start=1):
+        # Workers draw, and this process alone writes.
+        made[stem] = svg, tuple(f"{FOLDER}/{path.name}" for path in folder.write(files))
         if progress is not None:
-            progress(done, len(drawings), drawing.stem)
+            progress(done, len(drawings), stem)
+    found: dict[str, list[Picture]] = {}
+    for chapter, stem, caption, _ in drawings:
+        svg, names = made[stem]
+        found.setdefault(chapter, []).append(Picture(stem, svg, caption, names))
     return found
 
 
-def _of_trials(extraction: Extraction) -> Iterator[Drawing]:
+def _drawn(stem: str, draw: Draw) -> tuple[str, dict[str, bytes]]:
+    figure = draw()
+    files = figure_files(figure, f"{FOLDER}/{stem}", formats=())
+    return svg_text(figure, stem=stem), files
+
+
+def _of_trials(extraction: Extraction) -> Drawings:
     """Give the overview of a campaign, and the repeatability of the conditions that are worth a look."""
     caption = "Every trial against every check: where a column has a mark, the recording wants a look."
-    yield Drawing("trials", "overview", partial(draw_overview, extraction), caption)
+    yield "trials", "overview", caption, partial(draw_overview, extraction)
     conditions = list(conditions_of(extraction).items())
     for place, why in chosen_conditions(extraction):
-        stem, (summary, trials) = conditions[place]
+        stem, item = conditions[place]
         caption = f"Repeatability of condition {place + 1}: {why}."
-        yield Drawing("trials", stem, partial(draw_condition, summary, trials, traces=False), caption)
+        yield "trials", stem, caption, partial(draw_condition, *item, traces=False)
 
 
 def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
@@ -74,7 +78,7 @@ def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
     """
     conditions = extraction.conditions
     gone = [item.n_recorded - item.n_kept for item in conditions]
-    worst = sorted(range(len(conditions)), key=lambda place: (-gone[place], place))[:_FLAGGED]
+    worst = sorted(range(len(conditions)), key=lambda place: -gone[place])[:_FLAGGED]
     found = {
         place: f"{gone[place]} of {conditions[place].n_recorded} trials not kept"
         for place in worst
@@ -91,48 +95,39 @@ def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
     return tuple(found.items())
 
 
-def _of_laws(answer: CampaignAnswer) -> Iterator[Drawing]:
+def _of_laws(answer: CampaignAnswer) -> Drawings:
     """Give what tells whether the trials obey the capstan equation, and how good the law that is used is."""
     fit = answer.fit
     others = [other for other in answer.fits if other.law not in {fit.law, "constant"}]
     euler = [other for other in answer.fits if other.law == "constant" != fit.law]
     fits = [fit, *others[: _LAWS - 2], *euler]
-    moved = [name for name in _SWEPT if fit.validity[name][1] > fit.validity[name][0]] or [_SWEPT[0]]
-    yield Drawing(
-        "friction",
-        "mu_facets",
-        partial(draw_mu_facets, fits),
-        "Average coefficient of friction of every condition against end tension, wrap and wheel radius. By the "
-        "capstan equation there would be one level line.",
+    caption = (
+        "Average coefficient of friction of every condition against end tension, wrap and wheel radius. By the capstan "
+        "equation there would be one level line."
     )
-    yield Drawing(
-        "friction",
-        "capstan",
-        partial(draw_capstan, fits),
+    yield "friction", "mu_facets", caption, partial(draw_mu_facets, fits)
+    caption = (
         "ln(F_A/F_B) against the wrap. By the capstan equation all points would lie on one straight line through the "
-        "origin.",
+        "origin."
     )
-    for name in moved:
+    yield "friction", "capstan", caption, partial(draw_capstan, fits)
+    for name in [name for name in _SWEPT if fit.validity[name][1] > fit.validity[name][0]] or _SWEPT[:1]:
         title = REGRESSORS[name][0]
-        yield Drawing(
-            "bands",
-            f"fit_over_{title.replace(' ', '_')}",
-            partial(draw_fit_band, fit, over=name),
+        caption = (
             f"The law over the {title}: the inner band holds the mean law, the outer one a pull with a new rope; "
-            "hatched: outside what was tested.",
+            "hatched: outside what was tested."
         )
-    yield Drawing(
-        "residuals",
-        "residuals",
-        partial(draw_residuals, fit),
+        yield "bands", f"fit_over_{title.replace(' ', '_')}", caption, partial(draw_fit_band, fit, over=name)
+    caption = (
         "Residuals over their standard deviation. If all is right they have no trend, one in twenty lies beyond ±2, "
-        "and they follow the line of the normal quantiles.",
+        "and they follow the line of the normal quantiles."
     )
+    yield "residuals", "residuals", caption, partial(draw_residuals, fit)
     caption = "All laws by AICc, with their weight and their error at conditions they have not seen."
-    yield Drawing("ladder", "ladder", partial(draw_ladder, answer.comparison), caption)
+    yield "ladder", "ladder", caption, partial(draw_ladder, answer.comparison)
 
 
-def _of_design(evidence: Evidence) -> Iterator[Drawing]:
+def _of_design(evidence: Evidence) -> Drawings:
     """Give the budgets, what the design is sensitive to, and its neighbours, as far as there are any."""
     typical = f"the measured force of condition {evidence.typical_number}"
     for stated, stem, what in (
@@ -143,22 +138,16 @@ def _of_design(evidence: Evidence) -> Iterator[Drawing]:
             model, budget = stated.model, stated.budget
             rows = [(line.name, line.contribution) for line in budget.lines if line.contribution > 0.0]
             draw = partial(draw_budget, rows, unit=model.unit, title=model.symbol, combined=budget.combined)
-            yield Drawing(
-                stem, stem, draw, f"What makes up the standard uncertainty of {what}, largest first."
-            )
+            yield stem, stem, f"What makes up the standard uncertainty of {what}, largest first.", draw
     if evidence.swings:
-        yield Drawing(
-            "tornado",
-            "tornado",
-            partial(draw_tornado, evidence.swings),
+        caption = (
             "What the lift force of the design does when one input changes: settings by 5 % of themselves, law and rope "
-            "from end to end of their intervals.",
+            "from end to end of their intervals."
         )
+        yield "tornado", "tornado", caption, partial(draw_tornado, evidence.swings)
     if (chart := evidence.chart) is not None:
-        yield Drawing(
-            "design",
-            "design_chart",
-            partial(draw_design_chart, chart),
+        caption = (
             f"Lift force over the wrap at F_B = {chart.end_tension_N:.4g} N: solid the mean law, dashed what "
-            f"{100 * chart.probability:g} % of pulls with a new rope exceed; pale: outside what was tested.",
+            f"{100 * chart.probability:g} % of pulls with a new rope exceed; pale: outside what was tested."
         )
+        yield "design", "design_chart", caption, partial(draw_design_chart, chart)

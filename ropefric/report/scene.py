@@ -2,62 +2,59 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ropefric.glossary import GLOSSARY
-from ropefric.report.section import Section, Table
+from ropefric.report.section import Section, plain
 
 if TYPE_CHECKING:
-    from ropefric.scenes.kind import Part
-    from ropefric.scenes.plan import Decision, Explanation
+    from ropefric.scenes.plan import Decision, Explanation, Plan
     from ropefric.scenes.solve import Solution, Uncertain
     from ropefric.scenes.sweep import Sweep
 
 
 _NAMED = 4
+_SHOWN_POINTS = 20
 
 
 def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Section]:
     """Return what a scene's answer is, how sure, and what was simulated for it; `tree` is its `to_dict()`."""
-    scene = solution.scene
+    scene, plan = solution.scene, solution.plan
     lines = [] if scene.source is None else [f"friction: {scene.source.origin}"]
     # What belongs to one of many rollers or sides stands in that machine's own tables.
     whole = [quantity for quantity in solution.quantities if "." not in quantity.name]
-    answer = Section(
-        title=f"{scene.kind.name}: {scene.document.path}",
-        lines=tuple(lines),
-        table=quantities_table(whole, solution.level, scene.kind.words) if whole else None,
-        notes=solution.warnings,
+    headings, rows = _quantities(whole, solution.level, scene.kind.words) if whole else ((), ())
+    title = f"{scene.kind.name}: {scene.document.path}"
+    bound = "not known" if math.isinf(plan.error_bound) else f"at most {plan.error_bound:.2g}"
+    simulated = (
+        f"effects: {', '.join(plan.simulated) or 'none'}",
+        f"left out: {', '.join(plan.left_out) or 'none'}",
+        f"method: {_method(plan)}",
+        f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
     )
     return [
-        answer,
-        *map(_section, scene.kind.sections(tree)),
-        Section(title="Simulated", lines=plan_lines(solution)),
+        Section(title, lines, headings, rows, notes=solution.warnings),
+        *(Section(**part._asdict()) for part in scene.kind.sections(tree)),
+        Section("Simulated", simulated),
     ]
 
 
-def _section(part: "Part") -> Section:
-    table = Table(headings=part.headings, rows=part.rows, left=part.left) if part.headings else None
-    return Section(title=part.title, lines=part.lines, table=table, notes=part.notes)
-
-
-def quantities_table(quantities: Sequence["Uncertain"], level: float, words: Mapping[str, str]) -> Table:
-    """Return the numbers of an answer with their uncertainty, if any has one."""
+def _quantities(
+    quantities: Sequence["Uncertain"], level: float, words: Mapping[str, str]
+) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Return headings and rows of the numbers of an answer, with their uncertainty if any has one."""
     uncertain = any(quantity.std[0] != 0.0 for quantity in quantities)
-    headings: tuple[str, ...] = ("quantity", "value") + (
-        ("standard error", f"{100 * level:g} % interval ") if uncertain else ()
-    )
     rows = []
     for quantity in quantities:
         cells = [words.get(quantity.name) or _label(quantity.name), f"{quantity.value[0]:.6g}"]
         if uncertain:
             low, high = quantity.interval[0]
-            spread = math.isfinite(quantity.std[0])
-            cells += [f"{quantity.std[0]:.2g}", f"{low:.5g} … {high:.5g}"] if spread else ["not known", ""]
-        rows.append(tuple(cells))
-    return Table(headings=headings, rows=tuple(rows))
+            known = math.isfinite(quantity.std[0])
+            cells += [f"{quantity.std[0]:.2g}", f"{low:.5g} … {high:.5g}"] if known else ["not known", ""]
+        rows.append(cells)
+    headings = ("quantity", "value", "standard error", f"{100 * level:g} % interval ")
+    return headings[: 4 if uncertain else 2], rows
 
 
 def _label(name: str) -> str:
@@ -69,55 +66,30 @@ def _label(name: str) -> str:
     return f"{path}: {words}" if path else words
 
 
-def plan_lines(solution: "Solution") -> tuple[str, ...]:
-    """Return in words what was simulated, what was not, and how far that may be from everything."""
-    plan = solution.plan
-    bound = "not known" if math.isinf(plan.error_bound) else f"at most {plan.error_bound:.2g}"
-    return (
-        f"effects: {', '.join(plan.simulated) or 'none'}",
-        f"left out: {', '.join(plan.left_out) or 'none'}",
-        f"method: {plan.method.name}{_settings(plan.method.settings)}",
-        f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
-    )
-
-
-def _settings(settings: Mapping[str, float]) -> str:
-    if not settings:
-        return ""
-    return " (" + ", ".join(f"{name} {value:g}" for name, value in settings.items()) + ")"
+def _method(plan: "Plan") -> str:
+    settings = ", ".join(f"{name} {value:g}" for name, value in plan.method.settings.items())
+    return f"{plan.method.name} ({settings})" if settings else plan.method.name
 
 
 def explanation_sections(told: "Explanation") -> list[Section]:
     """Return the table of effects and the method, with what was measured if anything was."""
-    headings: tuple[str, ...] = ("effect", "fate ", "worth at most")
-    if told.is_measured:
-        headings += ("measured worth", "share of time")
-    rows = []
-    for decision in told.plan.decisions:
-        cells = [decision.name, decision.fate, _bound(decision)]
-        if told.is_measured:
-            cells += _measured(decision)
-        rows.append(tuple(cells))
     plan = told.plan
+    rows = [[one.name, one.fate, _bound(one)] for one in plan.decisions]
     bound = "not known" if math.isinf(plan.error_bound) else f"{plan.error_bound:.2g}"
     lines = [
         f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
-        f"method: {plan.method.name}{_settings(plan.method.settings)}: {plan.method.why}",
+        f"method: {_method(plan)}: {plan.method.why}",
     ]
     if told.is_measured:
-        lines.append(
-            f"measured: difference {told.difference:.2g}; {_time(told.planned_s)} as planned, "
-            f"{_time(told.all_s)} with everything"
-        )
-    notes = tuple(f"{one.name}: {_why(one)}" for one in plan.decisions)
-    return [
-        Section(
-            title=f"Effects of this {told.system} scene",
-            lines=tuple(lines),
-            table=Table(headings=headings, rows=tuple(rows), left=2),
-            notes=notes,
-        )
-    ]
+        for row, one in zip(rows, plan.decisions, strict=True):
+            share = "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"
+            row += [plain(one.worth, ".2g"), share]
+        times = f"{_time(told.planned_s)} as planned, {_time(told.all_s)} with everything"
+        lines.append(f"measured: difference {told.difference:.2g}; {times}")
+    headings = ("effect", "fate ", "worth at most", "measured worth", "share of time")
+    shown = headings[: 5 if told.is_measured else 3]
+    notes = [f"{one.name}: {_why(one)}" for one in plan.decisions]
+    return [Section(f"Effects of this {told.system} scene", lines, shown, rows, 2, notes)]
 
 
 def _why(decision: "Decision") -> str:
@@ -131,23 +103,11 @@ def _why(decision: "Decision") -> str:
 def _bound(decision: "Decision") -> str:
     if decision.fate == "not applicable":
         return "–"
-    if math.isinf(decision.bound):
-        return "not known"
-    return "0" if decision.bound == 0.0 else f"{decision.bound:.2g}"
-
-
-def _measured(worth: "Decision") -> list[str]:
-    return [
-        "–" if math.isnan(worth.worth) else f"{worth.worth:.2g}",
-        "–" if math.isnan(worth.time_share) else f"{100 * worth.time_share:.0f} %",
-    ]
+    return "not known" if math.isinf(decision.bound) else f"{decision.bound:.2g}"
 
 
 def _time(seconds: float) -> str:
     return f"{1e6 * seconds:.0f} µs" if seconds < 1e-3 else f"{1e3 * seconds:.3g} ms"
-
-
-_SHOWN_POINTS = 20
 
 
 def sweep_sections(sweep: "Sweep") -> list[Section]:
@@ -159,31 +119,17 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
         lines.append(f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}")
     total = math.prod(sweep.shape)
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
-    if total <= _SHOWN_POINTS:
-        return [Section(title=title, lines=tuple(lines), table=_points(sweep), notes=sweep.warnings)]
-    rows = []
-    for name, values in sweep.columns.items():
-        found = values[~np.isnan(values)]
-        rows.append((_label(name), f"{found.min():.6g}", f"{found.max():.6g}"))
-    return [
-        Section(
-            title=title,
-            lines=tuple(lines),
-            table=Table(headings=("quantity", "lowest", "highest"), rows=tuple(rows)),
-            notes=sweep.warnings,
-        )
-    ]
-
-
-def _points(sweep: "Sweep") -> Table:
+    labels = [_label(name) for name in sweep.columns]
+    rows: list[tuple[str, ...]]
+    if total > _SHOWN_POINTS:
+        found = (values[values == values] for values in sweep.columns.values())  # noqa: PLR0124  (without NaN)
+        rows = [(label, f"{x.min():.6g}", f"{x.max():.6g}") for label, x in zip(labels, found, strict=True)]
+        headings: Sequence[str] = ("quantity", "lowest", "highest")
+        return [Section(title, lines, headings, rows, notes=sweep.warnings)]
     headings = [f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes]
-    rows = []
-    for place in range(math.prod(sweep.shape)):
-        cells, rest = [], place
-        for axis in reversed(sweep.axes):
-            rest, own = divmod(rest, axis.values.size)
-            cells.append(f"{axis.values[own] / axis.factor:.6g}")
-        cells.reverse()
-        cells += [f"{values[place]:.6g}" for values in sweep.columns.values()]
-        rows.append(tuple(cells))
-    return Table(headings=(*headings, *(_label(name) for name in sweep.columns)), rows=tuple(rows), left=0)
+    points = product(*((axis.values / axis.factor).tolist() for axis in sweep.axes))
+    rows = [
+        tuple(f"{value:.6g}" for value in (*point, *answers))
+        for point, *answers in zip(points, *sweep.columns.values(), strict=True)
+    ]
+    return [Section(title, lines, [*headings, *labels], rows, left=0, notes=sweep.warnings)]

@@ -5,35 +5,30 @@ The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` 
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from textwrap import wrap
+from typing import Any, NamedTuple
 
 WIDTH = 110
 """Columns that sentences are folded to."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
-    """Cells as text under headings; the first `left` columns, and the last if its heading ends in a space, are words."""
+class Section(NamedTuple):
+    """A heading with lines of text, and at most one table between them: cells as text under headings.
 
-    headings: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    Of the table the first `left` columns are words, and those whose heading ends in a space; the others are numbers.
+    """
+
+    title: str = ""
+    lines: Sequence[str] = ()
+    headings: Sequence[str] = ()
+    rows: Sequence[Sequence[str]] = ()
     left: int = 1
+    notes: Sequence[str] = ()
+    verbatim: bool = False
 
     def is_words(self, column: int) -> bool:
         """Return whether a column holds words and not numbers."""
         return column < self.left or self.headings[column].endswith(" ")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Section:
-    """A heading with lines of text and at most one table between them."""
-
-    title: str = ""
-    lines: tuple[str, ...] = ()
-    table: Table | None = None
-    notes: tuple[str, ...] = ()
-    verbatim: bool = False
 
 
 def plain(value: float | None, form: str = ".4g") -> str:
@@ -78,32 +73,18 @@ def _text_lines(section: Section) -> list[str]:
     lines = [section.title] if section.title else []
     for line in section.lines:
         lines += [f"{indent}{line}"] if section.verbatim else _folded(line, indent)
-    if section.table is not None:
-        lines += [f"{indent}{line}" for line in _aligned(section.table)]
+    if section.headings:
+        rows = [tuple(heading.rstrip() for heading in section.headings), *section.rows]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        forms = [f"{'<' if section.is_words(place) else '>'}{width}" for place, width in enumerate(widths)]
+        for row in rows:
+            cells = (f"{cell:{form}}" for cell, form in zip(row, forms, strict=True))
+            lines.append(f"{indent}{'  '.join(cells)}".rstrip())
     return lines + [part for note in section.notes for part in _folded(f"- {note}", indent)]
 
 
 def _folded(line: str, indent: str) -> list[str]:
     """Return a line folded at blanks, what follows standing a little further in than its beginning."""
     inner = indent + " " * (len(line) - len(line.lstrip(" -")))
-    folded = wrap(
-        line,
-        WIDTH,
-        initial_indent=indent,
-        subsequent_indent=inner,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    return folded or [""]
-
-
-def _aligned(table: Table) -> list[str]:
-    rows = [tuple(heading.rstrip() for heading in table.headings), *table.rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    sides = ["<" if table.is_words(column) else ">" for column in range(len(widths))]
-    return [
-        "  ".join(
-            f"{cell:{side}{width}}" for cell, side, width in zip(row, sides, widths, strict=True)
-        ).rstrip()
-        for row in rows
-    ]
+    whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+    return wrap(line, WIDTH, initial_indent=indent, subsequent_indent=inner, **whole) or [""]

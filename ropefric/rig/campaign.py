@@ -11,13 +11,15 @@ from pathlib import Path
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.files.write import write_file
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.registry import did_you_mean
 from ropefric.rig.bench import Bench
 from ropefric.rig.mechanics import RIG_PROTOCOLS, RecordingTruth
+from ropefric.rig.pulls import PHYSICS
 from ropefric.rig.recording import FAULTS, SATURATION_MARGIN, SimulatedRecording, simulate_recording
 
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
@@ -53,9 +55,12 @@ class CampaignPlan:
     unseen: tuple[RigCondition, ...] = ()
     rope_linear_density_kg_m: float = 0.062
     repeats: int = 12
-    faults: Mapping[str, float] = field(default_factory=lambda: {f.name: f.rate for f in FAULTS.values()})
+    faults: Mapping[str, float] = field(
+        default_factory=lambda: {fault.name: fault.rate for fault in FAULTS.values() if fault.rate}
+    )
     bench: Bench = field(default_factory=Bench)
     protocol: str = "breakaway"
+    physics: str = "coulomb"
 
     def __post_init__(self) -> None:
         if not self.conditions or self.repeats < 1:
@@ -77,6 +82,17 @@ class CampaignPlan:
                 raise InputError(f"fault '{name}': rate {rate:g} is not between 0 and 1", key="faults")
             if rate > 0.0:
                 fault.check_protocol(RIG_PROTOCOLS[self.protocol].name)
+        known = ("coulomb", *PHYSICS)
+        if self.physics not in known:
+            raise UnknownNameError(
+                f"unknown physics {self.physics!r}", key="physics", fix=did_you_mean(self.physics, known)
+            )
+        if self.physics != "coulomb" and self.protocol != "breakaway":
+            raise InputError(
+                f"physics '{self.physics}' does not go with protocol '{self.protocol}'",
+                key="physics",
+                fix="use physics 'coulomb', or protocol 'breakaway'",
+            )
         self.lift_force_N(self.conditions)
 
     @property
@@ -182,7 +198,7 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
     dealt: list[list[str]] = [[] for _ in range(law_N.size)]
     spoilt = np.zeros(law_N.size, dtype=bool)
     for name, rate in plan.faults.items():
-        mechanical = (FAULTS[name].on_pull or FAULTS[name].on_setup) is not None
+        mechanical = FAULTS[name].is_mechanical
         can = ~spoilt if mechanical else np.ones_like(spoilt)
         if name == "saturation":
             # The honest cause is a cell too small for the force; only where there is none does a rope jam. Whole
@@ -207,6 +223,7 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
         rng=np.random.default_rng([seed, 2, trial.index]),
         faults=trial.faults,
         protocol=plan.protocol,
+        physics=plan.physics,
         cell=trial.cell,
     )
     buffer = io.BytesIO()
@@ -345,6 +362,7 @@ def _truth_lines(
         schema=TRUTH_SCHEMA,
         simulated=True,
         seed=seed,
+        **({} if plan.physics == "coulomb" else {"physics": plan.physics}),
         law=plan.law,
         parameters={name: float(value) for name, value in plan.parameters.items()},
         rope_radius_m=0.5 * plan.rope_diameter_m,

@@ -1,8 +1,7 @@
 """What the second rig's sensor and logger make of the spring's force, and everything that goes wrong on the way."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from math import nan
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,23 +9,9 @@ import scipy.signal
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.rig.dynamics import Motion, Slider, stops
+from ropefric.rig.pulls import Truth
 from ropefric.traces.breakaway import Status
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Truth:
-    """What is true of a recording: its status, and F_A and its time where there is one.
-
-    F_A is the largest noise-free force of the spring between the onset of macroscopic slip (which goes on for many
-    micro-slip lengths) and its first fall. `fall_N` is that fall; `partial_s` are the partial slips before it.
-    """
-
-    status: Status
-    peak_N: float = nan
-    time_s: float = nan
-    fall_N: float = nan
-    partial_s: tuple[float, ...] = ()
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -36,26 +21,40 @@ class Take:
     rng: np.random.Generator
     drawn: dict[str, Any]
     slider: Slider
-    truth: Truth = Truth(status=Status.OK)
+    truth: Truth
     time_s: FloatArray = field(default_factory=lambda: np.empty(0))
     force_N: FloatArray = field(default_factory=lambda: np.empty(0))
     counts: FloatArray | None = None
     calibration: Calibration | None = None
 
 
-def _touched(take: Take, heights: tuple[float, float], lasting_s: tuple[float, float], *, shape: str) -> None:
-    """Let something push on the rope before it is pulled; the force returns to where it was."""
-    begins_s = _pull_s(take.slider)
-    lasting = min(float(np.exp(take.rng.uniform(*np.log(lasting_s)))), 0.7 * begins_s)
-    at_s = take.rng.uniform(0.1, 0.95) * (begins_s - lasting)
-    part = (take.time_s - at_s) / lasting
-    inside = (part > 0.0) & (part < 1.0)
-    if shape == "sine":
-        form = np.sin(np.pi * part)
-    else:  # up, held for a while, let go
-        up, down = np.sort(take.rng.uniform(0.1, 0.95, 2))
-        form = np.clip(np.minimum(part / up, (1.0 - part) / (1.0 - down)), 0.0, 1.0)
-    take.force_N = take.force_N + np.where(inside, take.rng.uniform(*heights) * _size_N(take) * form, 0.0)
+def touched(
+    time_s: FloatArray, rng: np.random.Generator, before_s: float, lasting_s: tuple[float, float]
+) -> tuple[FloatArray, float]:
+    """Return what something that pushes on the rope before it is pulled adds, 0 to 1, and when it begins [s].
+
+    Longer than 50 ms it is a snag, which is pulled up, holds for a while and lets go; shorter, an impact, half a sine.
+    """
+    lasting = min(float(np.exp(rng.uniform(*np.log(lasting_s)))), 0.7 * before_s)
+    at_s = rng.uniform(0.1, 0.95) * (before_s - lasting)
+    part = np.clip((time_s - at_s) / lasting, 0.0, 1.0)
+    up, down = np.sort(rng.uniform(0.1, 0.95, 2))
+    snag = np.minimum(part / up, (1.0 - part) / (1.0 - down)).clip(0.0, 1.0)
+    return snag if lasting_s[1] > SNAG_S[0] else np.sin(np.pi * part) * (part < 1.0), at_s
+
+
+SNAG_S, IMPACT_S = (0.05, 0.8), (0.006, 0.03)
+
+
+def _snag(take: Take) -> None:
+    form, at_s = touched(take.time_s, take.rng, _pull_s(take.slider), SNAG_S)
+    room_N = _size_N(take) - float(np.interp(at_s, take.time_s, take.force_N))
+    take.force_N = take.force_N + take.rng.uniform(0.1, 0.95) * room_N * form
+
+
+def _impact(take: Take) -> None:
+    form, _ = touched(take.time_s, take.rng, _pull_s(take.slider), IMPACT_S)
+    take.force_N = take.force_N + take.rng.uniform(0.2, 1.3) * _size_N(take) * form
 
 
 def _pull_s(slider: Slider) -> float:
@@ -64,14 +63,6 @@ def _pull_s(slider: Slider) -> float:
 
 def _size_N(take: Take) -> float:
     return take.truth.peak_N if take.truth.status == Status.OK else take.slider.scale_N
-
-
-def _snag(take: Take) -> None:
-    _touched(take, (0.1, 0.95), (0.05, 0.8), shape="flat")
-
-
-def _impact(take: Take) -> None:
-    _touched(take, (0.2, 1.3), (0.006, 0.03), shape="sine")
 
 
 def _filtered(take: Take) -> None:
@@ -187,8 +178,9 @@ def _coarse(take: Take) -> None:
 def _clip_at(take: Take) -> float:
     part = take.rng.uniform(0.6, 0.97)
     if take.truth.status == Status.OK:
-        take.truth = replace(take.truth, status=Status.SATURATED)
-    return part * take.truth.peak_N if take.truth.status == Status.SATURATED else 1.5 * _size_N(take)
+        peak_N, take.truth = take.truth.peak_N, Truth(status=Status.SATURATED, time_s=take.truth.time_s)
+        return part * peak_N
+    return 1.5 * _size_N(take)
 
 
 def _clipped(take: Take) -> None:

@@ -106,7 +106,7 @@ class Motion:
 def stops(slider: Slider, after_s: float) -> float:
     """Return when the motor next begins to slow down."""
     pairs = zip(slider.profile, slider.profile[1:], strict=False)
-    return next((a[0] for a, b in pairs if b[1] < a[1] and b[0] > after_s), inf)
+    return next((a[0] for a, b in pairs if b[1] < a[1] and a[0] > after_s), inf)
 
 
 def _padded(rows: Sequence[tuple[tuple[float, ...], ...]], filler: tuple[float, ...]) -> FloatArray:
@@ -195,44 +195,43 @@ def simulate(sliders: Sequence[Slider]) -> list[Motion]:
 
 
 class _RateState:
-    """Sliders of rate-and-state friction on their way: `y` is rope, its speed, wheel, its speed, bristle, per slider."""
+    """Sliders of rate-and-state friction on their way, a column of `y` each.
+
+    Rows: rope and its speed, wheel and its speed, bristle, slip speed, μ, ln(v_0 θ/D_c), slip so far, time.
+    """
 
     def __init__(self, sliders: list[Slider]) -> None:
         self.sliders = sliders
         self.p = p = _columns(sliders)
-        n = len(sliders)
-        self.who = np.arange(n)
-        self.t, self.slid, self.v = np.zeros((3, n))
-        self.h = np.full(n, 1e-4) * np.minimum(1.0, p["end_s"])
-        self.mu = p["start_mu"].copy()
-        self.state = np.log(p["hold_s"] * p["speed_m_s"] / p["slip_m"])
+        self.who = np.arange(len(sliders))
+        self.h = 1e-4 * np.minimum(1.0, p["end_s"])
         rope = np.array([one.start_N for one in sliders]) / p["stiffness_N_m"]
-        self.wheel = -p["slack_N"] * np.expm1(self.mu * p["wrap_rad"]) / p["motor_N_m"]
-        self.y = np.array([rope, np.zeros(n), self.wheel, np.zeros(n), self.mu / p["bristle_1_m"]])
-        self.kept: list[tuple[Any, ...]] = []
+        wheel = -p["slack_N"] * np.expm1(p["start_mu"] * p["wrap_rad"]) / p["motor_N_m"]
+        aged = np.log(p["hold_s"] * p["speed_m_s"] / p["slip_m"])
+        mu, zero = p["start_mu"], np.zeros(len(sliders))
+        self.y = np.array([rope, zero, wheel, zero, mu / p["bristle_1_m"], zero, mu, aged, zero, zero])
+        self.kept = [(self.who, self.y)]
 
     def run(self) -> Iterator[Motion]:
         """Integrate all to their ends and return their motions."""
-        self._keep(np.ones(self.who.size, dtype=bool))
         for _ in range(_MOST_STEPS):
             if not self.who.size:
-                return _sorted_out(self.sliders, self.kept)
+                return self._motions()
             if (self.h < _SHORTEST_S).any():
                 raise SolverError(f"the rig came to a halt: {self.sliders[int(self.who[np.argmin(self.h)])]}")
             self._advance()
         raise SolverError(f"the rig is not done after {_MOST_STEPS} steps")
 
-    def _keep(self, taken: BoolArray) -> None:
-        values = (
-            self.t,
-            *self.y[:2],
-            self.y[2] - self.wheel[self.who],
-            self.y[3],
-            self.slid,
-            self.v,
-            self.mu,
-        )
-        self.kept.append((self.who[taken], *(q[taken] for q in values)))
+    def _motions(self) -> Iterator[Motion]:
+        who = np.concatenate([one for one, _ in self.kept])
+        y = np.concatenate([one for _, one in self.kept], axis=1)[:, np.argsort(who, kind="stable")]
+        ends = np.cumsum(np.bincount(who, minlength=len(self.sliders)))[:-1]
+        for one, piece in zip(self.sliders, np.split(y, ends, axis=1), strict=True):
+            rope, u, wheel, turn, _, v, mu, _, slid, t = piece
+            yield Motion(
+                time_s=t, force_N=one.stiffness_N_m * rope, rope_m_s=u, wheel_m=wheel - wheel[0], wheel_m_s=turn,
+                slip_m=slid, slip_m_s=v, mu=mu, stiffness_N_m=one.stiffness_N_m,
+            )  # fmt: skip
 
     def _aged_strength(self, strength: FloatArray, state: FloatArray) -> FloatArray:
         return np.asarray(strength + self.p["b"] * state)
@@ -245,7 +244,7 @@ class _RateState:
         strength, bristle, _, free, give = given
         a, phi, slack = p["a"], p["wrap_rad"], p["slack_N"]
         creep = 2.0 * p["speed_m_s"] * np.exp(-np.minimum(strength / a, 650.0))
-        step = np.zeros_like(mu)
+        arrived = np.zeros(mu.shape, dtype=bool)
         for _ in range(40):
             grown = np.exp(mu / a)
             v, dv = 0.5 * creep * (grown - 1.0 / grown), 0.5 * creep * (grown + 1.0 / grown) / a
@@ -256,32 +255,35 @@ class _RateState:
             if far.any():
                 jump = a * np.arcsinh((v + dv * step) / creep) - mu
                 step = np.where(far & (jump * step > 0.0) & (np.abs(jump) < np.abs(step)), jump, step)
-            mu = np.clip(mu + step, -690.0 * a, 690.0 * a)
-            if (np.abs(step) < 1e-9 * (a + np.abs(mu))).all():
+            # Who has arrived stays, so that nobody's result depends on the company.
+            mu = np.where(arrived, mu, np.clip(mu + step, -690.0 * a, 690.0 * a))
+            arrived |= np.abs(step) < 1e-9 * (a + np.abs(mu))
+            if arrived.all():
                 break
-        return mu, creep * np.sinh(mu / a), bristle, np.abs(step) < 1e-6 * (a + np.abs(mu))
+        return mu, creep * np.sinh(mu / a), bristle, arrived
 
     def _advance(self) -> None:
         """Try a step of every slider, take those that are good enough, and choose the next."""
-        p, y, v = self.p, self.y, self.v
-        h = np.minimum(self.h, np.maximum(p["end_s"] - self.t, 1e-9))
-        here = _strength(p, y[2] + 0.5 * h * y[3], self.slid + 0.5 * h * np.abs(v))
+        p, y = self.p, self.y[:5]
+        v, mu, aged, slid, t = self.y[5:]
+        h = np.minimum(self.h, np.maximum(p["end_s"] - t, 1e-9))
+        here = _strength(p, y[2] + 0.5 * h * y[3], slid + 0.5 * h * np.abs(v))
         creep = 1e-2 * p["speed_m_s"]
         log_v, half_v = np.arcsinh(v / creep), v
         hh = _GAMMA * h
         heavy = p["mass_kg"] + hh * p["damping_N_s_m"] + hh**2 * p["stiffness_N_m"]
         turned = p["wheel_kg"] + hh * p["motor_damping_N_s_m"] + hh**2 * p["motor_N_m"]
         give, hung_N = hh / heavy + hh / turned, (1.0 - p["tared"]) * p["slack_N"]
-        base, guess, stages = y, (self.mu, v), []
+        base, guess, stages = y, (mu, v), []
         good = np.ones(h.size, dtype=bool)
         for part in (_GAMMA, 1.0):
-            at_s = self.t + part * h
+            at_s = t + part * h
             way, speed = _motor(p, at_s)
             u = (p["mass_kg"] * base[1] + hh * (hung_N - p["stiffness_N_m"] * base[0])) / heavy
             drive_N = p["motor_N_m"] * (way - base[2]) + p["motor_damping_N_s_m"] * speed
             turn = (p["wheel_kg"] * base[3] + hh * drive_N) / turned
             # The contact's age at the end of the stage, at the slip speed to be expected halfway there.
-            strength = self._aged_strength(here, _aged(p, self.state, half_v, part * h))
+            strength = self._aged_strength(here, _aged(p, aged, half_v, part * h))
             mu, slip, bristle, found = self._contact(
                 (strength, base[4], hh, turn - u - _partial_m_s(p, at_s), give), guess
             )
@@ -293,44 +295,33 @@ class _RateState:
             gained = np.clip(0.5 / _GAMMA * (np.arcsinh(slip / creep) - log_v), -2.0, 2.0)
             half_v = creep * np.sinh(log_v + gained)
         (early, early_v), (late, late_v) = stages
-        state = _aged(p, self.state, (1.0 - _GAMMA) * early_v + _GAMMA * late_v, h)
+        slipped = (1.0 - _GAMMA) * early_v + _GAMMA * late_v
+        state = _aged(p, aged, slipped, h)
         wrong = np.max([
             p["stiffness_N_m"] * h * np.abs(late[1] - early[1]) / (_TOLERANCE * p["scale_N"]),
             ((np.arcsinh(late_v / creep) - log_v) / _LOG_STEP) ** 2,
-            (np.maximum(self.state - state, 0.0) / _LOG_STEP) ** 2,
+            (np.maximum(aged - state, 0.0) / _LOG_STEP) ** 2,
             (p["stiffness_N_m"] * (late[0] - y[0]) / (0.03 * p["scale_N"])) ** 2,
             (p["bristle_1_m"] * (late[4] - y[4]) / (0.05 * p["mu"])) ** 2,
         ], axis=0)  # fmt: skip
         wrong = np.where(good & np.isfinite(wrong), wrong, 100.0)
         taken = wrong <= 1.0
-        slipped_m = h * np.abs((1.0 - _GAMMA) * early_v + _GAMMA * late_v)
-        self.y, self.mu, self.v = (
-            np.where(taken, late, y),
-            np.where(taken, guess[0], self.mu),
-            np.where(taken, late_v, v),
-        )
-        self.t, self.slid = (
-            np.where(taken, self.t + h, self.t),
-            np.where(taken, self.slid + slipped_m, self.slid),
-        )
-        self.state = np.where(taken, state, self.state)
-        self.h = np.minimum(
-            h * np.clip(0.9 / np.sqrt(np.maximum(wrong, 1e-12)), 0.2, 1.6), p["longest_step_s"]
-        )
+        after = np.array([*late, late_v, guess[0], state, slid + h * np.abs(slipped), t + h])
+        self.y = np.where(taken, after, self.y)
+        next_h = h * np.clip(0.9 / np.sqrt(np.maximum(wrong, 1e-12)), 0.2, 1.6)
+        self.h = np.minimum(next_h, p["longest_step_s"])
         self._start_partial_slips(taken)
-        self._keep(taken)
-        on = self.t < p["end_s"] - 1e-9
+        self.kept.append((self.who[taken], self.y[:, taken]))
+        on = self.y[9] < p["end_s"] - 1e-9
         if not on.all():
-            self.y = self.y[:, on]
+            self.who, self.h, self.y = self.who[on], self.h[on], self.y[:, on]
             self.p = {key: value[..., on, :] if value.ndim > 1 else value[on] for key, value in p.items()}
-            for key in ("who", "t", "h", "slid", "v", "mu", "state"):
-                setattr(self, key, getattr(self, key)[on])
 
     def _start_partial_slips(self, taken: BoolArray) -> None:
         starts_mu, _, lasting_s = self.p["partial"]
         if starts_mu.size:
-            t, begun_s = self.t[:, np.newaxis], self.p["begun_s"]
-            begins = (self.mu[:, np.newaxis] >= starts_mu) & np.isinf(begun_s) & taken[:, np.newaxis]
+            mu, t, begun_s = self.y[6][:, np.newaxis], self.y[9][:, np.newaxis], self.p["begun_s"]
+            begins = (mu >= starts_mu) & np.isinf(begun_s) & taken[:, np.newaxis]
             self.p["begun_s"] = begun_s = np.where(begins, t, begun_s)
             running = (t >= begun_s) & (t < begun_s + lasting_s)
             self.h = np.minimum(self.h, np.where(running, 0.05 * lasting_s, inf).min(axis=1))
@@ -349,7 +340,7 @@ class _Lugre(_RateState):
         strength, bristle, hh, free, give = given
         s0, s1, s2 = p["bristle_1_m"], p["bristle_damping_s_m"], p["viscous_s_m"]
         phi, slack, vs = p["wrap_rad"], p["slack_N"], p["stribeck_m_s"]
-        mu, bend, step = guess[0], bristle, np.zeros_like(v)
+        mu, bend, arrived = guess[0], bristle, np.zeros(v.shape, dtype=bool)
         for _ in range(25):
             fading = p["excess"] * np.exp(-((v / vs) ** 2))
             g, dg = strength + fading, -2.0 * v / vs**2 * fading
@@ -361,19 +352,8 @@ class _Lugre(_RateState):
             pull = np.exp(np.clip(mu * phi, -50.0, 50.0))
             slope = 1.0 + give * slack * phi * pull * slope
             step = -(v + give * slack * (pull - 1.0) - free) / np.maximum(slope, 0.1)
-            v = v + step
-            if (np.abs(step) < 1e-9 * p["speed_m_s"] + 1e-8 * np.abs(v)).all():
+            arrived |= np.abs(step) < 1e-8 * (p["speed_m_s"] + np.abs(v))
+            v = np.where(arrived, v, v + step)
+            if arrived.all():
                 break
-        return mu, v, bend, np.abs(step) < 1e-5 * (p["speed_m_s"] + np.abs(v))
-
-
-def _sorted_out(sliders: Sequence[Slider], kept: list[tuple[Any, ...]]) -> Iterator[Motion]:
-    who, *columns = (np.concatenate(column) for column in zip(*kept, strict=True))
-    order = np.argsort(who, kind="stable")
-    ends = np.cumsum(np.bincount(who, minlength=len(sliders)))[:-1]
-    pieces = zip(*(np.split(column[order], ends) for column in columns), strict=True)
-    names = ("time_s", "rope_m", "rope_m_s", "wheel_m", "wheel_m_s", "slip_m", "slip_m_s", "mu")
-    for one, piece in zip(sliders, pieces, strict=True):
-        values = dict(zip(names, piece, strict=True))
-        force_N = one.stiffness_N_m * values.pop("rope_m")
-        yield Motion(force_N=force_N, stiffness_N_m=one.stiffness_N_m, **values)
+        return mu, v, bend, arrived

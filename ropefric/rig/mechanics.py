@@ -147,6 +147,17 @@ class BreakawayPull:
     hold_loss: float = 0.0
     has_peak: bool = True
 
+    def raised(self, factor: float) -> "BreakawayPull":
+        """Return the pull with static and kinetic friction so many times as high."""
+        return replace(
+            self,
+            lift_force_N=factor * self.lift_force_N,
+            ramp_top_N=factor * self.ramp_top_N,
+            kinetic_N=factor * self.kinetic_N,
+            holding_N=factor * self.holding_N,
+            teeth=self.teeth.scaled(factor),
+        )
+
     @property
     def breaks_away(self) -> bool:
         """Return whether the ramp reaches the static friction."""

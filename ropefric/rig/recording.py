@@ -1,9 +1,9 @@
 """One recording of the virtual rig: mechanics, sensor, converter, and what goes wrong in them or in the file."""
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, cast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,14 +11,19 @@ from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.rig.bench import Bench, Sensor
+from ropefric.rig.disturbances import IMPACT_S, SNAG_S, touched
 from ropefric.rig.mechanics import (
     RIG_PROTOCOLS,
     BreakawayPull,
     RecordingTruth,
+    RigProtocol,
+    Snap,
+    Teeth,
     draw_roughness,
     draw_teeth,
     lay_teeth,
 )
+from ropefric.rig.pulls import NO_PEAK, SLOW, SliderPull, draw_slider_pull
 from ropefric.traces.breakaway import Status
 
 SATURATION_MARGIN = 1.02
@@ -32,6 +37,7 @@ _SEVERITY = (
 )
 
 Rng = np.random.Generator
+Pull = BreakawayPull | SliderPull
 Samples = tuple[FloatArray, FloatArray]
 """What the logger wrote: times [s] and counts."""
 
@@ -55,7 +61,8 @@ class SimulatedRecording:
 class Fault:
     """Something that goes wrong in a recording, and what an honest reading makes of it.
 
-    It acts on the pull, also on what measures it, on the samples, or on the bytes of the file.
+    It acts on the pull, also on what measures it, on the force, on the samples, or on the bytes of the file. Where
+    friction is not Coulomb's, what is drawn differs (`ranges`) in place of the pull.
     """
 
     name: str
@@ -64,8 +71,15 @@ class Fault:
     protocols: tuple[str, ...] = ()
     on_pull: Callable[[BreakawayPull, Rng], BreakawayPull] | None = None
     on_setup: Callable[[Any, Sensor, Bench, Rng], tuple[Any, Sensor]] | None = None
+    on_force: Callable[[FloatArray, Pull, Rng], FloatArray] | None = None
     on_samples: Callable[[Samples, Sensor, float, Rng], Samples] | None = None
     on_bytes: Callable[[bytes, Rng], bytes] | None = None
+    ranges: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def is_mechanical(self) -> bool:
+        """Return whether it befalls the pull, of which each recording has one."""
+        return (self.on_pull or self.on_setup or self.on_force) is not None
 
     def check_protocol(self, protocol: str) -> None:
         """Refuse a protocol that this fault cannot befall."""
@@ -142,23 +156,14 @@ def _unreadable(data: bytes, rng: Rng) -> bytes:
     return b"\x00" + head[1:] + data[64:]  # whatever the draw, this is no gzip header
 
 
-def _saturation(pull: BreakawayPull, sensor: Sensor, bench: Bench, rng: Rng) -> tuple[BreakawayPull, Sensor]:
+def _saturation(pull: Pull, sensor: Sensor, bench: Bench, rng: Rng) -> tuple[Pull, Sensor]:
     """Use a cell that is too small; if all are large enough, let the rope jam, which raises F_A itself."""
     for cell in reversed(bench.cells):
         smaller = replace(sensor, cell=cell)
         if pull.lift_force_N >= SATURATION_MARGIN * smaller.ceiling_N:
             return pull, smaller
     lift_N = sensor.ceiling_N * rng.uniform(SATURATION_MARGIN, 1.2)
-    factor = lift_N / pull.lift_force_N
-    jammed = replace(
-        pull,
-        lift_force_N=lift_N,
-        ramp_top_N=lift_N,
-        kinetic_N=factor * pull.kinetic_N,
-        holding_N=factor * pull.holding_N,
-        teeth=pull.teeth.scaled(factor),
-    )
-    return jammed, sensor
+    return pull.raised(lift_N / pull.lift_force_N), sensor
 
 
 def _no_breakaway(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
@@ -220,6 +225,69 @@ def _noisy(pull: Any, sensor: Sensor, _bench: Bench, _rng: Rng) -> tuple[Any, Se
     return pull, replace(sensor, noise_counts=4.0 * sensor.noise_counts)
 
 
+def _hum(pull: Any, sensor: Sensor, _bench: Bench, rng: Rng) -> tuple[Any, Sensor]:
+    """Let the mains in, with 0.1 to 3 % of F_A."""
+    part, mains_Hz = np.exp(rng.uniform(*np.log((1e-3, 0.03)))), float(rng.choice((50.0, 60.0)))
+    return pull, replace(sensor, hum_counts=part * _counts(sensor, pull.lift_force_N), hum_Hz=mains_Hz)
+
+
+def _zero_drift(pull: Any, sensor: Sensor, _bench: Bench, rng: Rng) -> tuple[Any, Sensor]:
+    """Let the zero wander by 5 to 10 % of F_A from the first sample to the last."""
+    part = rng.choice((-1.0, 1.0)) * rng.uniform(0.05, 0.1)
+    zero_counts = sensor.zero_counts - min(part, 0.0) * _counts(sensor, pull.lift_force_N)  # stays on scale
+    return pull, replace(
+        sensor, drift_counts=part * _counts(sensor, pull.lift_force_N), zero_counts=zero_counts
+    )
+
+
+def _counts(sensor: Sensor, force_N: float) -> float:
+    return force_N / sensor.cell.line.gain_N_V / sensor.adc.lsb_V
+
+
+def _snag(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
+    """Catch the rope before the pull and let it go again, at 0.1 to 0.95 of F_A."""
+    return _push(time_s, pull, rng, SNAG_S)
+
+
+def _impact(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
+    """Hit the rig before the pull: half a sine of 6 to 30 ms."""
+    return _push(time_s, pull, rng, IMPACT_S)
+
+
+def _push(time_s: FloatArray, pull: Pull, rng: Rng, lasting_s: tuple[float, float]) -> FloatArray:
+    # While the weights hang; before, the zero is taken.
+    form, _ = touched(time_s - pull.hang_s, rng, pull.ramp_s - pull.hang_s, lasting_s)
+    room_N = pull.lift_force_N - pull.force_N(np.array([pull.ramp_s]))
+    return np.asarray(rng.uniform(0.1, 0.95) * room_N * form)
+
+
+def _precursor(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
+    """Let part of the rope slip by 2 to 12 % of F_A at 78 to 96 % of it; the climb makes good for it."""
+    fine_s = np.linspace(pull.ramp_s, pull.breakaway_s, 2001)
+    reached = pull.force_N(fine_s) >= rng.uniform(0.78, 0.96) * pull.lift_force_N
+    at_s, lasting_s = float(fine_s[np.argmax(reached)]), rng.uniform(0.002, 0.02)
+    left = np.clip((pull.breakaway_s - time_s) / (pull.breakaway_s - at_s), 0.0, 1.0)
+    slipped = np.clip((time_s - at_s) / lasting_s, 0.0, 1.0)
+    return np.asarray(-rng.uniform(0.02, 0.12) * pull.lift_force_N * slipped * left)
+
+
+def _rounded(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
+    """Let the climb bend over to nothing while micro-slip spreads, and the force fall over 40 to 200 ms."""
+    bent = replace(pull, micro_slip=rng.uniform(0.1, 0.4), micro_slip_loss=rng.uniform(0.7, 1.0))
+    return _slow_fall(bent, rng, (0.04, 0.2))
+
+
+def _slow_fall(pull: BreakawayPull, rng: Rng, lasting_s: tuple[float, float] = (0.2, 0.6)) -> BreakawayPull:
+    """Let the force fall over 0.2 to 0.6 s to sliding without teeth."""
+    # A snap damped so much that it hardly swings back has fallen by nine tenths after 0.65 of its period.
+    natural_Hz = 0.65 / float(np.exp(rng.uniform(*np.log(lasting_s))))
+    rough = draw_roughness(rng, pull.lift_force_N * rng.uniform(0.0005, 0.003))
+    drop_N = pull.lift_force_N - pull.kinetic_N
+    teeth = Teeth(time_s=np.array([0.0, 1e3]), top_N=np.array([drop_N, 0.0]), bottom_N=np.zeros(2))
+    snap = Snap(natural_Hz=natural_Hz, damping_ratio=0.9)
+    return replace(pull, snap=snap, teeth=teeth, roughness=rough)
+
+
 _PULL = ("breakaway",)
 FAULTS: Registry[Fault] = Registry(
     "fault",
@@ -227,17 +295,42 @@ FAULTS: Registry[Fault] = Registry(
         Fault("spike", 0.07, on_samples=_spike),
         Fault("dropout", 0.03, on_samples=_dropout),
         Fault("saturation", 0.01, Status.SATURATED, _PULL, on_setup=_saturation),
-        Fault("no-breakaway", 0.01, Status.NO_BREAKAWAY, _PULL, on_pull=_no_breakaway),
-        Fault("no-peak", 0.01, Status.NO_PEAK, _PULL, on_pull=_no_peak),
+        Fault("no-breakaway", 0.01, Status.NO_BREAKAWAY, _PULL, _no_breakaway, ranges={"held": (0.6, 0.9)}),
+        Fault("no-peak", 0.01, Status.NO_PEAK, _PULL, _no_peak, ranges=NO_PEAK),
         Fault("too-short", 0.005, Status.TOO_SHORT, on_samples=_too_short),
-        Fault("high-tooth", 0.02, protocols=_PULL, on_pull=_high_tooth),
-        Fault("drift", 0.02, protocols=_PULL, on_pull=_drift),
+        Fault("high-tooth", 0.02, None, _PULL, _high_tooth, ranges={"teeth": "late"}),
+        Fault("drift", 0.02, None, _PULL, _drift, ranges={"wear": (0.1, 0.3)}),
         Fault("noisy", 0.01, on_setup=_noisy),
         Fault("clock-jitter", 0.01, on_samples=_clock_jitter),
         Fault("unreadable", 0.0025, Status.UNREADABLE, on_bytes=_unreadable),
+        # Not in an ordinary campaign, unless they are asked for.
+        Fault("hum", 0.0, on_setup=_hum),
+        Fault("zero-drift", 0.0, None, _PULL, on_setup=_zero_drift),
+        Fault("snag", 0.0, None, _PULL, on_force=_snag),
+        Fault("impact", 0.0, None, _PULL, on_force=_impact),
+        Fault("precursor", 0.0, None, _PULL, on_force=_precursor),
+        Fault("rounded", 0.0, None, _PULL, _rounded, ranges=SLOW | {"fall_s": (0.04, 0.2)}),
+        Fault("slow-fall", 0.0, None, _PULL, _slow_fall, ranges=SLOW | {"fall_s": (0.2, 0.6)}),
     ],
 )
 """Every fault by name, with the fraction of recordings it befalls in an ordinary campaign."""
+
+
+def _drawn(
+    bench: Bench,
+    forces_N: tuple[float, float],
+    rng: Rng,
+    faults: Sequence[Fault],
+    way: tuple[RigProtocol, str],
+) -> Any:
+    protocol, physics = way
+    if physics == "coulomb":
+        return protocol.draw(bench, *forces_N, rng)
+    ranges = {key: value for fault in faults for key, value in fault.ranges.items()}
+    expected = (fault.expected_status for fault in faults if fault.ranges and fault.expected_status)
+    return draw_slider_pull(
+        bench, *forces_N, rng, physics=physics, ranges=ranges, expects=next(expected, Status.OK)
+    )
 
 
 def simulate_recording(
@@ -248,9 +341,10 @@ def simulate_recording(
     rng: Rng,
     faults: Sequence[str] = (),
     protocol: str = "breakaway",
+    physics: str = "coulomb",
     cell: str = "",
 ) -> SimulatedRecording:
-    """Return one recording with known truth.
+    """Return one recording with known truth, of friction that is `coulomb` or one of `PHYSICS`.
 
     The mechanics, the noise and the faults draw from generators of their own, so the same seed with and without
     a fault of the samples differs by that fault alone.
@@ -267,7 +361,7 @@ def simulate_recording(
         fault.check_protocol(protocol)
     draw_rng, fault_rng, noise_rng = (np.random.default_rng(seed) for seed in rng.integers(2**63, size=3))
     measured_N = lift_force_N if way.measures_lift else end_tension_N
-    pull = way.draw(bench, lift_force_N, end_tension_N, draw_rng)
+    pull = _drawn(bench, (lift_force_N, end_tension_N), draw_rng, chosen, (way, physics))
     sensor = Sensor(
         cell=bench.cell_named(cell) if cell else bench.cell_for(measured_N),
         adc=bench.adc,
@@ -282,10 +376,13 @@ def simulate_recording(
     for fault in chosen:
         if fault.on_setup:
             pull, sensor = fault.on_setup(pull, sensor, bench, fault_rng)
-        elif fault.on_pull:
-            pull = fault.on_pull(cast("BreakawayPull", pull), fault_rng)  # by its protocols
+        elif fault.on_pull and physics == "coulomb":
+            pull = fault.on_pull(pull, fault_rng)
     true_time_s = np.arange(math.floor(pull.end_s * bench.sampling_rate_Hz) + 1) / bench.sampling_rate_Hz
     true_force_N = pull.force_N(true_time_s)
+    for fault in chosen:
+        if fault.on_force:
+            true_force_N = true_force_N + fault.on_force(true_time_s, pull, fault_rng)
     truth = pull.truth()
     samples = (true_time_s, sensor.read(true_force_N, true_time_s, noise_rng))
     for fault in chosen:

@@ -215,17 +215,7 @@ class Saturation:
     @property
     def n_high(self) -> int:
         """Return the number of samples at the ceiling."""
-        return int((self.high_runs[:, 1] - self.high_runs[:, 0]).sum())
-
-    @property
-    def n_low(self) -> int:
-        """Return the number of samples at the floor."""
-        return int((self.low_runs[:, 1] - self.low_runs[:, 0]).sum())
-
-    @property
-    def longest_high(self) -> int:
-        """Return the number of samples in the longest run at the ceiling."""
-        return int((self.high_runs[:, 1] - self.high_runs[:, 0]).max(initial=0))
+        return int(np.diff(self.high_runs).sum())
 
 
 def as_counts(values: Any) -> IntArray:
@@ -270,21 +260,6 @@ class Calibration:
         """Return the force of one count [N]."""
         return self.adc.lsb_V * self.cell.line.gain_N_V
 
-    @property
-    def ceiling_N(self) -> float:
-        """Return the force at the converter's largest count [N], tare taken off."""
-        gain_N, offset_N = self._gain_and_offset()
-        return gain_N * self.adc.max_count + offset_N
-
-    @property
-    def floor_N(self) -> float:
-        """Return the force at count 0 [N], tare taken off."""
-        return self._gain_and_offset()[1]
-
-    def _gain_and_offset(self) -> tuple[float, float]:
-        line = self.cell.line
-        return self.adc.lsb_V * line.gain_N_V, (self.adc.low_V - line.zero_V) * line.gain_N_V - self.tare_N
-
     def checked(self, values: Any) -> IntArray:
         """Return raw counts as integers, -1 where one is missing, after making sure that the converter can give them."""
         counts = as_counts(values)
@@ -302,7 +277,9 @@ class Calibration:
     def apply(self, values: Any) -> tuple[FloatArray, Saturation]:
         """Return the forces of raw counts, and where the converter sat at its limits."""
         counts = self.checked(values)
-        gain_N, offset_N = self._gain_and_offset()
+        line = self.cell.line
+        gain_N = self.adc.lsb_V * line.gain_N_V
+        offset_N = (self.adc.low_V - line.zero_V) * line.gain_N_V - self.tare_N
         force_N = np.asarray(counts * gain_N, dtype=np.float64)
         force_N += offset_N
         missing = counts < 0
@@ -329,7 +306,7 @@ class Calibration:
                 f"the tare interval holds {usable}; at least {MIN_TARE_SAMPLES} and half of them are needed"
             )
             raise DataError(message, code="RF212", key="tare", fix="name a longer idle interval")
-        if saturation.longest_high > MAX_SPIKE_SAMPLES:
+        if np.diff(saturation.high_runs).max(initial=0) > MAX_SPIKE_SAMPLES:
             n, fix = saturation.n_high, "name an interval in which the rope hangs free"
             message = f"{n} samples of the tare interval are at the ADC ceiling: the rig is not idle"
             raise DataError(message, code="RF212", key="tare", fix=fix)
@@ -391,7 +368,7 @@ def _doubts_of_tare(
             f"spread by {block_std_N:.3g} N, against {noise_N:.3g} N of noise of one sample"
         )
         yield message, "name an interval that ends before the motor starts"
-    share = saturation.n_low / present_N.size
+    share = int(np.diff(saturation.low_runs).sum()) / present_N.size
     if share >= _CLIPPED_SHARE:
         message = (
             f"{100 * share:.0f} % of the tare interval is at the ADC floor: a zero below it cannot "

@@ -25,7 +25,7 @@ def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
     Raises
     ------
     DataError
-        RF241 if that time is not in the recording, or the force passes it without a peak.
+        RF244 if that time is not in the recording, or the force passes it without a peak.
     """
     prepared, pick_s = prepare(trace, settings), settings.pick_s
     if prepared is None or pick_s is None:
@@ -75,4 +75,4 @@ def _lowest(force_N: FloatArray, least_N: float) -> int:
 
 def _not_possible(trace: ForceTrace, why: str) -> DataError:
     fix = "correct pick_s, or give the force itself as peak_N, or exclude the trial"
-    return DataError(why, code="RF241", path=trace.source, key="pick_s", fix=fix)
+    return DataError(why, code="RF244", path=trace.source, key="pick_s", fix=fix)

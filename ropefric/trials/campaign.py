@@ -35,10 +35,15 @@ _SET_BY_TRIAL = {
 }
 
 
-def write_templates(folder: str | os.PathLike[str], *, overwrite: bool = False) -> tuple[Path, ...]:
-    """Return the paths of the commented campaign.toml and trials.csv just written."""
+def write_templates(
+    folder: str | os.PathLike[str], *, trials: bytes | None = None, overwrite: bool = False
+) -> tuple[Path, ...]:
+    """Return the paths of the commented campaign.toml and trials.csv just written; or, beside a campaign, of a list."""
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}
+    if trials is not None:
+        kept = {} if (Path(folder) / TEMPLATES[0]).exists() else {TEMPLATES[0]: contents[TEMPLATES[0]]}
+        contents = {**kept, TEMPLATES[1]: trials}
     return write_files(folder, contents, overwrite=overwrite)
 
 

@@ -16,6 +16,7 @@ from ropefric.files.read import use_file
 from ropefric.files.text import Source, load_text
 from ropefric.quantities import in_range, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
+from ropefric.traces.readers.excel import READER, sheet_as_csv
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Weight per mass [m/s²], CGPM 1901; what turns `end_mass_kg` into a tension."""
@@ -93,17 +94,19 @@ class Column:
 
 
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
-    r"""Return a CSV file's cells, and what is wrong with single rows.
+    r"""Return the cells of a CSV file or of the first sheet of a workbook, and what is wrong with single rows.
 
     Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row;
     empty lines and lines that start with "#" are left out.
     """
     shown = Path(path).as_posix()
     try:
-        text = use_file(
+        text, sheet = use_file(
             path, lambda file: _text(Source(path=Path(path), shown=shown, file=file)), shown=shown
         )
     except DataError as error:
+        if error.code == "RF107":  # a package is missing
+            raise
         fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
         raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
     lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if _counts(line)]
@@ -120,11 +123,16 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
         raise DataError(message, path=shown, line=header_line, fix=fix)
     good = tuple((n, cells) for n, cells in split[1:] if cells is not None and len(cells) == len(header))
     table = CellTable(path=shown, separator=separator, header=header, header_line=header_line, rows=good)
-    return table, (*_unclosed(table, split), *_ragged(table, split))
+    told = (
+        [table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)] if sheet else []
+    )
+    return table, (*told, *_unclosed(table, split), *_ragged(table, split))
 
 
-def _text(source: Source) -> str:
-    return b"".join(block.data for block in load_text(source).blocks()).decode()
+def _text(source: Source) -> tuple[str, str]:
+    if source.path.suffix.lower() in READER.suffixes:
+        return sheet_as_csv(source)
+    return b"".join(block.data for block in load_text(source).blocks()).decode(), ""
 
 
 def _counts(line: str) -> bool:

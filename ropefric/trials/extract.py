@@ -1,17 +1,20 @@
 """A campaign's recordings -> trial table: in parallel, interruptible, without doing the same work twice."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
 from pathlib import Path
 
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.files.read import InputFile, hash_file, use_file
-from ropefric.traces.readers import TEXT_FORMATS, find_reader
+from ropefric.glossary import counted
+from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
 from ropefric.trials.cache import ResultCache, Results
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.conditions import summarised
-from ropefric.trials.recording import extract_recording, unreadable
+from ropefric.trials.recording import blocks_of, extract_recording, tared_trace, unreadable
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.workers import Lost, guarded
 
@@ -128,6 +131,49 @@ class _Work:
         except DataError:
             sha256 = ""
         return unreadable(self.campaign, rows, error, sha256=sha256), False
+
+
+def check_recordings(campaign: Campaign) -> tuple[tuple[str, ...], tuple[Problem, ...]]:
+    """Return what was recognised in one recording of every kind, and why such a one cannot be read.
+
+    Recordings are of one kind if their names end alike, in one of the endings that readers know. Where the first cannot be read, the last is tried before the
+    kind is given up: a single bad recording ends no campaign.
+    """
+    kinds: dict[str, list[TrialSpec]] = {}
+    endings = [ending for reader in READERS.values() for ending in reader.suffixes]
+    for spec in campaign.trials:
+        if not spec.exclude:
+            name = spec.path.name.lower()
+            kinds.setdefault(next(filter(name.endswith, endings), ""), []).append(spec)
+    found: list[_Looked] = [((), ())] * len(kinds)
+    with closing(guarded(partial(_look, campaign, kinds), len(kinds), limits=campaign.limits)) as running:
+        for place, looked in running:
+            if isinstance(looked, Lost):
+                path = [*kinds.values()][place][0].file
+                problem = Problem(code="RF101", message=looked.reason, path=path, fix=looked.fix)
+                looked = (), (problem,)  # noqa: PLW2901
+            found[place] = looked
+    return tuple(chain(*(said for said, _ in found))), tuple(chain(*(problems for _, problems in found)))
+
+
+_Looked = tuple[tuple[str, ...], tuple[Problem, ...]]
+
+
+def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: int) -> _Looked:
+    ending, specs = [*kinds.items()][place]
+    failed: list[Problem] = []
+    for spec in (specs[0], specs[-1])[: len(specs)]:
+        try:
+            raws = blocks_of(spec, read_recordings(spec.path, campaign.profile, shown_as=spec.file))
+            trace, _, problems = tared_trace(campaign, spec, raws[0])
+        except RopefricError as error:
+            failed += error.problems
+            continue
+        facts = f"{spec.file}: {counted(trace.force_N.size, 'sample')}, {trace.sampling_rate_Hz:.5g} Hz"
+        told = (replace(problem, severity="warning") for problem in failed)
+        return ("; ".join([facts, *trace.notes]),), (*told, *problems)
+    more = f"; so it is with others of the {len(specs)} that end in {ending!r}" if len(specs) > 1 else ""
+    return (), (replace(failed[0], message=f"{failed[0].message}{more}"),)
 
 
 def _preload(work: _Work) -> None:

@@ -16,8 +16,9 @@ from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.budget import end_tension_std_N, force_std_N
-from ropefric.traces.calibration import Calibration, tare_from_interval
+from ropefric.traces.calibration import Calibration, Saturation, tare_from_interval
 from ropefric.traces.decided import pick_at
+from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
@@ -43,6 +44,8 @@ STATED_SHARE = 0.01
 NO_END = "no end tension is known at the break-away; write it into the list of trials"
 SLACK_SAMPLES = 20
 """Samples before the break-away, at least, that tell the slack tension at it."""
+FALLS = 5.0
+"""A force that falls this many times as far as it rises only goes down [-]."""
 BINS = 300
 DIGITS = 6
 
@@ -297,7 +300,45 @@ def calibrations(campaign: Campaign, spec: TrialSpec) -> tuple[Calibration | Non
 def tared_trace(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording
 ) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
-    """Return a recording calibrated and tared as its campaign says, what was taken off [N], and what is doubtful."""
+    """Return a recording calibrated and tared as its campaign says, what was taken off [N], and what is doubtful.
+
+    A force that only goes down was recorded with its sign reversed; it is turned round, which is told.
+    """
+    trace, tare_N, problems = _tared_trace(campaign, spec, raw)
+    force_N = trace.force_N
+    lowest_N = _falls_to(force_N)
+    if not lowest_N:
+        return trace, tare_N, problems
+    saturation = trace.saturation
+    if saturation is not None:
+        saturation = Saturation(high_runs=saturation.low_runs, low_runs=saturation.high_runs)
+    reversed_sign = Problem(
+        code="RF241",
+        message=f"the force only goes down, to {lowest_N:.4g} N: its sign is taken as reversed",
+        path=spec.file,
+        key="force",
+        fix='say so with [import.derived] force = "-force", or check the wiring of the cell',
+        severity="warning",
+    )
+    return replace(trace, force_N=-force_N, saturation=saturation), tare_N, (*problems, reversed_sign)
+
+
+def _falls_to(force_N: FloatArray) -> float:
+    """Return the lowest force of a recording that falls far below zero and never rises; 0 for any other."""
+    if force_N.size < MIN_SAMPLES or not np.nanmin(force_N) < -FALLS * max(float(np.nanmax(force_N)), 0.0):
+        return 0.0
+    present_N = force_N[np.isfinite(force_N)]
+    few = max(MAX_SPIKE_SAMPLES + 1, present_N.size // 200)  # no spike makes a pull
+    low_N, high_N = np.partition(present_N, (few, -few - 1))[[few, -few - 1]]
+    start_N = float(np.median(present_N[: max(few, present_N.size // 50)]))
+    fall_N, rise_N = start_N - low_N, high_N - start_N
+    is_fall = fall_N > FALLS * rise_N and fall_N > 20.0 * noise_std(present_N)
+    return float(low_N) if is_fall and low_N < -FALLS * max(high_N, 0.0) else 0.0
+
+
+def _tared_trace(
+    campaign: Campaign, spec: TrialSpec, raw: RawRecording
+) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
     calibration, end_calibration = calibrations(campaign, spec)
     interval_s, problems = campaign.tare_interval_s, list[Problem]()
 

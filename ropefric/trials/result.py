@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from math import isfinite, nan
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import PlainSerializer, PlainValidator
 
 from ropefric.arrays import FloatArray, frozen_array
-from ropefric.errors import Problem
+from ropefric.errors import DataError, Problem
 from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text
@@ -272,6 +272,33 @@ def count_trials(extraction: Extraction) -> dict[str, Any]:
         **{f"n_{name.replace(' a ', '_')}": outcomes.count(name) for name in OUTCOMES},
         "status": {status.value: statuses.count(status) for status in Status if status in statuses},
     }
+
+
+def alike(trials: Sequence[TrialResult]) -> list[list[TrialResult]]:
+    """Return trials without a force in groups that have one reason, but for the file; most in a group first."""
+    groups: dict[tuple[str, ...], list[TrialResult]] = {}
+    for trial in trials:
+        key: tuple[str, ...] = (trial.trial, "")
+        if trial.breakaway.status is Status.UNREADABLE and trial.problems:
+            problem = trial.problems[-1]
+            message = problem.message.replace(PurePath(trial.file).name, "")
+            key = (problem.code, message, problem.key, problem.fix)
+        groups.setdefault(key, []).append(trial)
+    return sorted(groups.values(), key=len, reverse=True)
+
+
+def no_force(extraction: Extraction, path: Path) -> DataError | None:
+    """Return the error that no recording of a campaign gave a force, with their common reason; None where one did."""
+    n = len(extraction.trials)
+    if any(trial.breakaway.status is Status.OK for trial in extraction.trials):
+        return None
+    most = next(iter(alike(extraction.trials)), [])
+    why = f", {len(most)} of them for one reason: {most[0].breakaway.detail}" if len(most) > 1 else ""
+    fix = "problems.csv says why for each; `ropefric inspect FILE` shows what a file holds"
+    if why and most[0].problems[-1].fix:
+        fix = f"{most[0].problems[-1].fix}; {fix}"
+    why = f"none of the {n} recordings gave a usable force{why}"
+    return DataError(why, code="RF301", path=path, fix=fix)
 
 
 def outcome_words(counts: Mapping[str, Any]) -> str:

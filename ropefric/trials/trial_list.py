@@ -39,8 +39,8 @@ MAX_MISSING = 20
 FEWEST_REPEATS = 6
 
 _SLIP = 0.75
-_TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
-_QUANTITIES = {
+TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
+QUANTITIES = {
     **SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
     "lift_mass": ("lift_force_N", "kg", STANDARD_GRAVITY_M_S2),
@@ -107,14 +107,14 @@ def read_trials(
         fix = "check the path, relative to the campaign file"
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
     decided = _DECIDED if {"why", "by"} <= {word_of(name) for name in table.header} else {}
-    columns, others, found = bind_columns(table, {**_QUANTITIES, **decided}, _TEXTS)
+    columns, others, found = bind_columns(table, {**QUANTITIES, **decided}, TEXTS)
     own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
     reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)
     # A mistyped header says more than the consequence that its column is missing.
     missing = [] if found else list(reader.missing_columns())
     mistyped = {problem.key for problem in missing}
     for name in others:
-        found += [] if name in mistyped else near_miss(table, name, _QUANTITIES, _TEXTS)
+        found += [] if name in mistyped else near_miss(table, name, QUANTITIES, TEXTS)
         if word_of(split_unit_suffix(name)[0]) == "peak":
             message, fix = (
                 "kept, but not used",

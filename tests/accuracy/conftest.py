@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.accuracy.measure import error_table
+from ropefric.accuracy.studies import picks
 
 
 def _errors(study, case, method):
@@ -30,3 +31,9 @@ def order():
         return -np.log(found[fine] / found[coarse]) / np.log(fine / coarse)
 
     return order
+
+
+@pytest.fixture(autouse=True)
+def _few_recordings(monkeypatch):
+    """One recording of each family in the study of pickers: drawing four takes seconds."""
+    monkeypatch.setattr(picks, "PER_FAMILY", 1)

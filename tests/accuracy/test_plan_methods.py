@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from ropefric.systems.hoist.effects import SYSTEM as HOIST
 
 from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, scenes

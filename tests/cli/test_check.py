@@ -86,3 +86,51 @@ def test_a_scene_that_is_no_toml_is_told_once(call, tmp_path):
     done = call("check", path, "--json")
     assert done.code == 3
     assert len(done.json()["problems"]) == 1
+
+
+def test_one_recording_of_every_kind_is_read_and_told(call, bench):
+    done = call("check", bench / "campaign.toml")
+    assert "read traces/c01-r01.csv.gz: " in done.out
+    assert "3000 Hz" in done.out
+    (line,) = call("check", bench / "campaign.toml", "--json").json()["campaign"]["recordings"]
+    assert "samples, 3000 Hz" in line
+
+
+def test_recordings_that_cannot_be_read_are_an_error_told_once(call, bench, tmp_path):
+    folder = tmp_path / "broken"
+    shutil.copytree(bench, folder)
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    column = next(line for line in text.splitlines() if line.startswith("time"))
+    (folder / "campaign.toml").write_text(text.replace(column, 'time = "Zeit"'), encoding="utf-8")
+    done = call("check", folder)
+    assert done.code == 3
+    assert "1 error" in done.out
+    assert done.err.count("there is no column 'Zeit'") == 1
+    assert "others of the 12 that end in '.csv.gz'" in done.err
+    done = call("extract", folder, "--out", tmp_path / "out", "--no-figures")
+    assert done.code == 3
+    assert done.out.count("there is no column 'Zeit'") == 1
+    assert "(12 trials)" in " ".join(done.out.split())
+    assert "12 of them for one reason: there is no column 'Zeit'" in done.err
+
+
+def test_a_single_bad_recording_is_a_warning(call, bench, tmp_path):
+    folder = tmp_path / "bad"
+    shutil.copytree(bench, folder)
+    first = min((folder / "traces").iterdir())
+    first.write_bytes(b"")
+    done = call("check", folder)
+    assert done.code == 0
+    assert "the file is empty" in done.err
+
+
+def test_dots_in_names_make_no_kinds(call, bench, tmp_path):
+    folder = tmp_path / "dots"
+    shutil.copytree(bench, folder)
+    text = (folder / "trials.csv").read_text(encoding="utf-8")
+    for number, path in enumerate(sorted((folder / "traces").iterdir())):
+        name = f"pull_{number}.5N.csv.gz"
+        text = text.replace(path.name, name)
+        path.rename(path.with_name(name))
+    (folder / "trials.csv").write_text(text, encoding="utf-8")
+    assert len(call("check", folder, "--json").json()["campaign"]["recordings"]) == 1

@@ -45,3 +45,78 @@ def test_single_scenes_are_asked_for_by_name(call, tmp_path):
     wrong = call("init", tmp_path, "--scene", "band-swa")
     assert wrong.code == 3
     assert "did you mean 'band-saw'" in wrong.err
+
+
+def recordings(tmp_path, *names):
+    for name in names:
+        (tmp_path / "daq" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "daq" / name).write_text("time_s,force_N\n0,1\n", encoding="utf-8")
+
+
+NAMES = [
+    f"W35_{wrap}deg_{load}N_{k}.csv" for wrap in (90, 180) for load in ("20", "40,5") for k in (1, 2, 10)
+]
+
+
+def test_a_list_of_trials_is_made_from_names(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    recordings(tmp_path, *NAMES, "notes.csv")
+    pattern = "{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}"
+    done = call("init", "mine", "--from", "daq/*.csv", "--pattern", pattern)
+    assert done.code == 0
+    assert "1 of 13 names do not match the pattern and are left out: daq/notes.csv" in done.err
+    rows = (tmp_path / "mine" / "trials.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "file,wheel,wrap_angle_deg,end_tension_N,repeat"
+    assert rows[1] == "../daq/W35_90deg_20N_1.csv,W35,90,20,1"
+    assert [row.rsplit(",", 1)[1] for row in rows[1:4]] == ["1", "2", "10"]  # as people count
+    assert "40.5" in rows[4]
+    campaign = tmp_path / "mine" / "campaign.toml"
+    text = campaign.read_text(encoding="utf-8")
+    campaign.write_text(text.replace("# [wheels.W40]", '[wheels.W35]\nradius = "35 mm"'), encoding="utf-8")
+    assert (
+        call("check", "mine", "--json").json()["problems"][0]["code"] != "RF124"
+    )  # the recordings are there
+
+
+def test_nothing_is_written_over(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    recordings(tmp_path, *NAMES)
+    pattern = r"W(?P<wheel_radius_mm>\d+)_(?P<wrap_angle_deg>\d+)deg_.*"
+    call("init", "mine", "--from", "daq/*.csv", "--pattern", pattern)
+    rows = (tmp_path / "mine" / "trials.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
+    assert rows[1].endswith("_1.csv,35,90,")  # the tension is left to fill in
+    assert call("init", "mine", "--from", "daq/*.csv").code == 3
+    (tmp_path / "mine" / "trials.csv").unlink()
+    (tmp_path / "mine" / "campaign.toml").write_text("mine", encoding="utf-8")
+    assert call("init", "mine", "--from", "daq/*.csv", "-q").code == 0  # a list beside a campaign
+    assert (tmp_path / "mine" / "campaign.toml").read_text(encoding="utf-8") == "mine"
+
+
+def test_folders_say_things_too(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    recordings(tmp_path, "R40/180deg/a1.csv.gz", "R40/360deg/a1.csv.gz")
+    pattern = "R{wheel_radius_mm}/{wrap_angle_deg}deg/*{repeat}"
+    call("init", ".", "--from", "daq/**/*.gz", "--pattern", pattern)
+    rows = (tmp_path / "trials.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[1:] == ["daq/R40/180deg/a1.csv.gz,40,180,a1,", "daq/R40/360deg/a1.csv.gz,40,360,a1,"]
+
+
+def test_what_does_not_match_is_helped_with(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    recordings(tmp_path, *NAMES)
+    none = call("init", "mine", "--from", "daq/*.txt", "--json").json()["error"]
+    assert "no file matches" in none["message"]
+    assert "daq holds 12 files, such as W35_180deg" in none["fix"]
+    none = call("init", "mine", "--from", "daq/*.csv", "--pattern", "{wheel}-{repeat}", "--json").json()[
+        "error"
+    ]
+    assert "none of 12 names matches" in none["message"]
+    assert "'daq/W35_90deg_20N_1.csv'" in none["message"]
+    assert "{header}" in none["fix"]
+    unit = call("init", "mine", "--from", "daq/*.csv", "--pattern", "{wheel}_{wrap_angle}deg_*", "--json")
+    assert (unit.code, unit.json()["error"]["code"]) == (3, "RF130")
+    for wrong in ("(?P<wheel>", "{wheel}_{wheel}", "plain"):
+        assert call("init", "mine", "--from", "daq/*.csv", "--pattern", wrong).code == 3
+    assert call("init", "mine", "--pattern", "{wheel}").code == 3
+    assert not (tmp_path / "mine").exists()

@@ -5,14 +5,16 @@ import math
 import pytest
 
 from ropefric.report.page import Chapter, Report, as_html
-from ropefric.report.section import WIDTH, Section, Table, as_text, interval, plain
+from ropefric.report.section import WIDTH, Section, as_text, interval, plain
 
-TABLE = Table(headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", "")))
+TABLE = Section(
+    headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", ""))
+)
 LONG = " ".join(["friction"] * 40)
 
 
 def test_numbers_stand_right_and_words_left():
-    lines = as_text([Section(title="", table=TABLE)]).splitlines()
+    lines = as_text([TABLE]).splitlines()
     assert lines == ["law        ΔAICc  why", "constant     0.0  won", "coupled   1234.5"]
 
 
@@ -31,7 +33,7 @@ def test_sections_are_set_apart():
 
 
 def test_a_page_holds_what_the_text_holds_and_escapes_it():
-    section = Section(title="x & y", lines=("<script>",), table=TABLE, notes=("n",))
+    section = TABLE._replace(title="x & y", lines=("<script>",), notes=("n",))
     page = as_html(Report("a < b", "", (Chapter("result", "Result", (section,)),)))
     for words in ("<title>a &lt; b</title>", "x &amp; y", "&lt;script&gt;", "<td>1234.5</td>", "<li>n</li>"):
         assert words in page

@@ -187,6 +187,35 @@ def test_nothing_is_overwritten(tmp_path):
         simulate_campaign(tmp_path / "notes.txt", small(), seed=1)
 
 
+@pytest.mark.parametrize("physics", ["rate-state", "lugre"])
+def test_integrated_friction_breaks_away_at_what_the_law_says(physics, tmp_path):
+    plan = small(physics=physics, faults={"snag": 0.34, "no-breakaway": 0.34})
+    plan = replace(plan, conditions=plan.conditions[:1], repeats=3)
+    simulate_campaign(tmp_path / "a", plan, seed=5)
+    truth = tomllib.loads((tmp_path / "a/truth.toml").read_text())
+    assert truth["physics"] == physics
+    statuses = Counter(one["status"] for one in truth["trials"].values())
+    assert statuses == {"ok": 2, "no-breakaway": 1}
+    trials = plan_trials(plan, seed=5)
+    for trial in trials:
+        recording, data = record_trial(plan, trial, seed=5)
+        assert (tmp_path / "a" / trial.file).read_bytes() == data
+        force_N, at_s = recording.true_force_N, recording.truth.breakaway_time_s
+        if recording.truth.status.value == "ok":
+            near = np.abs(recording.true_time_s - at_s) < 0.02
+            assert force_N[near].max() == pytest.approx(trial.lift_force_N, rel=2e-3)
+            assert recording.truth.kinetic_N < trial.lift_force_N
+        else:
+            assert force_N.max() < trial.lift_force_N
+        limits = [phase.start_s for phase in recording.truth.phases] + [recording.truth.phases[-1].end_s]
+        assert sorted(limits) == limits
+        assert not ("snag" not in trial.faults and force_N[recording.true_time_s < limits[1]].any())
+        climbed_N = np.interp(limits[2], recording.true_time_s, force_N)
+        assert climbed_N > 0.95 * (
+            trial.lift_force_N if recording.truth.status.value == "ok" else force_N.max()
+        )
+
+
 def test_impossible_plans_are_refused():
     with pytest.raises(InputError, match="seed -1 is negative"):
         plan_trials(small(), seed=-1)
@@ -200,6 +229,10 @@ def test_impossible_plans_are_refused():
         small(faults={"spike": 1.5})
     with pytest.raises(InputError, match="does not go with protocol 'stick-slip'"):
         small(faults={"no-peak": 0.1}, protocol="stick-slip")
+    with pytest.raises(UnknownNameError, match="unknown physics 'lugree'"):
+        small(physics="lugree")
+    with pytest.raises(InputError, match="physics 'lugre' does not go with protocol 'held'"):
+        small(physics="lugre", protocol="held", faults={})
     with pytest.raises(InputError, match="make no recording"):
         replace(prth_bench_plan(), repeats=0)
 

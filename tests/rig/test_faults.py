@@ -23,10 +23,11 @@ def record(seed, *faults, lift=320.7, end=80.0, **kw):
 @pytest.mark.parametrize("name", FAULTS)
 def test_the_truth_names_the_fault_and_its_status(name):
     fault = FAULTS[name]
-    truth = record(1, name).truth
-    assert truth.faults == (name,)
-    assert truth.status is (fault.expected_status or Status.OK)
-    assert 0.0 < fault.rate <= 0.1
+    for physics in ("coulomb", "rate-state", "lugre") if fault.ranges else ("coulomb",):
+        truth = record(1, name, physics=physics).truth
+        assert truth.faults == (name,)
+        assert truth.status is (fault.expected_status or Status.OK)
+    assert 0.0 <= fault.rate <= 0.1
 
 
 def runs(mask):
@@ -180,3 +181,61 @@ def test_a_fault_of_the_mechanics_is_refused_where_there_is_no_breakaway():
             faults=["no-peak"],
             protocol="held",
         )
+
+
+@pytest.mark.parametrize("physics", ["coulomb", "rate-state"])
+@pytest.mark.parametrize(("name", "shortest_s", "longest_s"), [("snag", 0.03, 0.8), ("impact", 0.004, 0.03)])
+def test_pushes_return_to_what_was_there_before_the_pull(name, shortest_s, longest_s, physics):
+    for seed in range(4 if physics == "coulomb" else 2):
+        clean, spoilt = record(seed, physics=physics), record(seed, name, physics=physics)
+        added = spoilt.true_force_N - clean.true_force_N
+        pushed = np.flatnonzero(added)
+        begin_s, end_s = spoilt.true_time_s[pushed[[0, -1]]]
+        assert shortest_s < end_s - begin_s < longest_s
+        assert end_s < clean.truth.phases[1].end_s - 0.9  # before the motor starts
+        assert spoilt.true_force_N[pushed].max() < 0.96 * clean.truth.lift_force_N
+        assert spoilt.truth.breakaway_time_s == clean.truth.breakaway_time_s
+
+
+@pytest.mark.parametrize("physics", ["coulomb", "lugre"])
+def test_a_precursor_falls_and_the_climb_still_ends_at_the_static_friction(physics):
+    for seed in range(4 if physics == "coulomb" else 2):
+        clean, spoilt = record(seed, physics=physics), record(seed, "precursor", physics=physics)
+        before = clean.true_time_s < clean.truth.breakaway_time_s
+        lost = (clean.true_force_N - spoilt.true_force_N)[before] / clean.truth.lift_force_N
+        assert 0.015 < lost.max() < 0.12
+        assert clean.true_force_N[before][np.argmax(lost > 0.0)] > 0.77 * clean.truth.lift_force_N
+        assert spoilt.true_force_N[before].max() == pytest.approx(clean.truth.lift_force_N, rel=3e-3)
+
+
+@pytest.mark.parametrize("physics", ["coulomb", "rate-state"])
+@pytest.mark.parametrize(
+    ("name", "shortest_s", "longest_s"), [("rounded", 0.01, 0.25), ("slow-fall", 0.04, 0.7)]
+)
+def test_slow_peaks_fall_slowly(name, shortest_s, longest_s, physics):
+    for seed in range(4 if physics == "coulomb" else 2):
+        one = record(seed, name, physics=physics)
+        after = one.true_time_s >= one.truth.breakaway_time_s
+        force_N = one.true_force_N[after]
+        level_N = force_N[: int(0.3 * force_N.size)].min()
+        lasting_s = np.argmax(force_N < level_N + 0.1 * (force_N[0] - level_N)) / 3000.0
+        assert shortest_s < lasting_s < longest_s
+        assert force_N[0] == pytest.approx(one.truth.lift_force_N, rel=2e-3)
+
+
+def test_hum_and_drifting_zero_are_in_the_counts_alone():
+    for seed in range(4):
+        clean, hum, drift = record(seed), record(seed, "hum"), record(seed, "zero-drift")
+        wave = (hum.counts - clean.counts)[:3000]
+        strongest_Hz = np.argmax(np.abs(np.fft.rfft(wave))[1:]) + 1
+        assert strongest_Hz in {50, 60}
+        assert np.array_equal(clean.true_force_N, hum.true_force_N)
+        wandered = drift.counts - clean.counts
+        part = (
+            (np.median(wandered[-300:]) - np.median(wandered[:300]))
+            * 1000.0
+            / 1023
+            / clean.truth.lift_force_N
+        )
+        assert 0.04 < abs(part) < 0.11
+        assert drift.counts.min() > 0

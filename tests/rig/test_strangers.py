@@ -25,9 +25,7 @@ def test_the_same_seed_draws_the_same_whatever_else_is_asked(drawn):
     again = {one.family: one for one in recordings(11, per_family=1, families=("snag", "sharp"))}
     for one in drawn:
         if one.family in again:
-            assert again[one.family].force_N == pytest.approx(
-                one.force_N, rel=1e-6, abs=1e-4 * one.truth.peak_N
-            )
+            assert np.array_equal(again[one.family].force_N, one.force_N)
     assert len(again) == 2
 
 
@@ -47,3 +45,12 @@ def test_the_truth_is_the_highest_force_before_the_first_fall(drawn):
         assert np.nanmax(one.force_N[near]) == pytest.approx(one.truth.peak_N, rel=0.01, abs=noise)
         after = one.force_N[(one.time_s > one.truth.time_s)]
         assert after.min() < one.truth.peak_N - 0.5 * one.truth.fall_N
+
+
+def test_precursors_come_before_the_peak_and_below_it():
+    for one in recordings(5, per_family=2, families=("one-precursor", "many-precursors")):
+        assert one.truth.partial_s
+        noise_N = 0.02 * one.truth.peak_N
+        for at_s in one.truth.partial_s:
+            assert one.time_s[0] < at_s < one.truth.time_s
+            assert np.interp(at_s, one.time_s, one.force_N) < 0.97 * one.truth.peak_N + noise_N

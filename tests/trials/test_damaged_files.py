@@ -82,7 +82,7 @@ CORPUS = {
         lambda text: with_force(text, lambda i, f: str(np.random.default_rng(i).standard_normal())),
         {"no-breakaway", "no-peak"},
     ),
-    "upside down": (lambda text: with_force(text, lambda i, f: str(-float(f))), NO_FORCE),
+    "upside down": (lambda text: with_force(text, lambda i, f: str(-float(f))), {"ok"}),  # and told, RF241
     "rows in no order": (shuffled, UNREADABLE),
     "backwards clock": (lambda text: table(reversed(rows(text))), UNREADABLE),
     "a clock set back": (back_in_the_middle, UNREADABLE),

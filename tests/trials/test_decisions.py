@@ -73,7 +73,7 @@ def test_a_time_without_a_peak_is_refused(at_s, why):
     time_s, force_N = two_peaks()
     with pytest.raises(DataError, match=why) as caught:
         rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N), pick_s=at_s)
-    assert (caught.value.code, caught.value.problem.key) == ("RF241", "pick_s")
+    assert (caught.value.code, caught.value.problem.key) == ("RF244", "pick_s")
 
 
 def test_a_decision_that_cannot_be_carried_out_is_an_error_of_that_trial(decided):
@@ -83,7 +83,7 @@ def test_a_decision_that_cannot_be_carried_out_is_an_error_of_that_trial(decided
     assert trial.breakaway.status is Status.UNREADABLE
     assert "50 s is not in the recording, which runs from 0 s to 2.999 s" in trial.breakaway.detail
     (problem,) = (problem for problem in extraction.problems if problem.severity == "error")
-    assert (problem.code, problem.path, problem.key) == ("RF241", "two.csv", "pick_s")
+    assert (problem.code, problem.path, problem.key) == ("RF244", "two.csv", "pick_s")
 
 
 @pytest.mark.parametrize(("given", "std_N"), [("", 0.77), (0.25, 0.25)])

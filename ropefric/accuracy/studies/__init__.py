@@ -6,6 +6,7 @@ from ropefric.accuracy.studies import (
     fit,
     integral,
     peak,
+    picks,
     press_transient,
     scenes,
     uncertainty,
@@ -13,6 +14,6 @@ from ropefric.accuracy.studies import (
 from ropefric.accuracy.study import Study
 from ropefric.registry import Registry
 
-_IN_ORDER = (integral, end_tension, peak, uncertainty, fit, press_transient, blade_modes, scenes)
+_IN_ORDER = (integral, end_tension, peak, picks, uncertainty, fit, press_transient, blade_modes, scenes)
 STUDIES: Registry[Study] = Registry("study", [module.STUDY for module in _IN_ORDER])
 """The studies, in the order of a campaign's way from the traces to a design."""

@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ from ropefric.cli.options import (
     written_to,
 )
 from ropefric.cli.output import Output, Progress, make_table, number
-from ropefric.errors import DataError, Problem, RopefricError
+from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def extract(
     from ropefric.pipeline.run import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
     from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
-    from ropefric.trials.result import write_tables  # noqa: PLC0415
+    from ropefric.trials.result import no_force, write_tables  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
     loaded = load_campaign(campaign, missing_recordings="flag")
@@ -83,13 +83,7 @@ def extract(
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
-    if not any(trial.breakaway.status == "ok" for trial in extraction.trials):
-        error = DataError(
-            f"none of the {len(extraction.trials)} recordings gave a usable force",
-            code="RF301",
-            path=campaign,
-            fix="problems.csv says why for each; `ropefric inspect FILE` shows what a file holds",
-        )
+    if (error := no_force(extraction, campaign)) is not None:
         if not out.json:
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
@@ -173,6 +167,7 @@ def say_problems(extraction: "Extraction", folder: Path, out: Output) -> None:
 def _show(extraction: "Extraction", console: "Console") -> None:
     """Print a row a condition, then the recordings without a usable force and what to do about them."""
     from ropefric.traces.breakaway import ADVICE  # noqa: PLC0415  (quick start-up)
+    from ropefric.trials.result import alike  # noqa: PLC0415
 
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
@@ -193,7 +188,8 @@ def _show(extraction: "Extraction", console: "Console") -> None:
     if not flagged:
         return
     console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials are without a force:\n")
-    console.print(make_table(("trial", "status", "why "), [_flagged_row(trial) for trial in flagged], left=3))
+    rows = [row for group in alike(flagged) for row in _flagged_rows(group)]
+    console.print(make_table(("trial", "status", "why "), rows, left=3))
     console.print()
     for status in dict.fromkeys(trial.breakaway.status for trial in flagged):
         if status in _ADVISED:
@@ -220,13 +216,19 @@ def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, 
     )
 
 
-def _flagged_row(trial: "TrialResult") -> tuple[str, str, str]:
-    why = trial.breakaway.detail
-    if candidates := trial.measured("candidates"):
-        why += f"; candidates: {candidates}"
-    if trial.breakaway.status not in _ADVISED:
-        why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
-    return trial.trial, str(trial.breakaway.status), why
+def _flagged_rows(group: "Sequence[TrialResult]") -> list[tuple[str, str, str]]:
+    """Return a row for each of some trials, or one for all where many have one reason."""
+    rows = []
+    for trial in group if len(group) <= MAX_ALIKE else group[:1]:
+        why = trial.breakaway.detail
+        if candidates := trial.measured("candidates"):
+            why += f"; candidates: {candidates}"
+        if trial.breakaway.status not in _ADVISED:
+            why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
+        rows.append((trial.trial, str(trial.breakaway.status), why))
+    if len(group) > MAX_ALIKE:
+        rows = [(f"{group[0].trial} … {group[-1].trial} ({len(group)} trials)", *rows[0][1:])]
+    return rows
 
 
 @command("ropefric run data/prth-bench/campaign.toml --out out", order=60)

@@ -19,21 +19,28 @@ def cost(
     folder: Path = folder_option(
         Path("cost"), "--out", "-o", help="Where figures, tables and page are written."
     ),
+    campaign: list[Path] | None = Option(
+        None, "--campaign", help="For picks: a campaign with truth.toml; repeatable."
+    ),
     quick: bool = Option(False, "--quick", help="Some settings only, and little time for each."),
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
 
-    Of the lift-force integral, the end tension's root, break-away peaks, intervals, fits, press, blade and scenes.
+    Of the lift-force integral, the end tension's root, break-away peaks and their pickers, intervals, fits, press, blade
+    and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
     cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
     """
     from ropefric.accuracy.measure import measure_studies, this_machine  # noqa: PLC0415  (quick start-up)
     from ropefric.accuracy.studies import STUDIES  # noqa: PLC0415
+    from ropefric.accuracy.studies.picks import with_campaigns  # noqa: PLC0415
     from ropefric.report.cost_page import cost_sections, write_cost  # noqa: PLC0415
 
     chosen = [STUDIES[name] for name in dict.fromkeys(studies or STUDIES)]
+    if campaign:
+        chosen = [with_campaigns(study, campaign) if study.name == "picks" else study for study in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
     with open_folder(folder, family="cost", names=["cost.md", "cost.html", *pairs], force=force) as target:

@@ -38,9 +38,23 @@ def init(
         metavar="NAME",
         help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
     ),
+    recordings: str = Option(
+        "",
+        "--from",
+        metavar="GLOB",
+        help="List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).",
+    ),
+    pattern: str = Option(
+        "",
+        metavar="PATTERN",
+        help="What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+    ),
     force: bool = Option(False, "--force", help="Write over files that are already there."),
 ) -> Answer:
-    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, …."""
+    """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, ….
+
+    With --from the list of trials is made from the names of recordings.
+    """
     if scenes or scene:
         from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
 
@@ -50,8 +64,18 @@ def init(
     else:
         from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
 
-        written = write_templates(folder, overwrite=force)
-        out.note(f"next: fill them in, then  ropefric check {written[0]}")
+        trials = None
+        if recordings:
+            from ropefric.trials.names import list_from_names  # noqa: PLC0415
+
+            trials, told = list_from_names(recordings, pattern, folder)
+            if told:
+                out.note(told)
+        elif pattern:
+            fix = "add --from 'daq/*.csv'"
+            raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
+        written = write_templates(folder, trials=trials, overwrite=force)
+        out.note(f"next: fill them in, then  ropefric check {folder / 'campaign.toml'}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
 
@@ -143,6 +167,8 @@ def _show(found: "Inspection", console: "Console") -> None:
     console.print(make_table(shown[0], shown[1:], left=0))
     if found.first_rows:
         _show_first_rows(found, console)
+    for note in found.notes:
+        console.print(f"recognised: {note}", markup=False, soft_wrap=True)
     if found.doubts:
         console.print("\nplease check:\n", style="bold yellow")
         for doubt in found.doubts:
@@ -198,15 +224,21 @@ def check(
 ) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
-    A scene is checked too. Nothing is extracted, solved or written. Exit code 3 if there are errors; warnings alone
-    leave it at 0.
+    One recording of every kind is opened and read. A scene is checked too. Nothing is extracted, solved or written.
+    Exit code 3 if there are errors; warnings alone leave it at 0.
     """
     from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (all of these: quick start-up)
     from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415
+    from ropefric.trials.extract import check_recordings  # noqa: PLC0415
 
     campaign = campaign_file(campaign)
     scene = _is_scene(campaign)
     problems = check_scene(campaign) if scene else check_campaign(campaign)
+    content: dict[str, Any] = {}
+    if not scene and all(problem.severity == "warning" for problem in problems):
+        loaded = load_campaign(campaign)
+        looked, unread = check_recordings(loaded)
+        content, problems = _content(loaded) | {"recordings": list(looked)}, (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -219,7 +251,6 @@ def check(
         return Answer(data | failure.to_dict(), summary, DataError.exit_code)
     if scene:
         return Answer(data, summary)
-    content = _content(load_campaign(campaign))
 
     def show(console: "Console") -> None:
         console.print(summary, markup=False, soft_wrap=True)
@@ -277,6 +308,8 @@ def _show_content(content: dict[str, Any], console: "Console") -> None:
     table = make_table(("", " "), [row for row in rows if row[1]])
     table.show_header = False
     console.print(table)
+    for line in content["recordings"]:
+        console.print(f"read {line}", markup=False, soft_wrap=True)
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:
@@ -306,13 +339,22 @@ def simulate(
         None, metavar="NAME=RATE", help="Only this fault, at this rate (0 to 1); repeatable."
     ),
     no_faults: bool = Option(False, "--no-faults", help="Nothing goes wrong."),
+    physics: str = Option(
+        "coulomb", help="Friction of each recording: coulomb, or integrated: rate-state or lugre."
+    ),
+    protocol: str = Option("breakaway", help="Way of measuring: breakaway, stick-slip or held."),
 ) -> Answer:
     """Simulate a campaign with known truth: campaign.toml, trials.csv, recordings and truth.toml.
 
     Rope and cell stiffness, motor ramp, scatter, stick-slip, noise, converter and the usual faults are simulated.
-    Without options it writes data/prth-bench again, byte for byte.
+    Without options it writes data/prth-bench again, byte for byte. With --physics rate-state (rate-and-state friction)
+    or lugre (bristles) rope, wheel and motor are integrated in place of drawn: peaks, falls and teeth follow from
+    stiffness, mass and contact.
     """
-    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415  (quick start-up)
+    from ropefric.rig.bench import HELD_BENCH  # noqa: PLC0415  (quick start-up)
+    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415
+    from ropefric.rig.mechanics import RIG_PROTOCOLS  # noqa: PLC0415
+    from ropefric.rig.recording import FAULTS  # noqa: PLC0415
 
     benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
     if bench not in benches:
@@ -331,7 +373,13 @@ def simulate(
         changes["conditions"] = plan.conditions[:conditions]
     if fault is not None or no_faults:
         changes["faults"] = parse_assignments(fault or (), option="--fault")
-    plan = replace(plan, **changes)
+    if protocol != plan.protocol:
+        # Of faults only those that befall this way of measuring; a hand-held scale is another bench.
+        changes["bench"] = HELD_BENCH if protocol == "held" else plan.bench
+        changes.setdefault(
+            "faults", {name: rate for name, rate in plan.faults.items() if not FAULTS[name].protocols}
+        )
+    plan = replace(plan, physics=physics, protocol=RIG_PROTOCOLS[protocol].name, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
         written = simulate_campaign(folder, plan, seed=seed, progress=progress.update)
@@ -341,6 +389,8 @@ def simulate(
         "campaign": campaign,
         "bench": bench,
         "seed": seed,
+        "physics": plan.physics,
+        "protocol": plan.protocol,
         "law": plan.law,
         "parameters": dict(plan.parameters),
         "faults": dict(plan.faults),

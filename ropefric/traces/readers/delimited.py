@@ -7,16 +7,17 @@ finds a number after all or says which cell is none. A large file is read block 
 
 import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache, partial
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.read import FileChangedError
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
-from ropefric.files.text_table import Dialect, find_dialect, is_number
+from ropefric.files.text_table import Dialect, find_dialect, is_number, is_value
 from ropefric.glossary import counted
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
@@ -27,37 +28,48 @@ _MOST_FOOTER = 20
 _BLANKS = (9, 32)
 
 
-def open_text(source: Source, profile: ImportProfile) -> tuple[Text, Dialect, list[str]]:
-    """Return a text file, its layout, and what is said of it when it is read."""
-    text = load_text(source, profile.encoding)
+def open_text(source: Source, profile: ImportProfile, text: Text | None = None) -> tuple[Text, Dialect]:
+    """Return a text file and its layout."""
+    text = text or load_text(source, profile.encoding)
     numbers = [channel.column for channel in profile.channels.values() if isinstance(channel.column, int)]
     dialect = find_dialect(text, profile, last_column=max(numbers, default=0))
-    notes: list[str] = []
-    cut = partial(_cut_end, dialect=dialect, n_footer=profile.skip_footer, notes=notes)
-    return text.without_end(dialect.rows.data_row, cut), dialect, notes
+    return without_footer(text, dialect), dialect
 
 
-def _cut_end(data: bytes, is_ended: bool, *, dialect: Dialect, n_footer: int, notes: list[str]) -> bytes:  # noqa: FBT001
+def without_footer(text: Text, dialect: Dialect) -> Text:
+    """Return a text without what `_cut_end` takes from its end."""
+    return text.without_end(dialect.rows.data_row, partial(_cut_end, dialect))
+
+
+def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: FBT001
     """Return the end of a text without its footer, and without a last row that breaks off within a number.
 
     Where no number of lines is told, a footer is lines of words, in another number of cells than the data have.
     """
+    layout, n_footer = dialect.layout, dialect.layout.skip_footer
     ends = [len(data)]  # of the last lines, backwards
     while ends[-1] and len(ends) <= max(n_footer, _MOST_FOOTER) + 2:
         ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
     lines = [data[start:stop].decode(errors="replace").strip() for stop, start in pairwise(ends)]
     rows = [split_line(line, dialect.separator) for line in lines]
+    first = "".join(dialect.first_row[:1])
+    may_be = not first or is_value(first)  # where rows begin with words, one that is cut looks like a footer
+
+    def is_footer(cells: Sequence[str]) -> bool:
+        word = "".join(cells[:1])
+        is_word = any(c.isalpha() for c in word) and not word[0].isdigit() and word not in layout.no_value
+        return may_be and is_word and len(cells) != dialect.n_cells
+
     footer: list[int] = []
     for place, cells in enumerate(rows[:-1]):
-        is_word = any(c.isalpha() for c in cells[0]) and len(cells) != dialect.n_cells
-        if lines[place] and (len(footer) == n_footer if n_footer else not is_word):
+        if lines[place] and (len(footer) == n_footer if n_footer else not is_footer(cells)):
             break
         footer += [place] if lines[place] else []
     if 0 < len(footer) <= max(n_footer, _MOST_FOOTER):
         said = "; ".join(lines[place] for place in reversed(footer))
-        notes.append(f"the last {counted(len(footer), 'line')} hold no data and were left out: {said[:100]}")
+        dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {said[:100]}")
         return data[: ends[footer[-1] + 1]]
-    if is_ended or len(rows) < 2 or len(rows[0]) != len(rows[1]):
+    if is_ended or len(rows) < 2 or not rows[0] or len(rows[0]) != len(rows[1]):
         return data
     # 13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
     # one before, which costs nothing. A row cut to fewer cells is refused later.
@@ -65,38 +77,42 @@ def _cut_end(data: bytes, is_ended: bool, *, dialect: Dialect, n_footer: int, no
 
 
 def _delimited_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    return (text_table(*open_text(source, profile), profile),)
+    return (text_table(*open_text(source, profile)),)
 
 
-def text_table(text: Text, dialect: Dialect, notes: list[str], profile: ImportProfile) -> Table:
-    """Return the one table of a text."""
-    names, expected, n_optional = _column_names(text, dialect)
-    n_cells = max(dialect.n_cells, len(names))
-    n_rows, is_gapless = _check_rows(text, dialect, n_cells, expected=expected, n_optional=n_optional)
-    units = (*dialect.units, *[""] * len(names))[: len(names)]
+def text_table(
+    text: Text, dialect: Dialect, names: tuple[str, ...] = (), *, expected: str = "", block_columns: int = 0
+) -> Table:
+    """Return the one table of a text; its columns are called as its header says, where no names are given."""
+    n_optional = 0
+    if not names:
+        names, expected, n_optional = _column_names(text, dialect)
+    n_rows, is_gapless = _check_rows(
+        text,
+        dialect,
+        max(dialect.n_cells, len(names)),
+        expected=expected,
+        block_columns=block_columns,
+        n_optional=n_optional,
+    )
+    units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
-        stamps = {index: read_column(index) for index in {*indices} & dialect.stamps}
         numbers = iter(_parse_columns(text, dialect, names, [i for i in indices if i not in stamps], n_rows))
-        return [stamps[index] if index in stamps else next(numbers) for index in indices]
+        return [stamped(index) if index in stamps else next(numbers) for index in indices]
 
-    def read_column(index: int) -> FloatArray:
-        lines = (
-            (number, line)
-            for number, line in text.lines_from(dialect.rows.data_row)
-            if not is_blank_line(line, dialect.separator)
-        )
-        cells = ((number, split_line(line, dialect.separator)[index]) for number, line in lines)
-        return stamp_column(cells, names[index] or f"column {index + 1}", profile, text.source, notes)
+    def stamped(index: int) -> FloatArray:
+        rows = text.rows_from(dialect.rows.data_row, dialect.separator)
+        cells = ((number, row[index] if index < len(row) else "") for number, row in rows)
+        return stamp_column(cells, names[index] or f"column {index + 1}", dialect, text.source)
 
     return Table(
         names=names,
-        units=tuple("s" if index in dialect.stamps else unit for index, unit in enumerate(units)),
+        units=tuple("s" if index in stamps else unit for index, unit in enumerate(units)),
         values=values,
-        has_header=any(names),
         first_line=dialect.rows.data_row if is_gapless else 0,
-        stamps=dialect.stamps,
-        notes=notes,
+        stamps=stamps,
+        notes=dialect.notes,
     )
 
 
@@ -123,11 +139,8 @@ def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str, i
 
 def _ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
     """Return whether the last cells of every data row are empty: trailing separators."""
-    lines = (line for _, line in text.lines_from(dialect.rows.data_row))
-    rows = (
-        split_line(line, dialect.separator) for line in lines if not is_blank_line(line, dialect.separator)
-    )
-    return not any(any(row[-surplus:]) for row in rows)
+    rows = text.rows_from(dialect.rows.data_row, dialect.separator)
+    return not any(any(row[-surplus:]) for _, row in rows)
 
 
 def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
@@ -137,7 +150,7 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         why = "format 'wide' needs the number of columns of one recording"
         fix = "set [import] block_columns, for example block_columns = 4"
         raise source.error(why, code="RF105", key="[import] block_columns", fix=fix)
-    text, dialect, notes = open_text(source, profile)
+    text, dialect = open_text(source, profile)
     data_row, n_cells = dialect.rows.data_row, dialect.n_cells
     n_blocks, surplus = divmod(n_cells, width)  # a trailing separator makes no column
     if n_blocks == 0 or surplus > 1 or (surplus and not _ends_empty(text, dialect, 1)):
@@ -145,15 +158,14 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         fix = "correct [import] block_columns or data_row"
         raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
     expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
-    n_rows, is_gapless = _check_rows(text, dialect, n_cells, expected=expected, block_columns=width)
     names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
-    all_names = [name for block in names for name in block]
+    dialect = replace(dialect, units=tuple(chain(*units)))
+    whole = text_table(text, dialect, tuple(chain(*names)), expected=expected, block_columns=width)
 
     @lru_cache(maxsize=1)  # the file is parsed once for all blocks, which ask for the same columns
     def load(offsets: tuple[int, ...]) -> dict[int, FloatArray]:
         indices = [block * width + offset for block in range(n_blocks) for offset in offsets]
-        columns = _parse_columns(text, dialect, all_names, indices, n_rows)
-        return dict(zip(indices, columns, strict=True))
+        return dict(zip(indices, whole.values(indices), strict=True))
 
     def values(block: int, offsets: Sequence[int]) -> list[FloatArray]:
         loaded = load(tuple(sorted(set(offsets))))
@@ -162,14 +174,13 @@ def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         return [column[: int(filled[-1]) + 1 if filled.size else 0] for column in columns]
 
     return tuple(
-        Table(
+        replace(
+            whole,
             names=names[block],
-            units=units[block],
+            units=whole.units[block * width : (block + 1) * width],
             values=partial(values, block),
-            has_header=any(names[block]),
             sample=sample,
-            first_line=data_row if is_gapless else 0,
-            notes=notes,
+            stamps=frozenset(index - block * width for index in whole.stamps),
         )
         for block, sample in enumerate(_block_names(text, dialect, profile, n_blocks))
     )
@@ -198,7 +209,13 @@ def _block_names(text: Text, dialect: Dialect, profile: ImportProfile, n_blocks:
 
 
 def _check_rows(
-    text: Text, dialect: Dialect, n_cells: int, *, expected: str, block_columns: int = 0, n_optional: int = 0
+    text: Text,
+    dialect: Dialect,
+    n_cells: int,
+    *,
+    expected: str = "",
+    block_columns: int = 0,
+    n_optional: int = 0,
 ) -> tuple[int, bool]:
     """Return the number of data rows, all of them as wide as they must be, and whether no blank line is among them."""
     n_rows, is_gapless, ends_blank = 0, True, False
@@ -309,7 +326,7 @@ def _parse_columns(
         fast = (_parse_fast(block, dialect, len(names), wanted, tolerant=tolerant) for tolerant in tries)
         arrays = next((found for found in fast if found is not None), None)
         if arrays is None:
-            arrays = _parse_rows(block.lines(), dialect, names, wanted, text.source)
+            arrays = _parse_rows(block, dialect, names, wanted, text.source)
         size = len(arrays[0]) if arrays else 0
         if text.is_whole and size == n_rows:  # the only block
             columns = dict(zip(wanted, arrays, strict=True))
@@ -319,11 +336,8 @@ def _parse_columns(
             for index, array in zip(wanted, arrays, strict=True):
                 columns[index][place : place + size] = array
         place += size
-    if dialect.no_value_numbers:
-        columns = {
-            index: np.where(np.isin(array, dialect.no_value_numbers), np.nan, array)
-            for index, array in columns.items()
-        }
+    if none := dialect.layout.no_value_numbers(dialect.decimal):
+        columns = {i: np.where(np.isin(array, none), np.nan, array) for i, array in columns.items()}
     return [columns[index][:place] for index in indices]
 
 
@@ -348,7 +362,7 @@ def _parse_fast(
             engine="c",
             na_filter=tolerant,
             keep_default_na=False,
-            na_values=sorted(dialect.no_value),
+            na_values=sorted(dialect.layout.no_value),
             skipinitialspace=tolerant and dialect.separator not in "\t ",
             low_memory=False,
         )
@@ -359,21 +373,17 @@ def _parse_fast(
 
 
 def _parse_rows(
-    lines: Iterator[tuple[int, str]],
-    dialect: Dialect,
-    names: Sequence[str],
-    indices: Sequence[int],
-    source: Source,
+    block: Block, dialect: Dialect, names: Sequence[str], indices: Sequence[int], source: Source
 ) -> list[FloatArray]:
     """Return columns of text lines, cell by cell: the definition that the fast way must agree with."""
-    found = []
-    for number, line in lines:
+    found, no_value = [], dialect.layout.no_value
+    for number, line in block.lines():
         if is_blank_line(line, dialect.separator):
             continue
         cells, row = split_line(line, dialect.separator), []
         for index in indices:
             cell = cells[index] if index < len(cells) else ""
-            value = math.nan if cell in dialect.no_value else math.inf
+            value = math.nan if cell in no_value else math.inf
             if math.isinf(value) and is_number(cell, dialect.decimal):
                 value = float(cell.replace(",", "."))
             if math.isinf(value):

@@ -1,27 +1,17 @@
-"""Excel and OpenDocument sheets; needs the extra `lab`."""
+"""Excel and OpenDocument sheets, read as the text that they would be saved as; needs the extra `lab`."""
 
+import csv
 import io
-import math
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from ropefric.arrays import FloatArray
-from ropefric.files.stamps import is_stamp
-from ropefric.files.text import Source
-from ropefric.files.text_table import find_head_rows, is_number
+from ropefric.files.text import Source, Text
+from ropefric.files.text_table import is_number
+from ropefric.traces.readers.delimited import open_text, text_table
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import (
-    Reader,
-    Table,
-    bad_cell,
-    check_choice,
-    foreign,
-    needs_package,
-    stamp_column,
-)
+from ropefric.traces.readers.table import Reader, Table, check_choice, foreign, needs_package
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 """Cells whose formula failed; they hold no value, and python-calamine shows them empty."""
@@ -29,83 +19,46 @@ ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the table of one sheet: the profile's, else the first that has content."""
-    grid = _load(source, profile.table)
-    texts = [[_text(cell) for cell in row] for row in grid]
-    rows = find_head_rows(texts, profile, source)
-    n_columns = max(
-        (i + 1 for row in texts[rows.data_row - 1 :] for i, cell in enumerate(row) if cell), default=0
-    )
-    names, units = (
-        tuple([*(texts[row - 1] if row else []), *[""] * n_columns][:n_columns]) for row in rows[:2]
-    )
+    layout = replace(profile, separator=";", decimal=profile.decimal or ".")
+    content, said = sheet_as_csv(source, profile.table, layout.decimal)
+    text = Text(source=source, data=content.encode(), encoding="utf-8")
+    text, dialect = open_text(source, layout, text)
+    dialect.notes.extend([said] if said else [])
+    # Every row of a sheet is as wide as the sheet, and a column needs no header.
+    names = (*dialect.header, *[""] * dialect.n_cells)[: dialect.n_cells]
+    return (text_table(text, dialect, names),)
 
-    first = next((row for row in texts[rows.data_row - 1 :] if any(row)), [])
-    stamps, notes = frozenset(index for index, cell in enumerate(first) if is_stamp(cell)), list[str]()
 
-    def values(indices: Sequence[int]) -> list[FloatArray]:
-        body = list(enumerate(grid[rows.data_row - 1 :], start=rows.data_row))
-        while body and not any(_text(cell) for cell in body[-1][1]):
-            body.pop()
+def sheet_as_csv(source: Source, table: str = "", mark: str = "") -> tuple[str, str]:
+    """Return the rows of a sheet as lines with ";" between the cells, and which sheet of several it was.
 
-        decimal = profile.decimal or "."
-        no_value = profile.no_value_numbers(decimal)
+    Without a decimal mark all numbers get that of numbers that stand as text, "1,5" in German sheets, else a point.
+    """
+    raw = io.BytesIO(source.raw_bytes())
+    fix = "save it again as .xlsx or .csv, or name its format in [import] format"
+    with foreign(source, "this is not a readable sheet", fix):
+        sheets, rows_of = _open(raw, source)
+        check_choice(table, sheets, "sheet", source)
+        grids = ((name, [list(row) for row in rows_of(name)]) for name in ([table] if table else sheets))
+        name, grid = next((found for found in grids if found[1]), ("", []))
+    while grid and not any(map(_text, grid[-1])):
+        grid.pop()
+    texts = (cell for row in grid for cell in row if isinstance(cell, str))
+    if not mark:
+        mark = "," if any("," in text and is_number(text.strip(), ",") for text in texts) else "."
 
-        def number(cell: Any, index: int, line: int) -> float:
-            if isinstance(cell, int | float) and not isinstance(cell, bool) and math.isfinite(cell):
-                return math.nan if cell in no_value else float(cell)
-            text = _text(cell)
-            if text in profile.no_value:
-                return math.nan
-            value = (
-                float(text.replace(",", "."))
-                if isinstance(cell, str) and is_number(text, decimal)
-                else math.inf
-            )
-            if math.isfinite(value):
-                return value
-            raise bad_cell(text, names[index] or f"column {index + 1}", decimal, source, line=line)
+    def written(cell: Any) -> str:
+        if isinstance(cell, float):
+            return str(int(cell)) if cell.is_integer() else repr(cell).replace(".", mark)
+        return " ".join(_text(cell).split())
 
-        def column(i: int) -> FloatArray:
-            cells = [(line, row[i] if i < len(row) else None) for line, row in body]
-            if i not in stamps:
-                return np.array([number(cell, i, line) for line, cell in cells], dtype=np.float64)
-            written = ((line, _text(cell)) for line, cell in cells)
-            return stamp_column(written, names[i] or f"column {i + 1}", profile, source, notes)
-
-        return [column(index) for index in indices]
-
-    return (
-        Table(
-            names=names,
-            units=tuple("s" if i in stamps else unit for i, unit in enumerate(units)),
-            values=values,
-            has_header=any(names),
-            first_line=rows.data_row,
-            stamps=stamps,
-            notes=notes,
-        ),
-    )
+    stream = io.StringIO()
+    csv.writer(stream, delimiter=";", lineterminator="\n").writerows([*map(written, row), ""] for row in grid)
+    return stream.getvalue(), f"read from the sheet {name!r}, one of {len(sheets)}" if len(sheets) > 1 else ""
 
 
 def _text(cell: Any) -> str:
-    """Return a cell as text; numbers with a decimal point, whatever the sheet shows."""
-    if cell is None or cell in ERRORS:
-        return ""
-    return repr(cell) if isinstance(cell, float) else str(cell).strip()
-
-
-def _load(source: Source, table: str) -> list[list[Any]]:
-    """Return the cells of the sheet named, else of the first that has content."""
-    raw = io.BytesIO(source.raw_bytes())
-    with foreign(
-        source,
-        "this is not a readable sheet",
-        "save it again as .xlsx or .csv, or name its format in [import] format",
-    ):
-        sheets, rows_of = _open(raw, source)
-        check_choice(table, sheets, "sheet", source)
-        grids = ([list(row) for row in rows_of(name)] for name in ([table] if table else sheets))
-        return next((grid for grid in grids if grid), [])
+    return "" if cell is None or cell in ERRORS else str(cell).strip()
 
 
 def _open(raw: io.BytesIO, source: Source) -> tuple[Sequence[str], Callable[[str], Iterable[Sequence[Any]]]]:

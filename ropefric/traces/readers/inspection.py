@@ -170,14 +170,14 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
     doubts = []
     decimal_is_open = False
     try:
-        text, dialect, _ = open_text(source, profile)
+        text, dialect = open_text(source, profile)
     except DataError as error:
         if error.code != "RF104" or profile.decimal:
             raise
         doubts.append(str(error))
         decimal_is_open = True  # in the profile too, so that reading still refuses until somebody decides
         profile = replace(profile, decimal=",")
-        text, dialect, _ = open_text(source, profile)
+        text, dialect = open_text(source, profile)
     profile = _find_blocks(text, dialect, profile) or replace(profile, **dialect.rows._asdict())
     reader = find_reader(source.path, replace(profile, format="delimited"))
     try:
@@ -187,7 +187,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
             raise
         doubts.append(str(error))
         profile = replace(profile, header_row=0, units_row=0)
-        text, dialect, _ = open_text(source, profile)
+        text, dialect = open_text(source, profile)
         tables = reader.tables(source, profile)
     lines = islice(text.lines_from(dialect.rows.data_row), N_FIRST_ROWS)
     found = Inspection(
@@ -252,7 +252,7 @@ def _find_blocks(text: Text, dialect: Dialect, profile: ImportProfile) -> Import
 def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
     """Return an inspection completed by what the columns of the first recording hold."""
     table = tables[0]
-    values = _load(table)
+    values, wrong_stamps = _load(table)
     columns = tuple(_column(table, index, array) for index, array in enumerate(values))
     channels, doubts = _channels(found, table, values)
     rate_Hz, is_uniform, clock_doubts = _clock(table, values, channels)
@@ -269,20 +269,24 @@ def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
         saturation=tuple(hints),
         notes=tuple(dict.fromkeys(table.notes)),
         profile=replace(found.profile, channels=channels),
-        doubts=(*found.doubts, *doubts, *clock_doubts),
+        doubts=(*found.doubts, *wrong_stamps, *doubts, *clock_doubts),
     )
 
 
-def _load(table: Table) -> list[FloatArray | None]:
-    """Return every column, None where it holds something else than numbers."""
+def _load(table: Table) -> tuple[list[FloatArray | None], list[str]]:
+    """Return every column, None where it holds something else than numbers, and why time stamps cannot be read."""
+    doubts: list[str] = []
 
     def load(indices: Sequence[int]) -> list[FloatArray | None]:
         try:
             return [*table.values(indices)]
-        except DataError:
-            return [None] if len(indices) == 1 else [array for index in indices for array in load([index])]
+        except DataError as error:
+            if len(indices) > 1:
+                return [array for index in indices for array in load([index])]
+            doubts.extend([str(error)] if indices[0] in table.stamps else [])
+            return [None]
 
-    return load(range(len(table.names)))
+    return load(range(len(table.names))), doubts
 
 
 def _column(table: Table, index: int, array: FloatArray | None) -> ColumnSummary:
@@ -322,8 +326,11 @@ def _channels(
         [] if has_time else [i for i, array in numeric if _is_of("time", units[i] or "s") and _rises(array)]
     )
     if rising:
-        channels = {"time": Channel(column=rising[0] + 1, unit=units[rising[0]]), **channels}
-        doubts.append(f"column {rising[0] + 1} is taken as the time because it only rises; check")
+        is_stamp = rising[0] in table.stamps
+        time = by_name(rising[0] + 1) if is_stamp else Channel(column=rising[0] + 1, unit=units[rising[0]])
+        channels = {"time": time, **channels}
+        why = "holds time stamps" if is_stamp else "only rises"
+        doubts.append(f"column {rising[0] + 1} is taken as the time because it {why}; check")
     elif not has_time:
         doubts.append('no column looks like the time; set [import] sampling_rate, for example "3 kHz"')
     if not {"force", "counts"} & (channels.keys() | found.profile.derived.keys()):

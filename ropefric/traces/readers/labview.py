@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,29 +11,19 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.files.stamps import read_stamps
-from ropefric.files.text import Source, Text, is_blank_line, load_text, split_line
+from ropefric.files.text import Source, Text, load_text, split_line
 from ropefric.files.text_table import Dialect, HeadRows
 from ropefric.glossary import counted
 from ropefric.traces.clock import GAP_STEPS
-from ropefric.traces.readers.delimited import text_table
+from ropefric.traces.readers.delimited import text_table, without_footer
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table
 
 _MAGIC = "LabVIEW Measurement"
 _END = re.compile(rb"^\*\*\*End_of_Header\*\*\*[^\n]*\n", re.MULTILINE)
-_SPECIAL = re.compile(
-    rb"^\*\*\*Start_Special\*\*\*.*?^\*\*\*End_Special\*\*\*[^\n]*", re.MULTILINE | re.DOTALL
-)
+_SPECIAL = re.compile(rb"^\*{3}Start_Special.*?^\*{3}End_Special[^\n]*", re.MULTILINE | re.DOTALL)
 _SEPARATORS = {"Tab": "\t", "Comma": ",", "Semicolon": ";", "Space": " "}
-_UNITS = {
-    "Newtons": "N",
-    "Newton": "N",
-    "Volts": "V",
-    "Volt": "V",
-    "Meters": "m",
-    "Seconds": "s",
-    "Kilograms": "kg",
-}
+_UNITS = {"Newtons": "N", "Volts": "V", "Meters": "m", "Seconds": "s", "Kilograms": "kg"}
 
 _Tags = Mapping[str, Sequence[str]]
 
@@ -44,36 +35,32 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     data = _SPECIAL.sub(lambda found: b"\n" * found[0].count(b"\n"), data)
     text = replace(text, data=data, is_whole=True)
     ends = [found.end() for found in _END.finditer(data)]
+    fix = 'describe the file, with [import] format = "delimited"'
     if len(ends) < 2:
         why = "this LabVIEW file has no second ***End_of_Header***, so no header of its channels"
-        fix = 'write it with headers, or describe it, with [import] format = "delimited"'
-        raise source.error(why, code="RF103", fix=fix)
+        raise source.error(why, code="RF103", fix=f"write it with headers, or {fix}")
     generals = [_tags(data[: ends[0]], mark) for mark in "\t,;"]
     general = next((tags for tags in generals if "Separator" in tags), generals[0])
-    separator = "".join(general.get("Separator", ["Tab"])[:1])
-    separator, decimal = (
-        _SEPARATORS.get(separator, separator),
-        "".join(general.get("Decimal_Separator", ".")[:1]),
-    )
+    separator, decimal = _first(general, "Separator", "Tab"), _first(general, "Decimal_Separator", ".")
+    separator = _SEPARATORS.get(separator, separator)
     if len(separator) != 1 or decimal not in (".", ",") or separator == decimal:
-        why = (
-            f"the header tells the separator {separator!r} and the decimal mark {decimal!r}, which cannot be"
-        )
-        raise source.error(
-            why, code="RF103", line=1, fix='describe the file, with [import] format = "delimited"'
-        )
-    columns = "".join(general.get("X_Columns", ["One"])[:1]).lower()
-    starts = [ends[0], *(_start_of_header(data, *part) for part in pairwise(ends[1:])), len(data)]
+        why = f"its header tells the separator {separator!r} and the decimal mark {decimal!r}"
+        raise source.error(why, code="RF103", line=1, fix=fix)
+    layout = replace(profile, separator=separator, decimal=decimal)
+    columns = _first(general, "X_Columns", "One").lower()
     notes = [f"LabVIEW measurement of {counted(len(ends) - 1, 'header block')}, X columns: {columns}"]
-    blocks = []
-    for start, end, stop in zip(starts, ends[1:], starts[1:], strict=False):
-        header = _tags(data[start:end], separator)
-        block = _block(text.part(end, stop), header, (separator, decimal, columns), profile, notes)
-        if block is not None:
-            blocks.append((block, header))
+    starts = [ends[0], *(_start_of_header(data, *part) for part in pairwise(ends[1:])), len(data)]
+    headers = [_tags(data[start:end], separator) for start, end in zip(starts, ends[1:], strict=False)]
+    parts = [text.part(end, stop) for end, stop in zip(ends[1:], starts[1:], strict=True)]
+    found = [_block(part, tags, columns, layout, notes) for part, tags in zip(parts, headers, strict=True)]
+    blocks = [(block, tags) for block, tags in zip(found, headers, strict=True) if block is not None]
     if not blocks:
         raise source.error("no block has data rows", fix="record it again")
     return _recordings(blocks, notes)
+
+
+def _first(tags: _Tags, tag: str, usual: str = "") -> str:
+    return next(iter(tags.get(tag, ())), usual)
 
 
 def _start_of_header(data: bytes, low: int, end: int) -> int:
@@ -91,45 +78,37 @@ def _tags(header: bytes, separator: str) -> _Tags:
     return {row[0]: row[1:] for row in rows if row[0]}
 
 
-def _block(
-    text: Text, header: _Tags, layout: tuple[str, str, str], profile: ImportProfile, notes: list[str]
-) -> Table | None:
+def _block(text: Text, tags: _Tags, columns: str, layout: ImportProfile, notes: list[str]) -> Table | None:
     """Return the table of a block, None where it has no rows; each channel has its X column, or its X0 and Delta_X."""
-    separator, decimal, columns = layout
-    lines = [item for item, _ in zip(text.lines_from(text.first_line), range(9), strict=False)]
-    (row, line), *below = [(n, line) for n, line in lines if not is_blank_line(line, separator)] or [(0, "")]
-    if not below:
+    rows = text.rows_from(text.first_line, layout.separator)
+    (row, names), (data_row, first_row) = next(rows, (0, [""])), next(rows, (0, [""]))
+    if not data_row:
         return None
-    names = split_line(line, separator)
     while len(names) > 1 and not names[-1]:
         names.pop()
-    n = len(names) - (names[-1].lower() == "comment")
-    is_multi = columns == "multi"
-    channels = range(1, n, 2 if is_multi else 1)
-
-    def told(tag: str) -> dict[int, str]:
-        cells = header.get(tag, ())
-        return dict(zip(channels, cells[:: 2 if is_multi else 1], strict=False))
-
-    units, steps, starts = told("Y_Unit_Label"), told("Delta_X"), told("X0")
-    dimension = told("X_Dimension").get(1, "")
+    n, every = len(names) - (names[-1].lower() == "comment"), 2 if columns == "multi" else 1
+    channels = range(1, n, every)
+    units, steps, starts, dimensions = (
+        dict(zip(channels, tags.get(tag, ())[::every], strict=False))
+        for tag in ("Y_Unit_Label", "Delta_X", "X0", "X_Dimension")
+    )
+    dimension = dimensions.get(1, "")
     if dimension not in ("", "Time"):
         why, fix = f"the X axis is {dimension!r}, not the time", "write the file with the time as X"
         raise text.source.error(why, code="RF103", line=row, fix=fix)
     # Where channels have steps of their own, the only X column is that of the first.
-    own_x = {i: i - 1 if is_multi else 0 for i in channels if is_multi or steps.get(i) == steps.get(1)}
+    own_x = {i: i - 1 if every == 2 else 0 for i in channels if every == 2 or steps.get(i) == steps.get(1)}
     dialect = Dialect(
-        separator=separator,
-        decimal=decimal,
-        rows=HeadRows(row, 0, below[0][0]),
+        separator=layout.separator,
+        decimal=layout.decimal,
+        rows=HeadRows(row, 0, data_row),
         header=tuple(names),
-        units=tuple("s" if i not in units else _UNITS.get(units[i], units[i]) for i in range(n)),
-        n_cells=len(split_line(below[0][1], separator)),
-        stamps=frozenset(),
-        no_value=profile.no_value,
-        no_value_numbers=profile.no_value_numbers(decimal),
+        units=tuple(_UNITS.get(u := units.get(i, ""), u) if i in channels else "s" for i in range(n)),
+        first_row=first_row,
+        layout=layout,
+        notes=notes,
     )
-    table = text_table(text, dialect, notes, profile)
+    table = text_table(without_footer(text, dialect), dialect)
 
     def clock(index: int) -> FloatArray | None:
         if columns != "no":
@@ -143,15 +122,17 @@ def _block(
 
 def _float(cell: str) -> float:
     try:
-        return float(cell.replace(",", "."))
+        value = float(cell.replace(",", "."))
     except ValueError:
         return np.nan
+    return value if np.isfinite(value) else np.nan
 
 
 def _recordings(blocks: Sequence[tuple[Table, _Tags]], notes: list[str]) -> tuple[Table, ...]:
     """Return a table a recording: blocks are one where no more than five steps are missing between them."""
-    began = [f"{''.join(tags.get('Date', ())[:1])} {''.join(tags.get('Time', ())[:1])}" for _, tags in blocks]
-    try:
+    began = [f"{_first(tags, 'Date')} {_first(tags, 'Time')}" for _, tags in blocks]
+    began_s = np.full(len(blocks), np.nan)  # which no block goes on from
+    with suppress(DataError):
         began_s, _ = read_stamps(
             enumerate(began),
             order="ymd",
@@ -159,22 +140,17 @@ def _recordings(blocks: Sequence[tuple[Table, _Tags]], notes: list[str]) -> tupl
             no_value=(),
             refuse=lambda _, why, fix: DataError(why, fix=fix),
         )
-    except DataError:
-        began_s = np.full(len(blocks), np.nan)
     groups: list[list[tuple[float, Table]]] = []
     end_s = np.nan
     for (table, tags), block_s in zip(blocks, began_s.tolist(), strict=True):
         clock_s = table.clock(1) if table.clock is not None and len(blocks) > 1 else None
-        step_s = _float("".join(tags.get("Delta_X", ())[:1]))
-        if clock_s is not None and clock_s.size:
-            gap_s = block_s + clock_s[0] - end_s
-            if groups and table.names == groups[-1][0][1].names and 0 < gap_s <= GAP_STEPS * step_s:
-                groups[-1].append((block_s, table))
-            else:
-                groups.append([(block_s, table)])
-            end_s = block_s + float(clock_s[-1])
+        first_s, last_s = (np.nan, np.nan) if clock_s is None else block_s + clock_s[[0, -1]]
+        is_next = 0 < first_s - end_s <= GAP_STEPS * _float(_first(tags, "Delta_X"))
+        if is_next and table.names == groups[-1][0][1].names:
+            groups[-1].append((block_s, table))
         else:
             groups.append([(block_s, table)])
+        end_s = last_s
     if len(blocks) > 1:
         notes.append(f"by their times the blocks make {counted(len(groups), 'recording')}")
     samples = [str(number) for number in range(1, len(groups) + 1)] if len(groups) > 1 else [""]

@@ -16,7 +16,7 @@ def _recognises(lines: Sequence[str]) -> bool:
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    text, dialect, notes = open_text(source, replace(profile, header_row=4, units_row=5, data_row=6))
+    text, dialect = open_text(source, replace(profile, header_row=4, units_row=5, data_row=6))
     slots, measured = dialect.header, dialect.units
     names = [slots[0]]
     for slot, what in zip(slots[1:], measured[1:], strict=False):
@@ -24,10 +24,12 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             slot if what in ("", _UNUSED) else what if measured.count(what) == 1 else f"{what} ({slot})"
         )
     dialect = replace(dialect, header=tuple(names), units=measured[:1])
-    table = text_table(text, dialect, notes, profile)
+    table = text_table(text, dialect)
     title, *facts = (text.line(number) for number in (1, 2, 3))
     stated = ", ".join(" ".join(split_line(fact, dialect.separator)) for fact in facts)
-    notes.append(f"Mitsubishi MR Configurator, {title}: {stated}; of units it tells only that of the time")
+    dialect.notes.append(
+        f"Mitsubishi MR Configurator, {title}: {stated}; of units it tells only that of the time"
+    )
     return (table,)
 
 

@@ -38,17 +38,17 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     (row, names), (units_row, units) = labels[_NAMES], labels[_UNITS]
     data_row = 1 + max(row for row, _ in labels.values())
     layout = replace(profile, header_row=row, units_row=units_row, data_row=data_row)
-    text, dialect, notes = open_text(source, layout)
+    text, dialect = open_text(source, layout)
     header = [cell for name in names for cell in (f"time of {name}", name)]
     dialect = replace(
         dialect,
         header=tuple(header),
         units=tuple(cell for unit in units for cell in ("s", unit)),
     )
-    notes.append(f"NI export: {', '.join(names)}, each with a time of its own")
-    notes += [f"{label}: {', '.join(dict.fromkeys(said))}" for label, (_, said) in labels.items()
-              if label not in (_NAMES, _UNITS)]  # fmt: skip
-    table = text_table(text, dialect, notes, profile)
+    dialect.notes.append(f"NI export: {', '.join(names)}, each with a time of its own")
+    others = [(label, said) for label, (_, said) in labels.items() if label not in (_NAMES, _UNITS)]
+    dialect.notes.extend(f"{label}: {', '.join(dict.fromkeys(said))}" for label, said in others)
+    table = text_table(text, dialect)
     return (replace(table, clock=lambda index: table.values([index - 1])[0] if index % 2 else None),)
 
 

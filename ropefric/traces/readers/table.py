@@ -14,7 +14,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.files.stamps import read_stamps
 from ropefric.files.text import Source
-from ropefric.files.text_table import bare_unit, is_number
+from ropefric.files.text_table import Dialect, bare_unit, is_number
 from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording
@@ -44,12 +44,16 @@ class Table:
     names: tuple[str, ...]
     units: tuple[str, ...]
     values: Callable[[Sequence[int]], list[FloatArray]]
-    has_header: bool = True
     sample: str = ""
     first_line: int = 0
     stamps: frozenset[int] = frozenset()
     clock: Callable[[int], FloatArray | None] | None = None
     notes: list[str] = field(default_factory=list)
+
+    @property
+    def has_header(self) -> bool:
+        """Return whether any column has a name."""
+        return any(self.names)
 
     def unit(self, index: int) -> str:
         """Return the unit of a column: the file's own, else the suffix of its header."""
@@ -211,18 +215,17 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
     return source.error(message, code="RF102", line=line, key=name, fix=fix)
 
 
-def stamp_column(
-    cells: Iterable[tuple[int, str]], name: str, profile: ImportProfile, source: Source, notes: list[str]
-) -> FloatArray:
+def stamp_column(cells: Iterable[tuple[int, str]], name: str, dialect: Dialect, source: Source) -> FloatArray:
     """Return a column of text time stamps in seconds from its first on, and note how they were understood."""
 
     def refuse(line: int, why: str, fix: str) -> DataError:
         return source.error(why, code="RF104", line=line, key=name, fix=fix)
 
+    layout = dialect.layout
     found, said = read_stamps(
-        cells, order=profile.date_order, zone=profile.time_zone, no_value=profile.no_value, refuse=refuse
+        cells, order=layout.date_order, zone=layout.time_zone, no_value=layout.no_value, refuse=refuse
     )
-    notes.extend(f"{name}: {text}" for text in said)
+    dialect.notes.extend(f"{name}: {text}" for text in said)
     return found
 
 
@@ -284,7 +287,6 @@ def array_table(
         names=names,
         units=tuple((units or {}).get(key, "") for key in columns),
         values=values,
-        has_header=any(names),
         sample=sample,
         clock=clock,
         notes=[*notes],

@@ -21,7 +21,8 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     filled = [name for name, channels in groups.items() if any(len(channel) for channel in channels)]
     if not filled:
         raise source.error("no group has data", fix="record it again")
-    channels = groups[profile.table or filled[0]]
+    group = profile.table or filled[0]
+    channels = groups[group]
     columns, units = {}, {}
     for channel in channels:
         what, fix = "the channel cannot be scaled", "save the scaled values"
@@ -31,7 +32,10 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         units[channel.name] = next((str(unit) for unit in found if unit), "")
     clocks = [_waveform_time(channel) for channel in channels]
     has_clock = any(clock is not None for clock in clocks)
-    return (array_table(columns, source, units=units, clock=clocks.__getitem__ if has_clock else None),)
+    notes = [f"the group {group!r}, one of {len(groups)}"] if len(groups) > 1 else []
+    notes += ["the time is that of the waveforms"] if has_clock else []
+    clock = clocks.__getitem__ if has_clock else None
+    return (array_table(columns, source, units=units, clock=clock, notes=notes),)
 
 
 def _load(source: Source) -> Any:

@@ -116,8 +116,22 @@ def test_tdms_waveforms_bring_their_own_clock(tmp_path):
     path = save_tdms(tmp_path / "run.tdms", [("Force", F, {**waveform, "unit_string": "kN"})])
     check(path, ImportProfile())
     assert inspect_file(path).sampling_rate_Hz == 500
+    assert inspect_file(path).notes == ("the time is that of the waveforms",)
     (recording,) = read_recordings(path, ImportProfile(sampling_rate_Hz=100.0))
     assert "time" not in recording.columns  # the profile's word goes first
+
+
+def test_tdms_channels_of_other_rates_do_not_hide_the_clock(tmp_path):
+    waves = [
+        ("Force", F, {"wf_increment": 0.002, "unit_string": "kN"}),
+        ("Room", F[:9], {"wf_increment": 1.0}),
+    ]
+    for _, _, properties in waves:
+        properties |= {"wf_start_offset": 0.0, "wf_start_time": START}
+    path = save_tdms(tmp_path / "run.tdms", waves)
+    check(path, ImportProfile())
+    both = ImportProfile(channels={"force": Channel(column="Force"), "room": Channel(column="Room")})
+    assert refused(path, both).code == "RF103"
 
 
 def test_tdms_without_data_is_told(tmp_path):
@@ -222,6 +236,11 @@ STARTS = [
     (".tdms", b"TDSm"),
     (".xlsx", b"PK\x03\x04"),
     (".xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"),
+    (".h5", b"\x89HDF\r\n\x1a\n"),
+    (".cmbl", b"<Document><DataSet><DataColumn><ColumnCells>"),
+    (".lvm", b"LabVIEW Measurement\t\n***End_of_Header***\n***End_of_Header***\nX_Value\tForce\n"),
+    (".csv", b"Interval,1,Interval,1\nChannel name,a,Channel name,b\nUnit,s,Unit,N\n"),
+    (".csv", b"Axis1\nNumber of sampling data,1\nSampling time interval(ms),1\n"),
 ]
 
 

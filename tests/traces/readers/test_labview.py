@@ -148,6 +148,16 @@ def test_blocks_with_a_pause_between_them_are_recordings_of_their_own(write):
     assert inspect_file(path).samples == ("1", "2")
 
 
+def test_units_that_are_not_told_are_not_made_up(write):
+    text = general(columns="One") + block(["X_Value", "Force", "Comment"], [["0", "1"], ["0.01", "2"]])
+    path = write(text.replace("Y_Unit_Label\tNewtons\t\r\n", ""), "run.lvm")
+    assert [(c.name, c.unit) for c in inspect_file(path).columns] == [
+        ("X_Value", "s"),
+        ("Force", ""),
+        ("Comment", ""),
+    ]
+
+
 def test_special_blocks_are_passed_over(write):
     special = "***Start_Special***\r\n1\t2\r\n***End_Special***\r\n"
     text = general() + special + block(["X_Value", "Force", "Comment"], [["", "1"], ["", "2"]])
@@ -182,3 +192,13 @@ def test_any_cut_of_the_file_is_read_or_refused(write):
             read(write(GOOD[:size], "run.lvm"))
         except DataError as error:
             assert error.code.startswith(("RF1", "RF2"))  # noqa: PT017
+
+
+def test_a_last_number_that_is_cut_is_left_out_and_a_footer_told(write):
+    rows = [["", "10.5"], ["", "11.5"], ["", "12.5"]]
+    text = general() + block(["X_Value", "Force", "Comment"], rows)
+    cut = text[: text.rindex(".5")]
+    assert read(write(cut, "run.lvm"))[0].force_N.tolist() == [10.5, 11.5]
+    (trace,) = read(write(text.rstrip() + "\r\nEnd of test\r\n", "run.lvm"))
+    assert trace.force_N.tolist() == [10.5, 11.5, 12.5]
+    assert any("End of test" in note for note in trace.notes)

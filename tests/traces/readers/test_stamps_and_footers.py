@@ -62,6 +62,7 @@ def test_a_time_stamp_that_is_none_is_told_by_its_line(write):
 def test_the_order_of_american_dates_is_stated(write):
     path = write("time,force_N\n03/04/2024 10:00:00 AM,1\n03/04/2024 10:00:01 AM,2\n")
     assert "date_order" in refused(path).fix
+    assert any("date_order" in doubt for doubt in inspect_file(path).doubts)
     assert read(path, date_order="mdy").time_s.tolist() == [0, 1]
 
 
@@ -91,7 +92,7 @@ def test_lines_of_words_at_the_end_are_a_footer_and_are_told(write, footer):
     path = write(HEAD + ROWS + footer)
     trace = read(path)
     assert trace.force_N.tolist() == [*range(30)]
-    (note,) = [note for note in trace.notes if "hold no data" in note]
+    (note,) = [note for note in trace.notes if "left out at the end" in note]
     assert footer.strip().splitlines()[0].strip() in note
     assert inspect_file(path).notes == (note,)
 
@@ -102,12 +103,28 @@ def test_a_footer_that_looks_like_a_row_is_skipped_by_its_key(write):
     assert "skip_footer" in refused(path).fix
     trace = read(path, skip_footer=2)
     assert trace.force_N.size == 30
-    assert any("the last 2 lines hold no data" in note for note in trace.notes)
+    assert any(
+        "2 lines without data left out at the end: Maximum,29; Mean,14.5" in note for note in trace.notes
+    )
 
 
 @pytest.mark.parametrize("end", ["3.0\n", "3.0", "3.0,1,2\n", "3.0,1\nfoo\n3.1,2\n"])
 def test_rows_that_are_damaged_are_no_footer(write, end):
     assert refused(write(HEAD + ROWS + end)).code in {"RF102", "RF103"}
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "last"),
+    [
+        ("point,force_N,way_mm", "P{i},{i},{i}", "P30,3"),  # rows that begin with words
+        ("time,force_N", "2024-03-05T10:00:{i:02d}Z,{i}", "2024-03-05T10:0"),
+        ("time_s,force_N", "{i},{i}", "nan"),
+    ],
+)
+def test_a_last_row_that_is_cut_is_no_footer(write, head, row, last):
+    rows = "".join(row.format(i=i) + "\n" for i in range(30))
+    rate = {"sampling_rate_Hz": 10.0, "channels": {"force": Channel(column=2, unit="N")}}
+    assert refused(write(f"{head}\n{rows}{last}\n"), **rate).code == "RF103"
 
 
 def test_the_footer_of_a_long_text_that_is_read_in_blocks(write, monkeypatch):
@@ -116,5 +133,5 @@ def test_the_footer_of_a_long_text_that_is_read_in_blocks(write, monkeypatch):
     path = write(HEAD + rows + "End of test\nOperator: Smith\n")
     trace = read(path)
     assert trace.force_N.size == 60_000
-    assert sum("hold no data" in note for note in trace.notes) == 1
+    assert sum("left out at the end" in note for note in trace.notes) == 1
     assert read(path, skip_footer=4).force_N.size == 59_998

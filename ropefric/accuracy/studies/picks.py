@@ -1,0 +1,266 @@
+"""Pickers of the break-away force, side by side: on recordings of a rig that none of them was made for, and on yours."""
+
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from math import inf, isfinite, nan
+from pathlib import Path
+
+import numpy as np
+import scipy.signal
+
+from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case
+from ropefric.arrays import FloatArray
+from ropefric.errors import InputError, RopefricError
+from ropefric.rig.strangers import FAMILIES, TIERS, recordings
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.trace import ForceTrace
+from ropefric.trials.campaign import load_campaign
+from ropefric.trials.recording import blocks_of, tared_trace
+
+SEED, PER_FAMILY = 2027, 4
+RIGHT = 0.02
+"""A pick further off than this part of F_A is wrong."""
+
+Picked = tuple[float, float, bool]
+"""Force, its standard uncertainty where the picker states one [N], and whether it says that it is in doubt."""
+Picker = Callable[[ForceTrace], Picked]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """A recording with what is true of it: F_A, or NaN where there is none to be found."""
+
+    trace: ForceTrace
+    peak_N: float
+
+
+@cache
+def known_recordings(tier: str) -> tuple[Known, ...]:
+    """Return the recordings of one tier of the second rig; the same ones every time."""
+    drawn = recordings(SEED, per_family=PER_FAMILY, tiers=(tier,))
+    return tuple(Known(one.trace(), one.truth.peak_N) for one in drawn)
+
+
+@cache
+def recordings_of_campaign(folder: Path) -> tuple[Known, ...]:
+    """Return the recordings of a campaign with a truth.toml, calibrated and tared, but unreadable files."""
+    campaign = load_campaign(folder / "campaign.toml")
+    try:
+        trials = tomllib.loads((folder / "truth.toml").read_text(encoding="utf-8"))["trials"]
+        truths = {
+            name: float(one["lift_force_N"]) if one["status"] == "ok" else nan for name, one in trials.items()
+        }
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        fix = 'write one: [trials] with NAME = { status = "ok", lift_force_N = 12.3 } for each trial'
+        raise InputError("no usable truth.toml beside the campaign", path=folder, fix=fix) from error
+    found = []
+    for spec in campaign.trials:
+        if spec.trial not in truths:
+            continue
+        try:
+            raw = blocks_of(spec, read_recordings(spec.path, campaign.profile, shown_as=spec.file))[0]
+            found.append(Known(tared_trace(campaign, spec, raw)[0], truths[spec.trial]))
+        except RopefricError:
+            continue
+    return tuple(found)
+
+
+def _filled(trace: ForceTrace) -> FloatArray:
+    """Return the force with straight lines across missing samples: what a script would do."""
+    here = np.isfinite(trace.force_N)
+    return np.interp(trace.time_s, trace.time_s[here], trace.force_N[here]) if here.any() else np.zeros(1)
+
+
+def _mean_of(values: FloatArray, n: int) -> FloatArray:
+    n = max(1, min(n, values.size))
+    return np.convolve(values, np.full(n, 1.0 / n), mode="valid")
+
+
+def by_ropefric(trace: ForceTrace) -> Picked:
+    """Return what ropefric picks with no settings at all."""
+    found = pick_breakaway(trace, PickSettings())[0]
+    return (
+        found.peak_N if found.status is Status.OK else nan,
+        found.peak_std_N,
+        found.status is Status.DOUBTFUL,
+    )
+
+
+def by_highest_mean(trace: ForceTrace, *, points: int = 0, lasting_s: float = 0.0) -> Picked:
+    """Return the maximum of a moving average over points or time: the usual way of the field."""
+    n = points or round(lasting_s * trace.sampling_rate_Hz)
+    return float(_mean_of(_filled(trace), n).max()), nan, False
+
+
+def by_prominence(trace: ForceTrace, *, part: float) -> Picked:
+    """Return the first peak of a 5-point mean that `scipy.signal.find_peaks` finds with a prominence."""
+    mean_N = _mean_of(_filled(trace), 5)
+    found, _ = scipy.signal.find_peaks(mean_N, prominence=max(part * float(np.ptp(mean_N)), 1e-12))
+    return float(mean_N[found[0]]) if found.size else nan, nan, False
+
+
+def by_sta_lta(trace: ForceTrace, *, short: int, long: int, ratio: float = 8.0) -> Picked:
+    """Return the highest 5-point mean around the trigger of the energy of force changes, short over long mean.
+
+    Allen, R. V. (1978), Automatic earthquake recognition and timing from single traces, Bull. Seism. Soc. Am. 68,
+    1521-1532; windows and ratio as in Withers et al. (1998), ibid. 88, 95-106.
+    """
+    force_N = _filled(trace)
+    change = np.diff(force_N)
+    if change.size < long + 2 * short:
+        return nan, nan, False
+    energy = (change - np.median(change)) ** 2 + 1e-30
+    sta = _mean_of(energy, short)[long:]
+    lta = _mean_of(energy, long)[: sta.size]
+    above = np.flatnonzero(sta[: lta.size] > ratio * lta)
+    if not above.size:
+        return nan, nan, False
+    at = long + int(above[0])
+    return float(_mean_of(force_N[max(0, at - short) : at + 2 * short], 5).max()), nan, False
+
+
+def by_aic(trace: ForceTrace) -> Picked:
+    """Return the highest 5-point mean around where two stretches of unlike variance meet best.
+
+    AIC(k) = k ln var(x[:k]) + (n - k - 1) ln var(x[k:]) of the force changes is least at the onset: Maeda, N. (1985), A
+    method for reading and checking phase times in autoprocessing system of seismic wave data, Zisin 38, 365-379. As
+    there, the stretch looked at ends with the event: here the steepest fall.
+    """
+    force_N = _filled(trace)
+    x = np.diff(force_N)
+    x = x[: int(np.argmin(_mean_of(x, 5))) + 15] if x.size else x
+    if x.size < 30:
+        return nan, nan, False
+    n, k = x.size, np.arange(10, x.size - 10)
+    total, squares = np.concatenate([[0.0], np.cumsum(x)]), np.concatenate([[0.0], np.cumsum(x**2)])
+    before = squares[k] / k - (total[k] / k) ** 2
+    after = (squares[n] - squares[k]) / (n - k) - ((total[n] - total[k]) / (n - k)) ** 2
+    least = 1e-12 * max(float(squares[n]) / n, 1e-300)
+    aic = k * np.log(np.maximum(before, least)) + (n - k - 1) * np.log(np.maximum(after, least))
+    at = int(k[np.argmin(aic)])
+    return float(_mean_of(force_N[max(0, at - 10) : at + 10], 5).max()), nan, False
+
+
+PICKERS: tuple[tuple[str, str, Picker, bool], ...] = (
+    ("ropefric", "", by_ropefric, True),
+    *(("moving average", f"{n} points", partial(by_highest_mean, points=n), n == 15) for n in (5, 10, 15)),
+    *(
+        ("moving average", f"{n} ms", partial(by_highest_mean, lasting_s=1e-3 * n), False)
+        for n in (5, 10, 15)
+    ),
+    *(
+        ("find_peaks", f"prominence {100 * p:g} %", partial(by_prominence, part=p), p == 0.05)
+        for p in (0.02, 0.05)
+    ),
+    ("STA/LTA", "10 over 100", partial(by_sta_lta, short=10, long=100), True),
+    ("STA/LTA", "20 over 400", partial(by_sta_lta, short=20, long=400), False),
+    ("AIC", "", by_aic, True),
+)
+"""Method, setting, picker, whether a quick look has it."""
+
+
+def score(picked: Sequence[Picked], known: Sequence[Known]) -> Outcome:
+    """Return how a picker did.
+
+    Shares of the recordings that have an F_A: `right`, `wrong`, `missed`, `doubtful`; of those that have none:
+    `false` (a force all the same). Of the right ones: bias and scatter; `within_2u`, where the picker states u. The
+    error is the one that 95 % of the forces given stay below; infinite where none was given.
+    """
+    force_N, std_N = np.array([one[:2] for one in picked], dtype=np.float64).T
+    doubt = np.array([one[2] for one in picked])
+    true_N = np.array([one.peak_N for one in known])
+    usable, given = np.isfinite(true_N), np.isfinite(force_N)
+    errors = (force_N / true_N - 1.0)[usable & given]
+    right = errors[np.abs(errors) <= RIGHT]
+    close = (np.abs(force_N - true_N) <= 2.0 * std_N)[usable & given & np.isfinite(std_N)]
+
+    def share(which: FloatArray, of: FloatArray) -> float:
+        return float(np.count_nonzero(which) / of.size) if of.size else nan
+
+    return Outcome(
+        error=float(np.quantile(np.abs(errors), 0.95)) if errors.size else inf,
+        evaluations=float(np.mean([one.trace.force_N.size for one in known])),
+        bias=float(right.mean()) if right.size else nan,
+        noise=float(right.std(ddof=1)) if right.size > 1 else nan,
+        shares={
+            "recordings": float(true_N.size),
+            "right": share(right, true_N[usable]),
+            "wrong": share(errors[np.abs(errors) > RIGHT], true_N[usable]),
+            "missed": share((usable & ~given & ~doubt)[usable], true_N[usable]),
+            "doubtful": share((usable & doubt)[usable], true_N[usable]),
+            "false": share((~usable & given)[~usable], true_N[~usable]),
+            "within_2u": share(close, close),
+        },
+    )
+
+
+def _settings(load: Callable[[], tuple[Known, ...]]) -> tuple[Setting, ...]:
+    def setting(method: str, name: str, pick: Picker, *, quick: bool) -> Setting:
+        def assess() -> Outcome:
+            return score([pick(one.trace) for one in load()], load())
+
+        def call() -> object:  # on the recording of middling length
+            return pick(sorted(load(), key=lambda one: one.trace.force_N.size)[len(load()) // 2].trace)
+
+        return Setting(method, name, call, assess, quick)
+
+    return tuple(setting(method, name, pick, quick=quick) for method, name, pick, quick in PICKERS)
+
+
+def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
+    lines = []
+    for case in dict.fromkeys(point.case for point in points):
+        ours, *others = in_case(points, case)
+        for what, better in (("right", max), ("wrong", min), ("false", min)):
+            best = better(others, key=lambda point, what=what: point.shares[what])  # type: ignore[misc]
+            mine, theirs = ours.shares[what], best.shares[what]
+            if isfinite(mine) and mine != theirs and better(mine, theirs) == theirs:
+                lines.append(
+                    f"{case}: ropefric loses to {best.name}: {what} {100 * mine:.0f} % against {100 * theirs:.0f} %."
+                )
+    return tuple(lines)
+
+
+def with_campaigns(study: Study, folders: Sequence[Path]) -> Study:
+    """Return the study with a case more for each campaign that has a truth.toml.
+
+    Raises
+    ------
+    InputError
+        If a folder holds no campaign with a truth.
+    """
+    cases = []
+    for folder in folders:
+        if not recordings_of_campaign(folder):
+            raise InputError("no recording of this campaign has a truth", path=folder)
+        name = folder.resolve().name
+        settings = partial(_settings, partial(recordings_of_campaign, folder))
+        cases.append(Case(name, f"the campaign {name}, with the truth of its truth.toml", settings))
+    return replace(study, cases=(*study.cases, *cases))
+
+
+_SAID = {
+    "lab": "the noise, sampling, bumps and teeth of ordinary laboratories",
+    "clean": "little noise; sharp, rounded and slow breaks, stick-slip, held and climbing motors",
+    "nasty": "loud noise, hum, spikes, drift, gaps, clipped and damaged recordings",
+}
+STUDY = Study(
+    name="picks",
+    title="Picking the break-away force: who finds it, who makes one up",
+    question="Which picker can be trusted with a recording of a rig it has not seen?",
+    reference=(
+        "largest noise-free force between the onset of macroscopic slip and its first fall, of simulated rigs with "
+        f"rate-and-state friction or bristles: {len(FAMILIES)} families, seed {SEED}, {PER_FAMILY} of each"
+    ),
+    counted="samples of a recording; error: what 95 % of the forces given stay below",
+    used="segments, slips and stiffness decide, the window follows the noise",
+    cases=tuple(
+        Case(tier, _SAID[tier], partial(_settings, partial(known_recordings, tier)))
+        for tier in sorted(TIERS, key=["lab", "clean", "nasty"].index)
+    ),
+    findings=_findings,
+)

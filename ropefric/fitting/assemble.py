@@ -17,18 +17,15 @@ from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
 from ropefric.fitting.result import CovarianceKind, FitResult, FitStatus, FittedParameter
 from ropefric.fitting.statistics import (
-    FitStatistics,
     Identifiability,
     Scatter,
-    aicc,
-    bic,
     clustered_covariance,
     decomposed,
     find_trends,
+    fit_statistics,
     group_means,
     identify,
     lack_of_fit,
-    least_squares_deviance,
     plain_covariance,
     rounded_covariance,
 )
@@ -135,7 +132,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         parameters=_parameters(found, std, dof),
         covariance=full,
         covariance_kind=kind,
-        statistics=_statistics(found, residuals, between, dof),
+        statistics=fit_statistics(problem, residuals, found.scatter, between, dof),
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
         notes=(*notes, *found.notes),
@@ -205,24 +202,6 @@ def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParame
             )
         )  # fmt: skip
     return tuple(parameters)
-
-
-def _statistics(found: Found, residuals: FloatArray, between: float, interval_dof: float) -> FitStatistics:
-    problem = found.problem
-    chi2, n, q = float(residuals @ residuals), problem.n_points, problem.n_varying
-    deviance = least_squares_deviance(chi2, n) + 2.0 * float(np.log(problem.std).sum())
-    return FitStatistics(
-        n=n,
-        n_conditions=found.problem.n_conditions,
-        dof=n - q,
-        chi2=significant(chi2),
-        chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
-        aicc=significant(aicc(deviance, n, q + 1)),
-        bic=significant(bic(deviance, n, q + 1)),
-        scatter_within=significant(found.scatter.within),
-        scatter_between=significant(between),
-        interval_dof=interval_dof,
-    )
 
 
 def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:

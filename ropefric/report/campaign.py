@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -66,12 +67,13 @@ def write_report(
     folder: Folder | str | os.PathLike[str],
     *,
     figures: bool = True,
+    executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write summary.txt, report.html with the numbers of its figures, and what they rest on; return the paths.
 
     The page needs nothing else. Beside it stand figures/*.csv, uncertainty.json and next_tests.csv where there is a
-    design, and manifest.json. The same campaign gives the same bytes.
+    design, and manifest.json. The same campaign gives the same bytes. The figures are drawn by the executor, if any.
     """
     target = as_folder(folder)
     evidence = gather_evidence(run)
@@ -80,7 +82,7 @@ def write_report(
     if figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 
-        pictures = draw_pictures(run, evidence, target, progress=progress)
+        pictures = draw_pictures(run, evidence, target, executor=executor, progress=progress)
     numbers = [
         target.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]

@@ -28,6 +28,8 @@ from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from rich.console import Console
 
     from ropefric.files.folder import Folder
@@ -79,7 +81,7 @@ def extract(
         write_tables(extraction, target)
         target.publish("tables")
         if figures:
-            start_figures(extraction, target, n_jobs, out, stack)()
+            start_figures(extraction, target, out, drawing_pool(extraction, n_jobs, stack))()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -101,22 +103,24 @@ def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[Non
         raise
 
 
+def drawing_pool(extraction: "Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
+    """Return processes to draw the figures in, which live as long as `stack`; None where it does not pay."""
+    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (quick start-up)
+
+    if n_jobs == 1 or len(extraction.conditions) < SERIAL_FIGURES:
+        return None
+    # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
+    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
+    stack.callback(executor.shutdown, cancel_futures=True)
+    return executor
+
+
 def start_figures(
-    extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output, stack: ExitStack
+    extraction: "Extraction", folder: "Folder", out: Output, executor: "Executor | None"
 ) -> "Callable[[], None]":
-    """Begin to draw one figure per condition; return what waits for them, writes and publishes them.
+    """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
+    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415  (quick start-up)
 
-    Where it pays they are drawn in processes that live as long as `stack`; else by what is returned.
-    """
-    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
-
-    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415
-
-    executor = None
-    if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
-        # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
-        executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
-        stack.callback(executor.shutdown, cancel_futures=True)
     write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
 
     def finish() -> None:
@@ -289,12 +293,14 @@ def work_through(
     target = campaign_folder(campaign, folder, force=force)
 
     to_finish: list[Callable[[], None]] = []
+    pool: list[Executor | None] = [None]
 
     def draw(extraction: "Extraction") -> None:
         say_problems(extraction, folder, out)
         if "conditions" in drawing:
             # Other processes draw while this one fits; what is published is one part at a time.
-            to_finish.append(start_figures(extraction, target, n_jobs, out, stack))
+            pool[0] = drawing_pool(extraction, n_jobs, stack)
+            to_finish.append(start_figures(extraction, target, out, pool[0]))
 
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:
@@ -314,7 +320,8 @@ def work_through(
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            pages = write_report(result, target, figures="report" in drawing, progress=reporting.update)
+            report_figures, progress = "report" in drawing, reporting.update
+            pages = write_report(result, target, figures=report_figures, executor=pool[0], progress=progress)
         target.publish("answer")
         for finish in to_finish:
             finish()

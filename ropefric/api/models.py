@@ -52,6 +52,7 @@ def fit(
     n_starts: int = 4,
     seed: int = 0,
     intervals: Literal["covariance", "profile", "bootstrap"] = "covariance",
+    of: Literal["peak", "kinetic"] = "peak",
 ) -> FitResult:
     """Return a friction law fitted to trials; `status` says whether to trust it.
 
@@ -75,6 +76,8 @@ def fit(
         Starts of the search, and the seed of what spreads them.
     intervals : {"covariance", "profile", "bootstrap"}
         Where the 95 % intervals come from.
+    of : {"peak", "kinetic"}
+        The force that is fitted: the break-away force, or the mean force while sliding (column `kinetic_N`).
 
     Examples
     --------
@@ -88,7 +91,7 @@ def fit(
     """
     made = fit_law(
         trial_table(trials), law, fixed=fixed, bounds=bounds, start=start, scale_covar=scale_covar, loss=loss,
-        clustered=clustered, n_starts=n_starts, seed=seed,
+        clustered=clustered, n_starts=n_starts, seed=seed, of=of,
     )  # fmt: skip
     return with_intervals(made, intervals, seed=seed)
 
@@ -98,9 +101,13 @@ def compare(
     laws: Iterable[str] | None = None,
     *,
     progress: Callable[[str, int, int], None] | None = None,
+    of: Literal["peak", "kinetic"] = "peak",
 ) -> Comparison:
-    """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it."""
-    return compare_laws(trial_table(trials), laws, progress=progress)
+    """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it.
+
+    `of` is the force they are fitted to: the break-away force, or the mean force while sliding.
+    """
+    return compare_laws(trial_table(trials).of(of), laws, progress=progress)
 
 
 def diagnose(

@@ -107,9 +107,9 @@ def campaign_file(path: Path) -> Path:
     return path / "campaign.toml" if path.is_dir() else path
 
 
-def read_table(path: Path, out: Output) -> "table.TrialTable":
-    """Return a trial table, and say on stderr what is doubtful about it."""
-    found = table.read_trial_table(path)
+def read_table(path: Path, out: Output, *, of: str = "peak") -> "table.TrialTable":
+    """Return a trial table of the force to be fitted, and say on stderr what is doubtful about it."""
+    found = table.read_trial_table(path).of(of)
     out.problems(found.warnings)
     return found
 
@@ -119,6 +119,8 @@ def read_fit(path: Path, out: Output) -> "result.FitResult":
     fit = store.load_fit(path)
     if not fit.trustworthy:
         out.note(f"{path}: the law is {fit.verdict.word}: {fit.verdict.reason}")
+    if fit.of == "kinetic":
+        out.note(f"{path}: a law of the kinetic force, so F_A is what keeps the rope sliding")
     return fit
 
 

@@ -227,7 +227,10 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
     if table.source and kind_of_file(table.source) == "file":
         source["sha256"] = hash_file(table.source)
-    return {"input": source, "settings": asdict(settings), "versions": versions}
+    how = asdict(settings)
+    if settings.of == "peak":  # what older versions can read
+        del how["of"]
+    return {"input": source, "settings": how, "versions": versions}
 
 
 # ---- what keeps a fit from being trusted, and the experiment that would help ----

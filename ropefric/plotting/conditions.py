@@ -197,7 +197,7 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
     envelopes = [
         np.column_stack([np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]]) for o in outlines
     ]
-    means = [np.column_stack([o.smoothed_time_s, o.smoothed_N]) for o in outlines]
+    means = [np.column_stack([o.time_s, o.smoothed_N]) for o in outlines]
     label = "recorded, min to max"
     axes.add_collection(PolyCollection(envelopes, facecolors=looks, alpha=0.25, linewidths=0, label=label))
     axes.add_collection(LineCollection(means, colors=looks, linewidths=0.8, label="recorded, mean", zorder=2))

@@ -29,6 +29,7 @@ from ropefric.report.section import Section, as_text, interval, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import (
+    SUMMARISED,
     ConditionSummary,
     Extraction,
     TrialResult,
@@ -54,6 +55,7 @@ _CHAPTERS = {
     "next": "What to measure next",
     "provenance": "Settings and provenance",
 }
+_NONE = (math.nan, math.nan, 0)
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
     "were, so that the lift force of the design becomes as certain as it can."
@@ -147,6 +149,8 @@ def campaign_report(
             _measured_section(run),
             *pictures.get("trials", ())[:1],
             *_trial_sections(extraction, evidence),
+            *_decided_section(extraction),
+            *_sliding_section(extraction),
             *pictures.get("trials", ())[1:],
         ],
         "friction": [
@@ -356,7 +360,7 @@ def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section
     rows: list[tuple[str, ...]] = []
     headings: tuple[str, ...]
     if gone:
-        for trial in gone.values():
+        for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
             fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
             known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
             cells = _setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
@@ -389,11 +393,47 @@ def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section
     return aside, Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
 
 
+def _sliding_section(extraction: Extraction) -> Iterator[Section]:
+    """Yield what was measured beside the break-away force, by condition: mean ± s of the kept trials."""
+    conditions = extraction.conditions
+    shown = [name for name in SUMMARISED if any(item.of_kept.get(name, _NONE)[2] for item in conditions)]
+    if not shown:
+        return
+    rows = []
+    for number, item in enumerate(conditions, start=1):
+        found = [item.of_kept.get(name, _NONE) for name in shown]
+        cells = (f"{plain(mean)} ± {plain(std, '.2g')}" if n > 1 else plain(mean) for mean, std, n in found)
+        rows.append((str(number), str(max(n for *_, n in found)), *cells))
+    headings = ("no.", "n", *(SUMMARISED[name] for name in shown))
+    note = "mean ± s of the kept trials, n of them at most; every trial stands in trials.csv"
+    yield Section("Beside the break-away force", headings=headings, rows=rows, left=0, notes=(note,))
+
+
+def _decided_section(extraction: Extraction) -> Iterator[Section]:
+    """Yield what people decided about single trials, where they did: what, who and why."""
+    rows = tuple(
+        (
+            trial.trial,
+            trial.decision or f"excluded: {trial.excluded}",
+            plain(trial.measured_N),
+            trial.by,
+            trial.why,
+            "; ".join(note for note in trial.breakaway.notes if note.startswith("without the decision")),
+        )
+        for trial in extraction.trials
+        if trial.decision or (trial.excluded and trial.by)
+    )
+    if rows:
+        headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
+        yield Section("Decided by people", headings=headings, rows=rows, left=1)
+
+
 def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
     if trial.excluded:
         return trial.excluded
     if trial.breakaway.status is not Status.OK:
-        return trial.breakaway.detail
+        candidates = trial.measured("candidates")
+        return trial.breakaway.detail + (f"; candidates: {candidates}" if candidates else "")
     rule = _rule_label(trial.rejected_by)
     if summary is None:
         return rule

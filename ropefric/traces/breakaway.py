@@ -183,6 +183,7 @@ class PickSettings:
     min_step_N: float | None = None
     ending: str = "sliding"
     side: str = "slack"
+    pick_s: float | None = None
 
     def __post_init__(self) -> None:
         for key, known in (("peak", PEAKS), ("ending", ENDINGS), ("side", SIDES)):

@@ -43,7 +43,7 @@ def extract_campaign(
     files = [tuple(rows) for rows in by_file.values()]
     done: list[_Done] = [((), False)] * len(files)
     work = _Work(
-        campaign=replace(campaign, trials=(), warnings=()),
+        campaign=campaign.model_copy(update={"trials": (), "warnings": ()}),
         files=tuple(files),
         cache=None if cache_dir is None else ResultCache(cache_dir, campaign.settings_fingerprint()),
     )

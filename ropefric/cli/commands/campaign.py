@@ -36,7 +36,7 @@ SERIAL_FIGURES = 8
 MAX_ALIKE = 3
 """Problems of one code that are said in full; the others are counted."""
 # The advice for these says something about the measurement; an unreadable file has advice of its own.
-_ADVISED = ("no-breakaway", "no-peak", "saturated", "too-short")
+_ADVISED = ("doubtful", "no-breakaway", "no-peak", "saturated", "too-short")
 
 
 @command("ropefric extract data/prth-bench/campaign.toml --out out", order=50)
@@ -165,6 +165,7 @@ def _show(extraction: "result.Extraction", console: Console) -> None:
         "kept": lambda of: str(of.n_kept),
         f"mean {measured} [N]": lambda of: number(of.mean_kept_N),
         "s [N]": lambda of: number(of.std_kept_N, ".2g"),
+        "mean kinetic [N]": lambda of: number(of.of_kept.get("kinetic_N", (math.nan,))[0]),
         "rejected ": lambda of: ", ".join(of.rejected),
     }
     rows = [[cell(condition) for cell in columns.values()] for condition in extraction.conditions]
@@ -182,7 +183,9 @@ def _show(extraction: "result.Extraction", console: Console) -> None:
 
 
 def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]":
-    return [trial for trial in extraction.trials if trial.outcome == "without a force"]
+    """Return the trials without a usable force, first those that a person can decide."""
+    found = [trial for trial in extraction.trials if trial.outcome == "without a force"]
+    return sorted(found, key=lambda trial: trial.breakaway.status != "doubtful")
 
 
 def _flagged_rows(group: "Sequence[result.TrialResult]") -> list[tuple[str, str, str]]:
@@ -190,6 +193,8 @@ def _flagged_rows(group: "Sequence[result.TrialResult]") -> list[tuple[str, str,
     rows = []
     for trial in group if len(group) <= MAX_ALIKE else group[:1]:
         why = trial.breakaway.detail
+        if candidates := trial.measured("candidates"):
+            why += f"; candidates: {candidates}"
         if trial.breakaway.status not in _ADVISED:
             why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
         rows.append((trial.trial, str(trial.breakaway.status), why))

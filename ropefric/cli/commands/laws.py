@@ -25,6 +25,11 @@ _LARGE = 5_000_000
 """Bytes of a table that takes seconds."""
 
 
+_OF = Option(
+    "peak", metavar="peak|kinetic", help="Fit the break-away force, or the mean force while sliding."
+)
+
+
 @command("ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)
 def fit(
     out: Output,
@@ -39,6 +44,7 @@ def fit(
     ),
     loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
     seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
+    of: str = _OF,
     file: Path | None = Option(None, "--out", "-o", metavar="FIT.json", help="Store the fit there."),
     force: bool = flag("--force", "Write over a file that is there and is no fit."),
 ) -> Answer:
@@ -55,7 +61,7 @@ def fit(
         store.check_target(file, trials, overwrite=force)
     with _steps(trials, out) as step:
         step(0, "reading")
-        table = options.read_table(trials, out)
+        table = options.read_table(trials, out, of=of)
         step(1, "fitting")
         fitted = fitting.fit_law(table, law, loss=loss, seed=seed, **given)
         step(2, "intervals")
@@ -66,7 +72,7 @@ def fit(
     verdict = parts.verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [parts.fit_section(result), verdict, *parts.notes_sections(result)]
     return Answer(
-        result.to_dict() | {"verdict": result.verdict.to_dict()},
+        result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of},
         sections,
         exit_code_of(result.verdict),
     )
@@ -88,6 +94,7 @@ def compare(
     trials: options.TableArgument,
     *,
     laws: Words = listed("NAME[,NAME…]", "Laws to compare, all by default"),
+    of: str = _OF,
 ) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
 
@@ -95,7 +102,7 @@ def compare(
     data leave two laws undecided, or no choice at all.
     """
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
-    table = options.read_table(trials, out)
+    table = options.read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
         found = comparing.compare_laws(
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
@@ -103,7 +110,7 @@ def compare(
     chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
     return Answer(
-        found.to_dict() | chosen.to_dict(),
+        found.to_dict() | chosen.to_dict() | {"of": table.force},
         [parts.comparison_section(found), verdict],
         exit_code_of(chosen.verdict),
     )

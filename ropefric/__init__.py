@@ -10,34 +10,17 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-_WHERE = {
-    "budget": "ropefric.api.models",
-    "compare": "ropefric.api.models",
-    "design": "ropefric.api.models",
-    "diagnose": "ropefric.api.models",
-    "explain": "ropefric.api.models",
-    "extract": "ropefric.api.recordings",
-    "find_breakaway": "ropefric.api.recordings",
-    "fit": "ropefric.api.models",
-    "lmfit_model": "ropefric.fitting.lmfit_model",
-    "load_campaign": "ropefric.trials.campaign",
-    "load_fit": "ropefric.fitting.store",
-    "load_scene": "ropefric.scenes.scene",
-    "measured_budgets": "ropefric.api.models",
-    "plan_tests": "ropefric.api.models",
-    "predict": "ropefric.api.models",
-    "read_trace": "ropefric.api.recordings",
-    "read_trial": "ropefric.api.recordings",
-    "reject": "ropefric.api.recordings",
-    "run": "ropefric.api.models",
-    "save_fit": "ropefric.fitting.store",
-    "smooth": "ropefric.api.recordings",
-    "solve": "ropefric.api.models",
-    "sweep": "ropefric.api.models",
-    "trial_table": "ropefric.api.recordings",
-    "write_scenes": "ropefric.scenes.scene_templates",
+_NAMES = {
+    "api.models": "budget compare design diagnose explain fit measured_budgets plan_tests predict run solve sweep",
+    "api.recordings": "extract find_breakaway read_trace read_trial reject smooth trial_table",
+    "fitting.lmfit_model": "lmfit_model",
+    "fitting.store": "load_fit save_fit",
+    "scenes.scene": "load_scene",
+    "scenes.scene_templates": "write_scenes",
+    "trials.campaign": "load_campaign",
 }
-__all__ = ["__version__", *_WHERE]  # noqa: PLE0604  (its names are strings)
+_WHERE = {name: f"ropefric.{module}" for module, names in _NAMES.items() for name in names.split()}
+__all__ = ["__version__", *sorted(_WHERE)]  # noqa: PLE0604  (its names are strings)
 
 
 def __getattr__(name: str) -> Any:

@@ -145,10 +145,9 @@ class DataError(RopefricError, ValueError):
 
 
 class FitError(RopefricError, RuntimeError):
-    """A fit could not be made; `partial` carries what there is of the result."""
+    """A fit could not be made."""
 
     default_code = "RF400"
-    partial: Any = None
 
 
 class SolverError(RopefricError, RuntimeError):

@@ -20,47 +20,32 @@ SMALLEST, LARGEST = 1e-30, 1e30
 """Between these a number that somebody wrote must lie, in SI, where it is not zero: no rope, machine or clock has
 one outside, and products of several still fit into a float."""
 
-SUFFIX_UNITS: dict[str, str] = {
-    **{
-        unit: unit
-        for unit in ("N", "kN", "mN", "kgf", "lbf", "m", "mm", "cm", "um", "in", "rad", "deg", "turn")
-    },
-    **{
-        unit: unit
-        for unit in ("s", "ms", "us", "min", "Hz", "kHz", "V", "mV", "kg", "g", "lb", "Pa", "kPa", "MPa")
-    },
-    "bar": "bar",
-    "degC": "degC",
+_AS_THEY_ARE = (
+    "N kN mN kgf lbf m mm cm um in rad deg turn s ms us min Hz kHz V mV kg g lb Pa kPa MPa bar degC"
+)
+SUFFIX_UNITS: dict[str, str] = {unit: unit for unit in _AS_THEY_ARE.split()} | {
     "inch": "in",
     "turns": "turn",
     "h": "hour",
-    "m_s": "m/s",
-    "kg_m": "kg/m",
-    "g_m": "g/m",
-    "N_m": "N/m",
-    "N_s": "N/s",
+    **{name: name.replace("_", "/") for name in ("m_s", "kg_m", "g_m", "N_m", "N_s")},
 }
 """Unit suffixes of names (`wrap_angle_deg`) and what they mean to pint."""
 
-_USUAL: dict[tuple[str, str], float] = {
-    **{(unit, "m"): factor for unit, factor in (("m", 1.0), ("cm", 0.01), ("mm", 1e-3), ("um", 1e-6))},
-    **{(unit, "N"): factor for unit, factor in (("N", 1.0), ("kN", 1e3), ("mN", 1e-3))},
-    **{
-        (unit, "rad"): factor for unit, factor in (("rad", 1.0), ("deg", math.pi / 180.0), ("turn", math.tau))
-    },
-    **{(unit, "s"): factor for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0))},
-    **{(unit, "kg"): factor for unit, factor in (("kg", 1.0), ("g", 1e-3))},
-    **{(unit, "kg/m"): factor for unit, factor in (("kg/m", 1.0), ("g/m", 1e-3))},
-    **{(unit, "N/m"): factor for unit, factor in (("N/m", 1.0), ("N/mm", 1e3), ("kN/m", 1e3))},
-    **{(unit, "Pa"): factor for unit, factor in (("Pa", 1.0), ("MPa", 1e6), ("GPa", 1e9))},
-    **{(unit, "W"): factor for unit, factor in (("W", 1.0), ("kW", 1e3))},
-    **{(unit, unit): 1.0 for unit in ("V", "Hz", "m/s", "N*m", "N*m^2", "kg*m^2", "kg/m^3", "N*s/m")},
-    ("mV", "V"): 1e-3,
-    ("rad/s", "rad/s"): 1.0,
-    ("rpm", "rad/s"): math.tau / 60.0,
-    ("kHz", "Hz"): 1e3,
-    ("mm^2", "m^2"): 1e-6,
-    ("percent", ""): 0.01,
+_USUAL: dict[str, dict[str, float]] = {
+    "m": {"cm": 0.01, "mm": 1e-3, "um": 1e-6},
+    "N": {"kN": 1e3, "mN": 1e-3},
+    "rad": {"deg": math.pi / 180.0, "turn": math.tau},
+    "s": {"ms": 1e-3, "us": 1e-6, "min": 60.0},
+    "kg": {"g": 1e-3},
+    "kg/m": {"g/m": 1e-3},
+    "N/m": {"N/mm": 1e3, "kN/m": 1e3},
+    "Pa": {"MPa": 1e6, "GPa": 1e9},
+    "W": {"kW": 1e3},
+    "V": {"mV": 1e-3},
+    "rad/s": {"rpm": math.tau / 60.0},
+    "Hz": {"kHz": 1e3},
+    "m^2": {"mm^2": 1e-6},
+    "": {"percent": 0.01},
 }
 """Factors that nearly every file needs, so that nearly none has to wait for pint; its own, to the last bit."""
 
@@ -111,20 +96,25 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
 
 def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
     """Return the factor that turns a number in `unit` into SI."""
-    meant = _GUARDED.get(unit)
-    if meant is not None and meant != unit:
+    meant = _GUARDED.get(unit, unit)
+    if meant != unit:
         note = "'kn' is a knot, not a force." if unit == "kn" else f"'{unit}' is not a unit of [{si_unit}]."
-        raise InputError(f"{name}: {note}", code="RF130", fix=f"write '{meant}'")
-    asked = ("percent" if unit == "%" else unit, si_unit)
-    found = _USUAL[asked] if asked in _USUAL else _factor_by_pint(*asked)
+        raise _unreadable(name, note, f"write '{meant}'")
+    asked = "percent" if unit == "%" else unit
+    found = 1.0 if asked == si_unit else _USUAL.get(si_unit, {}).get(asked) or _factor_by_pint(asked, si_unit)
     if isinstance(found, float):
         return found
+    shown = unit if len(unit) <= _MAX_UNIT else f"{unit[:_MAX_UNIT]}..."
     message = {
-        "dimension": f"'{unit}' is not a unit of {_dimension(si_unit)}",
-        "text": f"'{_shortened(unit)}' is not a unit",
+        "dimension": f"'{unit}' is not a unit of {_DIMENSIONS.get(si_unit, f'[{si_unit}]')}",
+        "text": f"'{shown}' is not a unit",
         "unknown": f"unknown unit '{unit}'",
     }[found]
-    raise InputError(f"{name}: {message}", code="RF130", fix=f"use a unit such as '{_example_unit(si_unit)}'")
+    raise _unreadable(name, message, f"use a unit such as '{_example_unit(si_unit)}'")
+
+
+def _unreadable(name: str, what: str, fix: str) -> InputError:
+    return InputError(f"{name}: {what}", code="RF130", fix=fix)
 
 
 @lru_cache(maxsize=4096)  # what is refused is kept too: a file can ask for the same nonsense in every column
@@ -167,59 +157,41 @@ def si_unit_of(unit: str) -> str:
                 raise
         else:
             return si_unit
-    raise InputError(
-        f"quantity: no SI unit is known for {unit!r}",
-        code="RF130",
-        fix="write the number in SI, without a unit",
+    raise _unreadable(
+        "quantity", f"no SI unit is known for {unit!r}", "write the number in SI, without a unit"
     )
 
 
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:
     """Return a quantity written with its unit as an SI float."""
     if isinstance(text, bool) or not isinstance(text, str | int | float):
-        raise InputError(
-            f"{name}: {_shown(text)} is not a quantity",
-            code="RF130",
-            fix=f'write "1 {_example_unit(si_unit)}"',
-        )
+        raise _unreadable(name, f"{_shown(text)} is not a quantity", f'write "1 {_example_unit(si_unit)}"')
     digits, unit = _split(text, si_unit, name)
     value = float(digits)
     problem, fix = _doubt(digits, value, unit, si_unit)
     if problem:
-        raise InputError(f"{name}: {_shown(text)} {problem}", code="RF130", fix=fix)
+        raise _unreadable(name, f"{_shown(text)} {problem}", fix)
     # Decimal, because 9.8 * 0.001 is not 0.0098 in binary and people compare what they wrote.
     factor = unit_factor(unit, si_unit, name=name) if unit else 1.0
     result = float(Decimal(digits) * Decimal(repr(factor))) if unit and value else value
     if not in_range(result) or (value and not result):
-        bound = f"{LARGEST:g}" if abs(result) > 1.0 else f"{SMALLEST:g}"
-        size = "large" if abs(result) > 1.0 else "small"
-        limit = f"{bound} {si_unit}".strip()
-        raise InputError(
-            f"{name}: {_shown(text)} is too {size}: {limit} is the limit",
-            code="RF110",
-            fix="correct the number",
-        )
+        bound, size = (LARGEST, "large") if abs(result) > 1.0 else (SMALLEST, "small")
+        limit = f"{bound:g} {si_unit}".strip()
+        what = f"{name}: {_shown(text)} is too {size}: {limit} is the limit"
+        raise InputError(what, code="RF110", fix="correct the number")
     return result
 
 
 def _split(text: str | float, si_unit: str, name: str) -> tuple[str, str]:
     """Return the number of a quantity and its unit, both as written."""
     if isinstance(text, int) and text.bit_length() > 1024:  # more digits than Python likes to print
-        raise InputError(f"{name}: the number is not a finite number", code="RF130", fix="correct the number")
-    written = str(text).strip()
+        raise _unreadable(name, "the number is not a finite number", "correct the number")
+    written, fix = str(text).strip(), f'write it like "1.5 {_example_unit(si_unit)}"'
     if len(written) > _MAX_TEXT:
-        raise InputError(
-            f"{name}: {_shown(written)} is too long for a quantity",
-            code="RF130",
-            fix=f'write it like "1.5 {_example_unit(si_unit)}"',
-        )
+        raise _unreadable(name, f"{_shown(written)} is too long for a quantity", fix)
     match = _NUMBER.match(written)
     if match is None:
-        raise InputError(
-            f"{name}: cannot read {_shown(text)} as a number with a unit",
-            code="RF130",
-            fix=f'write it like "1.5 {_example_unit(si_unit)}"',
-        )
+        raise _unreadable(name, f"cannot read {_shown(text)} as a number with a unit", fix)
     return match[0], written[match.end() :].strip()
 
 
@@ -233,19 +205,13 @@ def parse_fraction(text: str) -> float:
     """Return a share written in per cent, with or without "FS" for full scale, as a fraction."""
     unit = _split(text, "", "quantity")[1] or text.strip()
     if unit != "%" and not _FULL_SCALE.fullmatch(unit):
-        raise InputError(
-            f"quantity: {_shown(text)} has no per-cent sign", code="RF130", fix='write "0.02 %FS"'
-        )
+        raise _unreadable("quantity", f"{_shown(text)} has no per-cent sign", 'write "0.02 %FS"')
     return parse_quantity(text.strip().removesuffix(unit) + "%", "")
 
 
 def _shown(text: object) -> str:
     shown = repr(text)
     return shown if len(shown) <= _MAX_TEXT else f"{shown[:_MAX_UNIT]}..."
-
-
-def _shortened(text: str) -> str:
-    return text if len(text) <= _MAX_UNIT else f"{text[:_MAX_UNIT]}..."
 
 
 def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str]:
@@ -262,12 +228,12 @@ def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str
     return "", ""
 
 
-def _dimension(si_unit: str) -> str:
-    known = {"m": "length", "N": "force", "rad": "angle", "s": "time", "Hz": "frequency", "V": "voltage"}
-    known |= {"kg/m": "mass per length", "kg": "mass", "m/s": "speed", "N/m": "stiffness", "": "a bare ratio"}
-    return known.get(si_unit, f"[{si_unit}]")
+_DIMENSIONS = {
+    "m": "length", "N": "force", "rad": "angle", "s": "time", "Hz": "frequency", "V": "voltage",
+    "kg/m": "mass per length", "kg": "mass", "m/s": "speed", "N/m": "stiffness", "": "a bare ratio",
+}  # fmt: skip
 
 
 def _example_unit(si_unit: str) -> str:
-    known = {"m": "mm", "rad": "deg", "kg/m": "g/m", "Hz": "Hz", "": "%"}
+    known = {"m": "mm", "rad": "deg", "kg/m": "g/m", "": "%"}
     return known.get(si_unit, si_unit)

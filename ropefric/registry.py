@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
+from importlib import import_module
 from typing import Any, Protocol, TypeVar
 
 from ropefric.errors import UnknownNameError
@@ -27,6 +28,11 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     if close:
         return f"did you mean '{folded[close[0]]}'?"
     return f"known: {', '.join(names)}" if names else "none is known"
+
+
+def declared_in(package: str, modules: Iterable[str], name: str) -> list[Any]:
+    """Return what each module of a package declares under one name: `LAW`, `READER`."""
+    return [getattr(import_module(f"{package}.{module}"), name) for module in modules]
 
 
 class Registry(Mapping[str, T]):

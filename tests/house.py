@@ -5,15 +5,11 @@ Code is a line that is not blank, a comment or part of a docstring.
 
 import ast
 import re
-from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "ropefric"
-
-TWIN = ("BaseModel", "StrictTable")
-"""Bases of a table that pydantic checks."""
 
 
 @dataclass
@@ -24,7 +20,6 @@ class Size:
     imports: int = 0
     dataclasses: int = 0
     largest: int = 0
-    names: Counter = field(default_factory=Counter)
 
 
 def _is_list_of_names(node):
@@ -41,7 +36,6 @@ def measure_file(path):
         if documented and ast.get_docstring(node, clean=False) is not None:
             docstrings.update(range(node.body[0].lineno, node.body[0].end_lineno + 1))
         if isinstance(node, ast.ClassDef):
-            size.names[node.name] += 1
             size.dataclasses += any("dataclass" in ast.unparse(one) for one in node.decorator_list)
     code = [
         number
@@ -62,7 +56,6 @@ def rooms(package=PACKAGE):
         for name in ("modules", "code", "docstrings", "imports", "dataclasses"):
             setattr(room, name, getattr(room, name) + getattr(size, name))
         room.largest = max(room.largest, size.largest)
-        room.names.update(size.names)
     return dict(sorted(found.items(), key=lambda item: -item[1].code))
 
 

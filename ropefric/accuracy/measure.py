@@ -14,7 +14,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric.accuracy.studies import STUDIES
-from ropefric.accuracy.study import ACCURACIES, Measured, Setting, Study, cheapest, in_case, pareto_front
+from ropefric.accuracy.study import (
+    ACCURACIES,
+    Case,
+    Measured,
+    Setting,
+    Study,
+    cheapest,
+    in_case,
+    pareto_front,
+)
 
 _CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
@@ -180,8 +189,8 @@ def measure_studies(
 
 def error_table(study: str, case: str = "", *, method: str = "") -> tuple[Measured, ...]:
     """Return the error and the work of every setting of a case, or of one method; no clock is looked at."""
-    settings = _settings(study, STUDIES[study].case(case).name)
-    return tuple(_assessed(case, setting) for case, setting in settings if method in {"", setting.method})
+    chosen = STUDIES[study].case(case)
+    return tuple(_assessed(chosen.name, one) for one in _settings(chosen) if method in {"", one.method})
 
 
 def enough(study: str, accuracy: float, case: str = "", *, method: str = "") -> Measured:
@@ -191,10 +200,10 @@ def enough(study: str, accuracy: float, case: str = "", *, method: str = "") -> 
 
 
 @cache
-def _settings(study: str, case: str) -> tuple[tuple[str, Setting], ...]:
-    return tuple((case, setting) for setting in STUDIES[study].case(case).settings())
+def _settings(case: Case) -> tuple[Setting, ...]:
+    return case.settings()
 
 
-@cache  # settings are told apart by identity, so only those that `_settings` keeps come again
+@cache  # settings are told apart by their functions, so only those that `_settings` keeps come again
 def _assessed(case: str, setting: Setting) -> Measured:
     return Measured(case=case, method=setting.method, setting=setting.setting, **asdict(setting.assess()))

@@ -1,9 +1,10 @@
 """What a study of accuracy is made of: cases, methods at several settings, one reference, and measured points."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from math import isfinite, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -29,8 +30,7 @@ class Outcome:
     shares: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Setting:
+class Setting(NamedTuple):
     """One method at one setting."""
 
     method: str
@@ -40,8 +40,7 @@ class Setting:
     quick: bool = True
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Case:
+class Case(NamedTuple):
     """One problem with a known answer."""
 
     name: str
@@ -158,27 +157,37 @@ def largest_error(answer: npt.ArrayLike, reference: npt.ArrayLike) -> float:
 
 
 def against(
-    reference: npt.ArrayLike,
+    reference: Any,
     method: str,
-    setting: str,
-    solve: Callable[..., npt.ArrayLike],
+    label: str,
+    solve: Callable[..., Any],
     *functions: Callable[..., Any],
-    work: float | str = "points",
-    quick: bool = True,
-    error: Callable[[npt.ArrayLike, npt.ArrayLike], float] = largest_error,
-) -> Setting:
-    """Return a setting that solves a problem given by functions, whose calls or points are its work.
+    over: Sequence[float] = (),
+    work: float | str | Callable[..., float] = "points",
+    quick: Container[float] | bool | None = None,
+    error: Callable[[Any, Any], float] = largest_error,
+) -> tuple[Setting, ...]:
+    """Return a method at the settings `over`, named after a label such as "{} steps"; without a label, its only one.
 
-    They are counted only while it is assessed, not while it is timed; `work` may also be given as a number.
+    `solve(*functions)`, or `solve(setting, *functions)`, answers a problem that is given by functions. Its work is how
+    often they are called, or at how many points; or a number; or told by the answer and the setting. What is counted
+    is so only while it is assessed, not while it is timed. A quick look takes those settings that are in `quick`, by
+    default every third.
     """
 
-    def assess() -> Outcome:
-        counted = [Counted(function) for function in functions]
-        answer = solve(*counted)
-        done = sum(getattr(one, work) for one in counted) if isinstance(work, str) else work
-        return Outcome(error=error(answer, reference), evaluations=done)
+    def made(place: int, given: tuple[float, ...]) -> Setting:
+        def assess() -> Outcome:
+            counted = [Counted(function) for function in functions]
+            answer = solve(*given, *counted)
+            done = work(answer, *given) if callable(work) else work
+            if isinstance(done, str):
+                done = sum(getattr(one, done) for one in counted)
+            return Outcome(error=float(error(answer, reference)), evaluations=float(done))
 
-    return Setting(method, setting, lambda: solve(*functions), assess, quick)
+        taken = place % 3 == 0 if quick is None else quick if isinstance(quick, bool) else given[0] in quick
+        return Setting(method, label.format(*given), partial(solve, *given, *functions), assess, taken)
+
+    return tuple(made(place, (one,)) for place, one in enumerate(over)) if over or label else (made(0, ()),)
 
 
 def over_seeds(errors: Sequence[float] | FloatArray, evaluations: float) -> Outcome:
@@ -197,6 +206,11 @@ def over_seeds(errors: Sequence[float] | FloatArray, evaluations: float) -> Outc
 def in_case(points: Iterable[Measured], case: str) -> tuple[Measured, ...]:
     """Return the points of one case."""
     return tuple(point for point in points if point.case == case)
+
+
+def by_case(points: Sequence[Measured]) -> dict[str, tuple[Measured, ...]]:
+    """Return the points of each case that has any."""
+    return {case: in_case(points, case) for case in dict.fromkeys(point.case for point in points)}
 
 
 def pareto_front(points: Iterable[Measured]) -> tuple[Measured, ...]:

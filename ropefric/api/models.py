@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +11,7 @@ import numpy.typing as npt
 from ropefric.api.recordings import PathLike, as_campaign, trial_table
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.budgets import (
-    GRAVITY_LIMIT,
-    MeasuredQuantity,
-    conditions_of_extraction,
-    conditions_of_table,
-    state_condition,
-    state_lift,
-)
+from ropefric.fitting import budgets, next_tests
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
@@ -26,8 +19,6 @@ from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import with_intervals
-from ropefric.fitting.next_tests import Criterion, LabPlan, PlannedLaw, RigLimits, planned_fit
-from ropefric.fitting.next_tests import plan_tests as find_plan
 from ropefric.fitting.predict import Method, Prediction
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.problem import Loss
@@ -61,6 +52,7 @@ def fit(
     n_starts: int = 4,
     seed: int = 0,
     intervals: Literal["covariance", "profile", "bootstrap"] = "covariance",
+    of: Literal["peak", "kinetic"] = "peak",
 ) -> FitResult:
     """Return a friction law fitted to trials; `status` says whether to trust it.
 
@@ -84,6 +76,8 @@ def fit(
         Starts of the search, and the seed of what spreads them.
     intervals : {"covariance", "profile", "bootstrap"}
         Where the 95 % intervals come from.
+    of : {"peak", "kinetic"}
+        The force that is fitted: the break-away force, or the mean force while sliding (column `kinetic_N`).
 
     Examples
     --------
@@ -97,7 +91,7 @@ def fit(
     """
     made = fit_law(
         trial_table(trials), law, fixed=fixed, bounds=bounds, start=start, scale_covar=scale_covar, loss=loss,
-        clustered=clustered, n_starts=n_starts, seed=seed,
+        clustered=clustered, n_starts=n_starts, seed=seed, of=of,
     )  # fmt: skip
     return with_intervals(made, intervals, seed=seed)
 
@@ -107,9 +101,13 @@ def compare(
     laws: Iterable[str] | None = None,
     *,
     progress: Callable[[str, int, int], None] | None = None,
+    of: Literal["peak", "kinetic"] = "peak",
 ) -> Comparison:
-    """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it."""
-    return compare_laws(trial_table(trials), laws, progress=progress)
+    """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it.
+
+    `of` is the force they are fitted to: the break-away force, or the mean force while sliding.
+    """
+    return compare_laws(trial_table(trials).of(of), laws, progress=progress)
 
 
 def diagnose(
@@ -292,17 +290,17 @@ def budget(
         "wrap_angle_rad": u_wrap_angle_rad,
         "end_tension_N": u_end_tension_N,
     }
-    return state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
+    return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
 def measured_budgets(
     trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
-    quantity: MeasuredQuantity = "force",
+    quantity: budgets.MeasuredQuantity = "force",
     *,
     u_wrap_angle_rad: float | None = None,
     gain_limit: float = 0.0,
     weights_tolerance: float = 0.0,
-    gravity_limit: float = GRAVITY_LIMIT,
+    gravity_limit: float = budgets.GRAVITY_LIMIT,
     level: float = 0.95,
     draws: int = 200_000,
     seed: int = 0,
@@ -342,27 +340,22 @@ def measured_budgets(
     [36.37]
     """
     if isinstance(trials, Extraction):
-        found = conditions_of_extraction(
+        found = budgets.conditions_of_extraction(
             trials, weights_tolerance=weights_tolerance, gravity_limit=gravity_limit
         )
     else:
-        found = conditions_of_table(trial_table(trials), gravity_limit=gravity_limit)
-    return tuple(
-        state_condition(
-            item,
-            quantity,
-            u_wrap_angle_rad=u_wrap_angle_rad,
-            gain_limit=gain_limit,
-            level=level,
-            draws=draws,
-            seed=seed,
-        )
-        for item in found
-    )
+        found = budgets.conditions_of_table(trial_table(trials), gravity_limit=gravity_limit)
+    chosen: dict[str, Any] = {
+        "u_wrap_angle_rad": u_wrap_angle_rad,
+        "gain_limit": gain_limit,
+        "level": level,
+        "draws": draws,
+    }
+    return tuple(budgets.state_condition(item, quantity, seed=seed, **chosen) for item in found)
 
 
 def plan_tests(
-    known: FitResult | PlannedLaw | PathLike,
+    known: FitResult | next_tests.PlannedLaw | PathLike,
     *,
     wheels_m: Sequence[float],
     wraps_rad: Sequence[float],
@@ -374,11 +367,11 @@ def plan_tests(
     largest_force_N: float = math.inf,
     n_conditions: int = 12,
     repeats: int = 12,
-    criterion: Criterion = "v",
+    criterion: next_tests.Criterion = "v",
     level: float = 0.95,
     starts: int = 10,
     seed: int = 0,
-) -> LabPlan:
+) -> next_tests.LabPlan:
     """Return the conditions to test next so that one wanted lift force becomes as certain as it can.
 
     Parameters
@@ -413,7 +406,7 @@ def plan_tests(
     [9.0, 12.0, 12.0]
     """
     rope_m = rope_radius_m
-    if isinstance(known, PlannedLaw):
+    if isinstance(known, next_tests.PlannedLaw):
         planned = known
         if rope_m is None:
             raise InputError(
@@ -421,11 +414,11 @@ def plan_tests(
             )
     else:
         stored = as_fit(known)
-        planned = planned_fit(stored)
+        planned = next_tests.planned_fit(stored)
         rope_m = stored.only_rope_radius_m() if rope_m is None else rope_m
-    return find_plan(
+    return next_tests.plan_tests(
         planned,
-        RigLimits(
+        next_tests.RigLimits(
             wheel_radius_m=tuple(wheels_m),
             wrap_angle_rad=tuple(wraps_rad),
             end_tension_N=tuple(end_tensions_N),

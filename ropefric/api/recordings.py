@@ -12,6 +12,7 @@ from ropefric.errors import DataError, InputError
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration
+from ropefric.traces.decided import pick_at
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
@@ -151,6 +152,7 @@ def find_breakaway(
     stop_s: float | None = None,
     min_step_N: float | None = None,
     ending: Literal["sliding", "separation"] = "sliding",
+    pick_s: float | None = None,
 ) -> Breakaway:
     """Return the break-away force of a recording in which the load is raised once until the rope slides.
 
@@ -160,6 +162,8 @@ def find_breakaway(
         The recording.
     window_s, peak, start_s, stop_s, min_step_N, ending
         As `ropefric.traces.breakaway.PickSettings`.
+    pick_s : float, optional
+        Take the static peak at this time [s], whatever else would be found.
 
     Returns
     -------
@@ -175,9 +179,15 @@ def find_breakaway(
     ('ok', 100)
     """
     settings = PickSettings(
-        window_s=window_s, peak=peak, start_s=start_s, stop_s=stop_s, min_step_N=min_step_N, ending=ending
+        window_s=window_s,
+        peak=peak,
+        start_s=start_s,
+        stop_s=stop_s,
+        min_step_N=min_step_N,
+        ending=ending,
+        pick_s=pick_s,
     )
-    return pick_breakaway(trace, settings)[0]
+    return pick_breakaway(trace, settings)[0] if pick_s is None else pick_at(trace, settings)
 
 
 def extract(

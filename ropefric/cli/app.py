@@ -16,11 +16,15 @@ import typer
 
 from ropefric import __version__
 from ropefric.cli import commands
+from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import Answer, Command
 from ropefric.cli.output import Output, json_text, rendered
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
+
+with on_first_use():
+    from ropefric.report import section
 
 INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
 EXIT_CODES = (
@@ -39,7 +43,7 @@ def find_commands() -> Registry[Command]:
     """Return all commands by name, in the order of work: what the files of `commands` declare."""
     files = [found.name for found in pkgutil.iter_modules(commands.__path__)]
     modules = [importlib.import_module(f"{commands.__name__}.{name}") for name in files]
-    declared = [one for module in modules for one in vars(module).values() if isinstance(one, Command)]
+    declared = [one for module in modules for one in vars(module).values() if type(one) is Command]
     return Registry("command", sorted(declared, key=lambda command: command.order))
 
 
@@ -132,9 +136,7 @@ def _shown(answer: Answer, out: Output) -> str:
         return rendered(out.stdout, answer.show)
     if isinstance(answer.show, str):
         return visible(answer.show) + "\n"
-    from ropefric.report.section import as_text  # noqa: PLC0415  (quick start-up)
-
-    return visible(as_text(answer.show))
+    return visible(section.as_text(answer.show))
 
 
 def report_failure(error: BaseException, out: Output) -> int:

@@ -6,20 +6,20 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import typer
 
-from ropefric.cli.output import Output
+from ropefric.cli.lazily import on_first_use
+from ropefric.cli.output import Console, Output
 from ropefric.errors import InputError, RopefricError
 
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from ropefric.files.folder import Folder
-    from ropefric.fitting.result import FitResult, Verdict
-    from ropefric.report.section import Section
-    from ropefric.trials.table import TrialTable
+with on_first_use():
+    from ropefric import quantities
+    from ropefric.files import folder as folders
+    from ropefric.fitting import result, store
+    from ropefric.report import section
+    from ropefric.trials import table, workers
 
 T = TypeVar("T")
 
@@ -34,7 +34,7 @@ class Answer:
     """The result of one command: data for programs, what people see of it (or what prints it), an exit code."""
 
     data: Mapping[str, Any]
-    show: "Sequence[Section] | str | Callable[[Console], None]"
+    show: "Sequence[section.Section] | str | Callable[[Console], None]"
     exit_code: int = 0
 
 
@@ -53,10 +53,24 @@ def command(example: str, *, order: int) -> Callable[[Callable[..., Answer]], Co
     return lambda run: Command(run.__name__.replace("_", "-"), run, example, order)
 
 
+Words = list[str] | None
+Number = float | None
+
+
+def listed(metavar: str, help: str, *names: str) -> Any:  # noqa: A002  (as typer calls it)
+    """Return an option that may be given several times."""
+    return typer.Option(None, *names, metavar=metavar, help=f"{help}; repeatable.")
+
+
+def flag(name: str, help: str) -> Any:  # noqa: A002
+    """Return an option that is given or not."""
+    return typer.Option(False, name, help=help)
+
+
 # Files and folders.
 
 
-def folder_option(default: Any, *names: str, help: str) -> Any:  # noqa: A002  (as typer calls it)
+def out_folder(help: str, default: Path | None = None, names: tuple[str, ...] = ("--out", "-o")) -> Any:  # noqa: A002
     """Return an option that names a folder; an empty name, such as an unset variable gives, is none."""
 
     def named(text: str) -> Path:
@@ -93,26 +107,24 @@ def campaign_file(path: Path) -> Path:
     return path / "campaign.toml" if path.is_dir() else path
 
 
-def read_table(path: Path, out: Output) -> "TrialTable":
-    """Return a trial table, and say on stderr what is doubtful about it."""
-    from ropefric.trials.table import read_trial_table  # noqa: PLC0415  (quick start-up)
-
-    table = read_trial_table(path)
-    out.problems(table.warnings)
-    return table
+def read_table(path: Path, out: Output, *, of: str = "peak") -> "table.TrialTable":
+    """Return a trial table of the force to be fitted, and say on stderr what is doubtful about it."""
+    found = table.read_trial_table(path).of(of)
+    out.problems(found.warnings)
+    return found
 
 
-def read_fit(path: Path, out: Output) -> "FitResult":
+def read_fit(path: Path, out: Output) -> "result.FitResult":
     """Return a stored fit, and say on stderr if its law is not supported."""
-    from ropefric.fitting.store import load_fit  # noqa: PLC0415  (quick start-up)
-
-    fit = load_fit(path)
+    fit = store.load_fit(path)
     if not fit.trustworthy:
         out.note(f"{path}: the law is {fit.verdict.word}: {fit.verdict.reason}")
+    if fit.of == "kinetic":
+        out.note(f"{path}: a law of the kinetic force, so F_A is what keeps the rope sliding")
     return fit
 
 
-def rope_radius(fit: "FitResult", given_m: float | None) -> float:
+def rope_radius(fit: "result.FitResult", given_m: float | None) -> float:
     """Return the rope radius [m] that is meant: the one given, or that of the trials if they had one only."""
     if given_m is not None:
         return given_m
@@ -122,9 +134,9 @@ def rope_radius(fit: "FitResult", given_m: float | None) -> float:
         raise typer.BadParameter(str(error), param_hint="--rope-diameter") from error
 
 
-def exit_code_of(verdict: "Verdict") -> int:
-    """Return 0 for what is supported, 4 for what is undecided or not judged."""
-    return 0 if verdict.supported else NOT_TRUSTED
+def exit_code_of(found: "bool | result.Verdict") -> int:
+    """Return 0 for what stands or is supported, 4 for what is undecided or not judged."""
+    return 0 if getattr(found, "supported", found) else NOT_TRUSTED
 
 
 def open_folder(
@@ -133,10 +145,8 @@ def open_folder(
     """Return a command's folder, to be used as a context, see `OutputFolder`; of none given, nothing."""
     if path is None:
         return nullcontext()
-    from ropefric.files.folder import OutputFolder  # noqa: PLC0415  (quick start-up)
-
     lend_fonts_a_place(path)
-    return OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
+    return folders.OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
 
 
 def figure_names(*stems: str) -> tuple[str, ...]:
@@ -146,19 +156,17 @@ def figure_names(*stems: str) -> tuple[str, ...]:
 
 def lend_fonts_a_place(folder: Path) -> None:
     """Let matplotlib keep its list of fonts with the results where the machine has no place for such things."""
-    import tempfile  # noqa: PLC0415  (these: quick start-up)
-
-    from ropefric.files.folder import CACHE  # noqa: PLC0415
+    import tempfile  # noqa: PLC0415  (quick start-up)
 
     try:
         tempfile.gettempdir()
     except OSError:
         wished = os.environ.get("MPLCONFIGDIR")
         if not wished or not os.access(wished, os.W_OK):
-            os.environ["MPLCONFIGDIR"] = str((folder / CACHE / "matplotlib").absolute())
+            os.environ["MPLCONFIGDIR"] = str((folder / folders.CACHE / "matplotlib").absolute())
 
 
-def publish(out: Output, folder: "Folder", family: str, files: Sequence[Path]) -> Sequence[Path]:
+def publish(out: Output, folder: "folders.Folder", family: str, files: Sequence[Path]) -> Sequence[Path]:
     """Publish what was written to a folder, say so, and return its paths."""
     folder.publish(family)
     for path in files:
@@ -166,11 +174,9 @@ def publish(out: Output, folder: "Folder", family: str, files: Sequence[Path]) -
     return files
 
 
-def written_to(folder: Path, files: str) -> "Section":
+def written_to(folder: Path, files: str) -> "section.Section":
     """Return the line that says where results are."""
-    from ropefric.report.section import Section  # noqa: PLC0415  (quick start-up)
-
-    return Section(title="", lines=(f"written to {folder}: {files}",), verbatim=True)
+    return section.Section(title="", lines=(f"written to {folder}: {files}",), verbatim=True)
 
 
 # Quantities and numbers.
@@ -178,38 +184,38 @@ def written_to(folder: Path, files: str) -> "Section":
 
 def read_quantity(text: str, si_unit: str, option: str) -> float:
     """Return an option's quantity, written with its unit as in a campaign file, in SI."""
-    from ropefric.quantities import parse_quantity  # noqa: PLC0415  (quick start-up)
-
     try:
-        return parse_quantity(text, si_unit, name=option)
+        return quantities.parse_quantity(text, si_unit, name=option)
     except InputError as error:
         raise typer.BadParameter(str(error), param_hint=option) from error
 
 
+_METAVARS = {"m": "LENGTH", "rad": "ANGLE", "N": "FORCE", "": "PART", "m/s": "SPEED", "kg/m": "DENSITY"}
+
+
 def quantity(
-    default: Any,
     option: str,
     si_unit: str,
-    metavar: str,
     help: str,  # noqa: A002  (as typer calls it)
     *,
+    needed: bool = False,
     factor: float = 1.0,
 ) -> Any:
-    """Return an option that is a quantity, times a factor (a radius given by its diameter).
-
-    An empty text is none, unless the quantity is needed: its default is `...`.
-    """
+    """Return an option that is a quantity, times a factor; an empty text is none, unless the quantity is needed."""
 
     def read(text: str) -> float | None:
-        return factor * read_quantity(text, si_unit, option) if text or default is ... else None
+        return factor * read_quantity(text, si_unit, option) if text or needed else None
 
-    return typer.Option(default, option, parser=read, metavar=metavar, help=help)
+    metavar = _METAVARS.get(si_unit, "QUANTITY")
+    return typer.Option(... if needed else None, option, parser=read, metavar=metavar, help=help)
 
 
-ROPE_DIAMETER = quantity(
-    None, "--rope-diameter", "m", "LENGTH", "Of another rope than that of the trials.", factor=0.5
-)
-"""Given as a diameter, used as a radius [m]."""
+def diameter(option: str, help: str) -> Any:  # noqa: A002
+    """Return an option that is given as a diameter and used as a radius [m]."""
+    return quantity(option, "m", help, factor=0.5)
+
+
+ROPE_DIAMETER = diameter("--rope-diameter", "Of another rope than that of the trials.")
 
 
 def parse_assignments(texts: Iterable[str], *, option: str) -> dict[str, float]:
@@ -260,7 +266,5 @@ def parse_jobs(text: str, n_items: int) -> int:
         raise typer.BadParameter(f"{text!r} is neither 'auto' nor a number of processes", param_hint="--jobs")
     if text == "auto" and n_items < SERIAL_BELOW:
         return 1
-    from ropefric.trials.workers import usable_cores  # noqa: PLC0415  (quick start-up)
-
     wanted = n_items if text == "auto" else int(text)
-    return max(1, min(wanted, n_items, usable_cores()))
+    return max(1, min(wanted, n_items, workers.usable_cores()))

@@ -16,9 +16,11 @@ from ropefric.files.plain_text import visible
 from ropefric.files.write import cannot_write
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import Console as Console  # noqa: PLC0414  (for the commands)
     from rich.progress import Progress as Bar
     from rich.table import Table
+else:
+    Console = object  # rich costs half the start-up time
 
 
 PIPE_WIDTH = 200
@@ -35,12 +37,12 @@ class Output:
     color: bool = True
 
     @property
-    def stdout(self) -> "Console":
+    def stdout(self) -> Console:
         """Return a console for the result."""
         return console_on(sys.stdout, color=self.color)
 
     @property
-    def stderr(self) -> "Console":
+    def stderr(self) -> Console:
         """Return a console for messages."""
         return console_on(sys.stderr, color=self.color)
 
@@ -77,7 +79,7 @@ class Output:
             sys.stderr.flush()
 
 
-def console_on(stream: TextIO, *, color: bool = True) -> "Console":
+def console_on(stream: TextIO, *, color: bool = True) -> Console:
     r"""Return a console that writes to `stream`: as wide as the terminal, unstyled in a pipe."""
     width = None if stream.isatty() or "COLUMNS" in os.environ else PIPE_WIDTH
     styled = {} if color else {"color_system": None}
@@ -85,11 +87,11 @@ def console_on(stream: TextIO, *, color: bool = True) -> "Console":
 
 
 @cache
-def _console_class() -> "type[Console]":
-    from rich.console import Console  # noqa: PLC0415
+def _console_class() -> type[Console]:
+    from rich.console import Console as RichConsole  # noqa: PLC0415
     from rich.segment import Segment  # noqa: PLC0415
 
-    class PlainConsole(Console):
+    class PlainConsole(RichConsole):
         """Shows what steers a terminal instead of obeying it, whoever wrote it: headers, names, messages."""
 
         def render(self, renderable: Any, options: Any = None) -> Iterator[Segment]:
@@ -100,7 +102,7 @@ def _console_class() -> "type[Console]":
     return PlainConsole
 
 
-def rendered(console: "Console", show: "Callable[[Console], None]") -> str:
+def rendered(console: Console, show: Callable[[Console], None]) -> str:
     r"""Return what `show` prints on a console, styled as the console's stream can take it."""
     # Not printed directly: rich ends the program when the reader of a pipe goes away.
     with console.capture() as capture:
@@ -108,7 +110,7 @@ def rendered(console: "Console", show: "Callable[[Console], None]") -> str:
     return capture.get()
 
 
-def _print_problem(problem: Problem, console: "Console") -> None:
+def _print_problem(problem: Problem, console: Console) -> None:
     from rich.text import Text  # noqa: PLC0415
 
     text = Text(str(problem))

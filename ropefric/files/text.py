@@ -152,6 +152,18 @@ class Text:
         held = held if is_ended else held + b"\n"
         yield self.cut(held, is_ended) if self.cut is not None else held
 
+    def whole(self) -> "Text":
+        """Return the text held whole, however long it is."""
+        ended = [self.is_ended]
+
+        def look(data: bytes, is_ended: bool) -> bytes:  # noqa: FBT001
+            ended.append(is_ended)
+            return data
+
+        blocks = (self if self.is_whole else replace(self, cut=look)).blocks()
+        data = b"".join(block.data for block in blocks)
+        return replace(self, data=data, is_whole=True, is_ended=ended[-1])
+
     def part(self, start: int, stop: int) -> "Text":
         """Return some bytes of a text that is held whole, as a text of their own."""
         first_line, is_ended = 1 + self.data.count(b"\n", 0, start), self.is_ended or stop < len(self.data)

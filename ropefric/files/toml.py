@@ -243,17 +243,24 @@ class _Locator:
     def _note(self, path: KeyPath, line: int) -> None:
         self.lines.setdefault(path, line)
 
-    def _key(self, base: KeyPath) -> KeyPath:
-        """Read `a."b".c` and return the place it names below `base`."""
-        path = base
+    def _names(self) -> list[_Token]:
+        """Read `a."b".c` and return its names."""
+        names: list[_Token] = []
         while self.at < len(self.tokens):
             token = self.tokens[self.at]
             if token.kind in ("bare", "string"):
-                path = (*path, _key_name(token))
-                self._note(path, token.line)
+                names.append(token)
             elif not token.is_mark("."):
                 break
             self.at += 1
+        return names
+
+    def _key(self, base: KeyPath) -> KeyPath:
+        """Read a key and return the place it names below `base`."""
+        path = base
+        for token in self._names():
+            path = (*path, _key_name(token))
+            self._note(path, token.line)
         return path
 
     def _header(self) -> KeyPath:
@@ -261,14 +268,7 @@ class _Locator:
         self.at += 1
         is_array = self.at < len(self.tokens) and self.tokens[self.at].is_mark("[")
         self.at += is_array
-        parts: list[_Token] = []
-        while self.at < len(self.tokens):
-            token = self.tokens[self.at]
-            if token.kind in ("bare", "string"):
-                parts.append(token)
-            elif not token.is_mark("."):
-                break
-            self.at += 1
+        parts = self._names()
         path: KeyPath = ()
         for place, token in enumerate(parts):
             path = (*path, _key_name(token))

@@ -2,11 +2,20 @@
 
 import datetime as dt
 import types
-from collections.abc import Callable, Collection
-from typing import Any, NoReturn, TypeVar, Union, get_args, get_origin
+from collections.abc import Callable, Collection, Mapping
+from typing import Annotated, Any, NoReturn, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    PlainValidator,
+    ValidationError,
+    create_model,
+)
 from pydantic_core import PydanticCustomError
+from pydantic_core.core_schema import CoreSchema, no_info_after_validator_function
 
 from ropefric.errors import InputError, Problem
 from ropefric.files.toml import KeyPath, TomlDocument, key_text
@@ -30,6 +39,43 @@ class StrictTable(BaseModel):
         return {
             name: getattr(self, name) for name in type(self).model_fields if name in self.model_fields_set
         }
+
+
+class Table:
+    """How a TOML table makes an object, as annotation of a field: `Annotated[Adc, Table(Adc, {"bits": read})]`.
+
+    Each argument of `make` has the reader or the type of its value, with its key where that is another word; what
+    the file does not give is as `make` has it. An `InputError` of `make` is one of the table, with this `code` and
+    without the `prefix` of its message.
+    """
+
+    def __init__(
+        self,
+        make: Callable[..., Any],
+        arguments: Mapping[str, Any],
+        *,
+        needed: Collection[str] = (),
+        code: str = "RF110",
+        prefix: str = "",
+    ) -> None:
+        self._make, self._code, self._prefix = make, code, prefix
+        columns: dict[str, Any] = {}
+        for name, given in arguments.items():
+            key, reader = given if isinstance(given, tuple) else (name, given)
+            kind = reader if get_origin(reader) is not None else Annotated[Any, PlainValidator(reader)]
+            columns[name] = (kind, Field(alias=key) if name in needed else Field(default=None, alias=key))
+        self.model = create_model("Table", __base__=StrictTable, **columns)
+
+    def __get_pydantic_core_schema__(self, _source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_after_validator_function(self._made, handler.generate_schema(self.model))
+
+    def _made(self, table: StrictTable) -> Any:
+        try:
+            return self._make(**table.given)
+        except InputError as error:
+            problem, field = error.problem, self.model.model_fields.get(error.problem.key)
+            key = (field and field.alias) or problem.key
+            reject(self._code, problem.message.removeprefix(self._prefix), fix=error.fix, key=key)
 
 
 def reject(code: str, message: str, *, fix: str = "", key: str = "") -> NoReturn:
@@ -205,9 +251,17 @@ def _model_at(model: type[BaseModel], key: KeyPath) -> type[BaseModel] | None:
     for part in key:
         if isinstance(found, type) and issubclass(found, BaseModel):
             fields = {field.alias or name: field for name, field in found.model_fields.items()}
-            found = fields[str(part)].annotation if part in fields else None
+            field = fields.get(str(part))
+            # As `get_args` has it, the annotation comes first and what is said of it after.
+            arms = (field.annotation, *field.metadata) if field else ()
         else:
-            found = get_args(found)[-1] if get_args(found) else None
-        if get_origin(found) in (Union, types.UnionType):
+            arms = get_args(found)[-1:]
+        found = next(iter(arms), None)
+        if get_origin(found) is Annotated:
+            arms = get_args(found)
+        table = next((arm for arm in arms if isinstance(arm, Table)), None)
+        if table is not None:
+            found = table.model
+        elif get_origin(found) in (Union, types.UnionType):
             found = next((arm for arm in get_args(found) if arm is not type(None)), None)
     return found if isinstance(found, type) and issubclass(found, BaseModel) else None

@@ -17,18 +17,15 @@ from ropefric.files.read import hash_file, kind_of_file
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
 from ropefric.fitting.result import CovarianceKind, FitResult, FitStatus, FittedParameter
 from ropefric.fitting.statistics import (
-    FitStatistics,
     Identifiability,
     Scatter,
-    aicc,
-    bic,
     clustered_covariance,
     decomposed,
     find_trends,
+    fit_statistics,
     group_means,
     identify,
     lack_of_fit,
-    least_squares_deviance,
     plain_covariance,
     rounded_covariance,
 )
@@ -135,7 +132,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         parameters=_parameters(found, std, dof),
         covariance=full,
         covariance_kind=kind,
-        statistics=_statistics(found, residuals, between, dof),
+        statistics=fit_statistics(problem, residuals, found.scatter, between, dof),
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
         notes=(*notes, *found.notes),
@@ -207,24 +204,6 @@ def _parameters(found: Found, std: FloatArray, dof: float) -> tuple[FittedParame
     return tuple(parameters)
 
 
-def _statistics(found: Found, residuals: FloatArray, between: float, interval_dof: float) -> FitStatistics:
-    problem = found.problem
-    chi2, n, q = float(residuals @ residuals), problem.n_points, problem.n_varying
-    deviance = least_squares_deviance(chi2, n) + 2.0 * float(np.log(problem.std).sum())
-    return FitStatistics(
-        n=n,
-        n_conditions=found.problem.n_conditions,
-        dof=n - q,
-        chi2=significant(chi2),
-        chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
-        aicc=significant(aicc(deviance, n, q + 1)),
-        bic=significant(bic(deviance, n, q + 1)),
-        scatter_within=significant(found.scatter.within),
-        scatter_between=significant(between),
-        interval_dof=interval_dof,
-    )
-
-
 def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
     """Return the data by condition: settings, number of trials, mean and sample standard deviation of ln F_A."""
     problem, group = found.problem, found.problem.group
@@ -248,7 +227,10 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
     if table.source and kind_of_file(table.source) == "file":
         source["sha256"] = hash_file(table.source)
-    return {"input": source, "settings": asdict(settings), "versions": versions}
+    how = asdict(settings)
+    if settings.of == "peak":  # what older versions can read
+        del how["of"]
+    return {"input": source, "settings": how, "versions": versions}
 
 
 # ---- what keeps a fit from being trusted, and the experiment that would help ----

@@ -60,6 +60,8 @@ def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitRe
     chosen = ALL_LAWS[law] if isinstance(law, str) else law
     how = FitSettings(**{name: value for name, value in settings.items() if value is not None})
     check_settings(how, chosen)
+    table = table.of(how.of)
+    how = replace(how, of=table.force)
     return assemble(_search(_problem_of(table, chosen, how), table, how), table, how)
 
 

@@ -118,6 +118,8 @@ class Prediction:
         On the law: by its own fit, or by the comparison it comes from.
     candidates : tuple of Candidate
         What the laws answer that the data do not tell apart, the law used first; empty where there is one only.
+    of : {"peak", "kinetic"}
+        Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     """
 
     law: str
@@ -139,6 +141,7 @@ class Prediction:
     seed: int
     judged: Verdict
     candidates: tuple[Candidate, ...] = ()
+    of: str = "peak"
 
     def __len__(self) -> int:
         return len(self.conditions)
@@ -193,7 +196,7 @@ class Prediction:
         given = {name: float(getattr(self.conditions, name)[i]) for name in REGRESSORS}
         arrays = ("lift_force_N", "std_N", "interval_N", "prediction_interval_N", "extrapolated")
         found = {name: getattr(self, name)[i].tolist() for name in arrays}
-        found |= {name: getattr(self, name) for name in ("level", "dof", "method", "spread_N")}
+        found |= {name: getattr(self, name) for name in ("level", "dof", "method", "spread_N", "of")}
         found |= {
             "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
             "notes": list(self.notes(i)),
@@ -278,6 +281,7 @@ def predict(
             draws=draws,
             seed=seed,
             judged=fit.verdict,
+            of=fit.of,
         )
 
 

@@ -56,6 +56,8 @@ class FitSettings:
         Whether the errors hold what the repeats of a condition share.
     n_starts, seed : int
         Starts of the search, and of the random numbers that spread them.
+    of : {"peak", "kinetic"}
+        The force that is fitted.
     """
 
     fixed: Mapping[str, float] = field(default_factory=dict)
@@ -66,6 +68,7 @@ class FitSettings:
     clustered: bool = True
     n_starts: int = 4
     seed: int = 0
+    of: str = "peak"
 
 
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:

@@ -283,6 +283,11 @@ class FitResult:
         """Return the verdict on the law by its own fit; a comparison knows what other laws say."""
         return verdict_of(self.doubts, f"nothing in its own fit speaks against {self.law}")
 
+    @property
+    def of(self) -> str:
+        """Return which force was fitted, "peak" or "kinetic"."""
+        return str(self.provenance.get("settings", {}).get("of", "peak"))
+
     def only_rope_radius_m(self) -> float:
         """Return the rope radius of the trials [m], if they had one only.
 

@@ -260,6 +260,26 @@ class FitStatistics:
     interval_dof: float
 
 
+def fit_statistics(
+    problem: FitProblem, residuals: FloatArray, scatter: Scatter, between: float, interval_dof: float
+) -> FitStatistics:
+    """Return how well a law fits, from its residuals in standard deviations and the scatter at two levels."""
+    chi2, n, q = float(residuals @ residuals), problem.n_points, problem.n_varying
+    deviance = least_squares_deviance(chi2, n) + 2.0 * float(np.log(problem.std).sum())
+    return FitStatistics(
+        n=n,
+        n_conditions=problem.n_conditions,
+        dof=n - q,
+        chi2=significant(chi2),
+        chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
+        aicc=significant(aicc(deviance, n, q + 1)),
+        bic=significant(bic(deviance, n, q + 1)),
+        scatter_within=significant(scatter.within),
+        scatter_between=significant(between),
+        interval_dof=interval_dof,
+    )
+
+
 # ---- what a law leaves over ----
 
 

@@ -5,8 +5,6 @@ Local coefficients μ(φ) = a φ^b + c and a e^{bφ} + c over [p, p + δ], and t
 a physical reference, not a free scale, and F_B < F_0 has no φ0.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 from scipy.special import exprel, wrightomega
@@ -61,52 +59,35 @@ def _horner(coefficients: list[float], z: FloatArray) -> FloatArray:
     return total
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PowerSpan:
-    """A stretch of wrap [p, p + δ] seen through φ^b: ∫ φ^b dφ over it and what its slope needs."""
+    """A stretch of wrap that starts at e^{log_start} rad and is wrap_rad long, seen through φ^b.
 
-    s: FloatArray
-    log_start: FloatArray
-    log_end: FloatArray
-    length: FloatArray
-    scale: FloatArray
-    z: FloatArray
+    The lower end enters as its logarithm and the wrap as itself: p underflows as b → −1, and p + δ loses δ.
+    """
+
+    def __init__(self, log_start: npt.ArrayLike, wrap_rad: npt.ArrayLike, b: npt.ArrayLike) -> None:
+        self.s = s = np.asarray(b, dtype=np.float64) + 1.0
+        log_wrap = np.log(wrap_rad)
+        with np.errstate(divide="ignore"):
+            floor = np.where(s > 0.0, log_wrap - _FROM_ZERO / np.abs(s), -np.inf)
+        self.log_start = u = np.maximum(log_start, floor)
+        x = log_wrap - u
+        above = np.log1p(np.exp(-np.abs(x)))
+        self.length = np.maximum(x, 0.0) + above
+        self.log_end = np.maximum(u, log_wrap) + above
+        self.scale = np.exp(s * np.where(s >= 0.0, self.log_end, u)) * self.length
+        self.z = -np.abs(s) * self.length
 
     def integral(self) -> FloatArray:
         """Return ∫ φ^b dφ = e^{s·u} L exprel(s L), exact through s = 0."""
-        return self.scale * exprel(self.z)
+        return np.asarray(self.scale * exprel(self.z))
 
     def slope(self) -> FloatArray:
         """Return ∂/∂b ∫ φ^b dφ = ∫ φ^b ln φ dφ."""
         from_end = self.s >= 0.0
         reference = np.where(from_end, self.log_end, self.log_start)
         inward = np.where(from_end, -self.length, self.length)
-        return self.scale * (reference * exprel(self.z) + inward * exprel_slope(self.z))
-
-
-def power_span(log_start: npt.ArrayLike, wrap_rad: npt.ArrayLike, b: npt.ArrayLike) -> PowerSpan:
-    """Return the stretch of wrap that starts at e^{log_start} rad and is wrap_rad long.
-
-    The lower end enters as its logarithm and the wrap as itself: p underflows as b → −1, and p + δ loses δ.
-    """
-    s = np.asarray(b, dtype=np.float64) + 1.0
-    log_wrap = np.log(wrap_rad)
-    with np.errstate(divide="ignore"):
-        floor = np.where(s > 0.0, log_wrap - _FROM_ZERO / np.abs(s), -np.inf)
-    u = np.maximum(log_start, floor)
-    x = log_wrap - u
-    above = np.log1p(np.exp(-np.abs(x)))
-    length = np.maximum(x, 0.0) + above
-    log_end = np.maximum(u, log_wrap) + above
-    reference = np.where(s >= 0.0, log_end, u)
-    return PowerSpan(
-        s=s,
-        log_start=u,
-        log_end=log_end,
-        length=length,
-        scale=np.exp(s * reference) * length,
-        z=-np.abs(s) * length,
-    )
+        return np.asarray(self.scale * (reference * exprel(self.z) + inward * exprel_slope(self.z)))
 
 
 def power_integral(
@@ -125,7 +106,7 @@ def power_integral(
     delta = np.asarray(wrap_rad, dtype=np.float64)
     some = delta > 0.0
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        span = power_span(np.log(start_rad), np.where(some, delta, 1.0), b)
+        span = PowerSpan(np.log(start_rad), np.where(some, delta, 1.0), b)
         return np.where(some, np.asarray(a) * span.integral() + np.asarray(c) * delta, 0.0)
 
 

@@ -4,7 +4,7 @@ import math
 import re
 from collections import UserDict
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import SETTINGS, Conditions, as_floats
 from ropefric.registry import did_you_mean
 
 Columns = tuple[FloatArray, ...]
@@ -36,7 +36,6 @@ class Parameter:
 
     name: str
     unit: str
-    _: KW_ONLY
     start: float
     lower: float
     upper: float
@@ -60,6 +59,11 @@ class Refusal(NamedTuple):
         parameter_set = f", parameter set {where[0]}" if mask.ndim > 1 and mask.shape[0] > 1 else ""
         text = self.what.format(value=f"{values[tuple(where)]:.6g}")
         return f"{text} at {conditions.describe(condition)}{parameter_set}"
+
+
+def negative(values: FloatArray, what: str, fix: str = "keep it at zero or more") -> Refusal:
+    """Return the refusal of numbers below zero."""
+    return Refusal(values < 0.0, values, what, fix)
 
 
 def below_reference(conditions: Conditions) -> Refusal:
@@ -99,12 +103,10 @@ class Sheet(UserDict[str, float]):
         The formula is written in the symbols of the sheet, + - * / ^ ( ) and `ln`, `exp`, `sqrt`, `sin`, `acos`.
         """
         key = symbol or name
-        arithmetic = _NAME.sub(
-            lambda found: self._printed(found[0]) if found[0] in self else found[0], formula
-        )
+        shown = _NAME.sub(lambda found: self._printed(found[0]) if found[0] in self else found[0], formula)
         # Ours, not a user's text: a law declares it.
         self[key] = eval(formula.replace("^", "**"), _FUNCTIONS | self.data)  # noqa: S307
-        self.lines.append(f"{name} = {arithmetic} = {self._printed(key)}")
+        self.lines.append(f"{name} = {shown} = {self._printed(key)}")
         return self[key]
 
     def _printed(self, symbol: str) -> str:
@@ -129,10 +131,6 @@ class Physics(Protocol):
 
     def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return the derivative of ln F_A by R_w, φ and ln F_B; each broadcasts to the rise."""
-        ...
-
-    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
-        """Return the local coefficient at an angle from the slack end."""
         ...
 
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
@@ -233,7 +231,8 @@ class FrictionLaw:
             If theta has the wrong shape or is not finite, or the law has no answer; the message names the first
             condition.
         """
-        return conditions.log_end_tension + self._rise(theta, conditions)
+        rise = self._table(theta, conditions, lambda columns: (self.physics.rise(columns, conditions),))
+        return conditions.log_end_tension + rise[..., 0]
 
     def jacobian(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ, analytically.
@@ -245,9 +244,7 @@ class FrictionLaw:
         ndarray, shape (n, p) or (m, n, p)
             One column a parameter, in 1/(its unit).
         """
-        return self._table(
-            theta, conditions, lambda columns: self.physics.rise_and_slopes(columns, conditions)[1]
-        )
+        return self.log_lift_and_jacobian(theta, conditions)[1]
 
     def log_lift_and_jacobian(
         self, theta: npt.ArrayLike, conditions: Conditions
@@ -293,7 +290,7 @@ class FrictionLaw:
         )
 
     def local_mu(self, theta: npt.ArrayLike, wrap_rad: npt.ArrayLike, conditions: Conditions) -> FloatArray:
-        """Return the local coefficient μ(φ) at an angle measured from the slack end.
+        """Return the local coefficient μ(φ) = d ln F/dφ where the wrap ends after an angle from the slack end.
 
         Parameters
         ----------
@@ -309,12 +306,8 @@ class FrictionLaw:
         ndarray, shape (n,) or (m, n)
             μ [-].
         """
-        angle = np.asarray(wrap_rad, dtype=np.float64)
-        if not (np.isfinite(angle) & (angle >= 0.0)).all():
-            raise InputError(f"wrap_rad must be finite and zero or more, got {angle.min():g}", key="wrap_rad")
-        return self._table(
-            theta, conditions, lambda columns: (self.physics.local_mu(columns, angle, conditions),)
-        )[..., 0]
+        there = replace(conditions, wrap_angle_rad=as_floats("wrap_rad", wrap_rad))
+        return self.log_lift_gradient_conditions(theta, there)[..., 1]
 
     def average_mu(self, theta: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return the average coefficient μ̄ = (ln F_A − ln F_B)/φ, eq. (2).
@@ -331,21 +324,18 @@ class FrictionLaw:
                 key="wrap_angle_rad",
                 fix="leave out the conditions with zero wrap",
             )
-        return self._rise(theta, conditions, per=conditions.wrap_angle_rad)
+        wrap_rad = conditions.wrap_angle_rad
+        return self._table(
+            theta, conditions, lambda columns: (self.physics.rise(columns, conditions) / wrap_rad,)
+        )[..., 0]
 
     def validity(self, theta: npt.ArrayLike, conditions: Conditions) -> tuple[str, ...]:
         """Return why the law has no answer for some of the conditions; empty where it has one for all."""
-        return tuple(
-            refusal.words(conditions) for refusal in self._refusals(self._columns(theta), conditions)
-        )
+        return tuple(one.words(conditions) for one in self._refusals(self._columns(theta), conditions))
 
     def answers(self, theta: npt.ArrayLike, conditions: Conditions) -> BoolArray:
         """Return for which conditions the law has an answer, shape (n,) or (m, n)."""
-        columns = self._columns(theta)
-        answered = np.ones((*columns[0].shape[:-1], len(conditions)), dtype=np.bool_)
-        for refusal in self._refusals(columns, conditions):
-            answered &= ~np.asarray(refusal.mask)
-        return answered
+        return self._answered(self._columns(theta), conditions)
 
     def admissible(self, theta: npt.ArrayLike, conditions: Conditions) -> BoolArray:
         """Return which parameter sets have an answer for every condition, shape () or (m,).
@@ -359,9 +349,7 @@ class FrictionLaw:
 
         `log_lift` gives every set at every condition, of which this is the diagonal.
         """
-        good = np.ones(len(conditions), dtype=np.bool_)
-        for refusal in self._refusals(tuple(theta.T), conditions):
-            good &= ~np.asarray(refusal.mask)
+        good = self._answered(tuple(theta.T), conditions)
         found = np.full(len(conditions), np.nan)
         if good.any():
             part = conditions.select(good)
@@ -405,10 +393,7 @@ class FrictionLaw:
         >>> LAWS["wrap-power"].as_mapping([0.2, -0.5, 0.1])
         {'a': 0.2, 'b': -0.5, 'c': 0.1}
         """
-        return {
-            name: float(column)
-            for name, column in zip(self.parameter_names, self._columns(theta), strict=True)
-        }
+        return dict(zip(self.parameter_names, map(float, self._columns(theta)), strict=True))
 
     def without_end_tension(self) -> "FrictionLaw":
         """Return the law with the wrap counted from zero whatever the end tension, under its own name.
@@ -438,10 +423,10 @@ class FrictionLaw:
         sheet.say(f"law {self.name}: {self.equation}")
         for name, value in self.as_mapping(theta).items():
             sheet.given(name, value)
-        sheet.given("R_w", float(at.wheel_radius_m[0]), "R_w [m]")
-        sheet.given("R_r", float(at.rope_radius_m[0]), "R_r [m]")
-        sheet.given("phi", float(at.wrap_angle_rad[0]), "phi [rad]")
-        sheet.given("F_B", float(at.end_tension_N[0]), "F_B [N]")
+        for symbol, unit, setting in zip(
+            ("R_w", "R_r", "phi", "F_B"), ("m", "m", "rad", "N"), SETTINGS, strict=True
+        ):
+            sheet.given(symbol, float(getattr(at, setting)[0]), f"{symbol} [{unit}]")
         sheet.line("ln F_B", "ln(F_B)", "y")
         sheet["rise"] = self.arithmetic(sheet)
         log_lift = sheet.line("ln F_A", "y + rise", "log_lift")
@@ -451,13 +436,6 @@ class FrictionLaw:
         exact_N = math.exp(self.log_lift(theta, at)[0])
         sheet.say(f"at full precision F_A is {exact_N:.10g} N; by hand {lift_N:.10g} N")
         return tuple(sheet.lines)
-
-    def _rise(
-        self, theta: npt.ArrayLike, conditions: Conditions, per: FloatArray | float = 1.0
-    ) -> FloatArray:
-        return self._table(
-            theta, conditions, lambda columns: (self.physics.rise(columns, conditions) / per,)
-        )[..., 0]
 
     def _columns(self, theta: npt.ArrayLike) -> Columns:
         """Return theta, shape (p,) or (m, p), as p columns of shape () or (m, 1)."""
@@ -477,6 +455,12 @@ class FrictionLaw:
                 f"{self.name}: a parameter is not finite", key="theta", fix="give finite numbers"
             )
         return tuple(array[..., i] if array.ndim == 1 else array[:, i, np.newaxis] for i in range(p))
+
+    def _answered(self, columns: Columns, conditions: Conditions) -> BoolArray:
+        answered = np.ones(np.broadcast_shapes(columns[0].shape, (len(conditions),)), dtype=np.bool_)
+        for refusal in self._refusals(columns, conditions):
+            answered &= np.asarray(~np.asarray(refusal.mask))
+        return answered
 
     def _refusals(self, columns: Columns, conditions: Conditions) -> list[Refusal]:
         """Return the refusals that concern any condition."""

@@ -2,24 +2,16 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
-from typing import TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ropefric.errors import RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
-from ropefric.fitting.budgets import MeasuredCondition, conditions_of_extraction, force_model, state_lift
+from ropefric.fitting import budgets, next_tests
 from ropefric.fitting.design import DesignChart, design_chart
-from ropefric.fitting.next_tests import (
-    LabPlan,
-    RigLimits,
-    geometric_levels,
-    linear_levels,
-    plan_tests,
-    planned_fit,
-)
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
@@ -41,7 +33,7 @@ _PLANNED = 6
 class MeasuredBudget:
     """The uncertainty of one condition's measured force, by its budget alone."""
 
-    condition: MeasuredCondition
+    condition: budgets.MeasuredCondition
     budget: LinearBudget
 
     @property
@@ -60,7 +52,7 @@ class Evidence:
     lift: Statement | None = None
     swings: tuple[tuple[str, float, float, float], ...] = ()
     chart: DesignChart | None = None
-    plan: LabPlan | None = None
+    plan: next_tests.LabPlan | None = None
     hand: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
 
@@ -80,34 +72,30 @@ def gather_evidence(run: CampaignRun) -> Evidence:
     middle = sorted(measured, key=lambda item: item.relative)[len(measured) // 2] if measured else None
     typical = None
     if middle is not None:
-        model, notes = force_model(middle.condition.measured), middle.condition.notes
+        model, notes = budgets.force_model(middle.condition.measured), middle.condition.notes
         typical = attempt("budget of a typical force", lambda: state_uncertainty(model, notes=notes))
-    found = Evidence(
-        measured=measured,
-        typical=typical,
-        typical_number=0 if middle is None else middle.condition.number,
-        missing=tuple(missing),
-    )
-    prediction = run.answer.prediction
-    if prediction is None:
-        return found
-    fit, wheel = run.answer.fit, prediction.conditions
-    # Arguments are evaluated in their order, so `missing` is complete when it is read.
-    return replace(
-        found,
-        lift=attempt("uncertainty budget of the lift force", lambda: state_design(fit, wheel)),
-        swings=attempt("sensitivities", lambda: swings_of_design(fit, prediction)) or (),
-        chart=attempt("design chart", lambda: chart_of_design(fit, wheel)),
-        plan=attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
-        hand=attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
-        missing=tuple(missing),
+    prediction, design = run.answer.prediction, dict[str, Any]()
+    if prediction is not None:
+        fit, wheel, wished = run.answer.fit, prediction.conditions, prediction
+        design = {
+            "lift": attempt("uncertainty budget of the lift force", lambda: state_design(fit, wheel)),
+            "swings": attempt("sensitivities", lambda: swings_of_design(fit, wished)) or (),
+            "chart": attempt("design chart", lambda: chart_of_design(fit, wheel)),
+            "plan": attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
+            "hand": attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
+        }
+    number = 0 if middle is None else middle.condition.number
+    return Evidence(
+        measured=measured, typical=typical, typical_number=number, **design, missing=tuple(missing)
     )
 
 
 def _measured(run: CampaignRun) -> tuple[MeasuredBudget, ...]:
-    conditions = conditions_of_extraction(run.extraction, weights_tolerance=run.campaign.weights_tolerance)
+    conditions = budgets.conditions_of_extraction(
+        run.extraction, weights_tolerance=run.campaign.weights_tolerance
+    )
     return tuple(
-        MeasuredBudget(condition=item, budget=linear_budget(force_model(item.measured)))
+        MeasuredBudget(condition=item, budget=linear_budget(budgets.force_model(item.measured)))
         for item in conditions
     )
 
@@ -127,7 +115,7 @@ def state_design(fit: FitResult, wheel: Conditions) -> Statement:
 
     Of one pull with one new rope where the fit knows how far they scatter, else of the mean law.
     """
-    return state_lift(fit, wheel, {}, one_pull=math.isfinite(new_rope_std(fit)))
+    return budgets.state_lift(fit, wheel, {}, one_pull=math.isfinite(new_rope_std(fit)))
 
 
 def swings_of_design(
@@ -140,15 +128,10 @@ def swings_of_design(
     """
     at = prediction.conditions.select([index])
     base_N = float(prediction.lift_force_N[index])
-    rows = [
-        (
-            f"{title} ± {100 * STEP:g} %",
-            _lift_N(fit, at, name, 1.0 - STEP),
-            _lift_N(fit, at, name, 1.0 + STEP),
-            base_N,
-        )
-        for name, (title, _unit, _factor) in REGRESSORS.items()
-    ]
+    rows = []
+    for name, (title, _unit, _factor) in REGRESSORS.items():
+        low_N, high_N = (_lift_N(fit, at, name, 1.0 + step) for step in (-STEP, STEP))
+        rows.append((f"{title} ± {100 * STEP:g} %", low_N, high_N, base_N))
     for words, ends in (
         ("mean law: confidence interval", prediction.interval_N[index]),
         ("new rope: prediction interval", prediction.prediction_interval_N[index]),
@@ -160,15 +143,14 @@ def swings_of_design(
 
 def _lift_N(fit: FitResult, at: Conditions, name: str, factor: float) -> float:
     """Return the lift force with one setting changed; NaN where the law has no answer."""
-    settings = {item.name: getattr(at, item.name) for item in fields(at)}
-    settings[name] = factor * settings[name]
     try:
-        return math.exp(float(fit.friction_law.log_lift(fit.theta, Conditions(**settings))[0]))
+        changed = replace(at, **{name: factor * getattr(at, name)})
+        return math.exp(float(fit.friction_law.log_lift(fit.theta, changed)[0]))
     except (RopefricError, OverflowError):
         return math.nan
 
 
-def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
+def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95) -> DesignChart:
     """Return the lift force of the tested wheels, and of the one asked for, over wraps up to and beyond the tested."""
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
@@ -179,10 +161,11 @@ def chart_of_design(fit: FitResult, wheel: Conditions) -> DesignChart:
         np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS),
         float(wheel.end_tension_N[0]),
         rope_radius_m=float(wheel.rope_radius_m[0]),
+        probability=probability,
     )
 
 
-def plan_for_design(run: CampaignRun, wheel: Conditions) -> LabPlan:
+def plan_for_design(run: CampaignRun, wheel: Conditions) -> next_tests.LabPlan:
     """Return the tests, within what the campaign's rig has done, that make the lift force of a wheel most certain.
 
     Wheels are those that were used; wraps and end tensions lie between the smallest and the largest that were; the
@@ -193,7 +176,7 @@ def plan_for_design(run: CampaignRun, wheel: Conditions) -> LabPlan:
     wraps_deg = [float(f"{math.degrees(end):.12g}") for end in fit.validity["wrap_angle_rad"]]
     low_N, high_N = fit.validity["end_tension_N"]
     cells_N = [cell.full_scale_N for cell in run.campaign.cells.values()]
-    limits = RigLimits(
+    limits = next_tests.RigLimits(
         wheel_radius_m=tuple(distinct(table.wheel_radius_m[used]).tolist()),
         wrap_angle_rad=tuple(math.radians(x) for x in _between(wraps_deg[0], wraps_deg[1], step=45.0)),
         end_tension_N=_between(low_N, high_N),
@@ -201,8 +184,8 @@ def plan_for_design(run: CampaignRun, wheel: Conditions) -> LabPlan:
         largest_force_N=max(cells_N, default=float(np.max(table.peak_N[used]))),
     )
     repeats = sorted(summary.n_recorded for summary in run.extraction.conditions)
-    return plan_tests(
-        planned_fit(fit), limits, wheel, n_conditions=_PLANNED, repeats=repeats[len(repeats) // 2]
+    return next_tests.plan_tests(
+        next_tests.planned_fit(fit), limits, wheel, n_conditions=_PLANNED, repeats=repeats[len(repeats) // 2]
     )
 
 
@@ -211,5 +194,7 @@ def _between(low: float, high: float, step: float | None = None) -> tuple[float,
     if not high > low * (1.0 + 1e-9):
         return (low,)
     return (
-        geometric_levels(low, high, _LEVELS) if step is None else linear_levels(low, high, _LEVELS, step=step)
+        next_tests.geometric_levels(low, high, _LEVELS)
+        if step is None
+        else next_tests.linear_levels(low, high, _LEVELS, step=step)
     )

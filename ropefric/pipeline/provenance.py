@@ -3,11 +3,9 @@
 import json
 import os
 import shlex
-from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ropefric.errors import DataError
 from ropefric.files.plain_text import json_document
@@ -25,47 +23,18 @@ _DRAWN_WITH = ("matplotlib", "jinja2")
 _NO_SETTINGS = frozenset({"trials", "warnings", "path", "folder"})
 
 
-class InputFile(NamedTuple):
-    """A file that went in: its path relative to the campaign's folder, and the SHA-256 of its bytes, "" if unread."""
+def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
+    """Return all that is needed to make a result again, without time or place, as a tree of schema `ropefric.run/1`.
 
-    path: str
-    sha256: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Provenance:
-    """All that is needed to make a result again, without time or place."""
-
-    command: str
-    campaign: InputFile
-    trial_list: InputFile
-    recordings: tuple[InputFile, ...]
-    versions: Mapping[str, str]
-    seeds: Mapping[str, int]
-    settings: Mapping[str, Any]
-    law: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return a JSON tree of schema `ropefric.run/1`."""
-        return {
-            "schema": SCHEMA,
-            "command": self.command,
-            "law": self.law,
-            "inputs": [item._asdict() for item in (self.campaign, self.trial_list, *self.recordings)],
-            "versions": dict(self.versions),
-            "seeds": dict(self.seeds),
-            "settings": dict(self.settings),
-        }
-
-
-def trace_provenance(run: CampaignRun, evidence: Evidence) -> Provenance:
-    """Return where a result comes from."""
-    campaign, fit = run.campaign, run.answer.fit
+    The inputs are the campaign, the trial list and the recordings, each with its path relative to the campaign's
+    folder and the SHA-256 of its bytes, "" if it was not read.
+    """
+    campaign, fit, prediction = run.campaign, run.answer.fit, run.answer.prediction
     law = fit.law if run.answer.winner.forced else ""
     words = ["ropefric", "run", campaign.path.name, "--out", "out", *(("--law", law) if law else ())]
     seeds = {"fit": fit.provenance.get("settings", {}).get("seed", 0)}
-    if run.answer.prediction is not None:
-        seeds["prediction"] = run.answer.prediction.seed
+    if prediction is not None:
+        seeds["prediction"] = prediction.seed
     if evidence.lift is not None:
         seeds["uncertainty budget"] = evidence.lift.drawn.seed
     if evidence.plan is not None:
@@ -73,27 +42,29 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> Provenance:
     recordings: dict[str, str] = {}
     for trial in run.extraction.trials:
         recordings.setdefault(trial.file, trial.sha256)
-    settings = {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS}
-    return Provenance(
-        command=shlex.join(words),
-        campaign=InputFile(campaign.path.name, hash_file(campaign.path)),
-        trial_list=InputFile(campaign.relative(campaign.trial_list), hash_file(campaign.trial_list)),
-        recordings=tuple(InputFile(*item) for item in recordings.items()),
-        versions=dict(fit.provenance.get("versions", {})) | {name: version(name) for name in _DRAWN_WITH},
-        seeds=seeds,
-        settings=settings,
-        law=law,
-    )
+    inputs = [
+        (campaign.path.name, hash_file(campaign.path)),
+        (campaign.relative(campaign.trial_list), hash_file(campaign.trial_list)),
+        *recordings.items(),
+    ]
+    return {
+        "schema": SCHEMA,
+        "command": shlex.join(words),
+        "law": law,
+        "inputs": [{"path": path, "sha256": sha256} for path, sha256 in inputs],
+        "versions": fit.provenance.get("versions", {}) | {name: version(name) for name in _DRAWN_WITH},
+        "seeds": seeds,
+        "settings": {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS},
+    }
 
 
-def manifest_text(provenance: Provenance, campaign: Path, folder: Path) -> str:
+def manifest_text(provenance: dict[str, Any], campaign: Path, folder: Path) -> str:
     """Return the manifest, by which a folder of results finds its campaign again."""
     try:
         shown = Path(os.path.relpath(campaign, folder)).as_posix()
     except ValueError:  # another drive on Windows
         shown = campaign.resolve().as_posix()
-    tree = provenance.to_dict() | {"campaign": shown}
-    return json_document(tree)
+    return json_document(provenance | {"campaign": shown})
 
 
 def recorded_run(folder: Path) -> tuple[Path, str]:

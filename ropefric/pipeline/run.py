@@ -16,7 +16,7 @@ from ropefric.fitting.diagnose import Diagnosis, diagnose
 from ropefric.fitting.predict import Prediction, predict
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
-from ropefric.friction.condition import Conditions, one_condition
+from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.trials.campaign_model import Campaign, DesignWheel
 from ropefric.trials.conditions import set_aside_impossible
@@ -94,14 +94,19 @@ def answer_trials(
     """Return which law a trial table asks for, what it supports, and the lift force of a design."""
     laws = [*LAWS, law] if law and law not in LAWS else None
     comparison = compare_laws(table, laws, progress=progress)
-    wheel, refused = _wheel(table, design, rope_radius_m)
-    winner = choose_law(comparison, law, wheel)
-    prediction = None
-    if wheel is not None:
-        try:
+    rope_m = float(np.median(table.rope_radius_m[table.used])) if rope_radius_m is None else rope_radius_m
+    wheel = prediction = None
+    refused: list[str] = []
+    try:
+        if design is not None:
+            settings = (design.wheel_radius_m, rope_m, design.wrap_angle_rad, design.end_tension_N)
+            wheel = one_condition(*settings)
+        winner = choose_law(comparison, law, wheel)
+        if wheel is not None:
             prediction = winner.of(predict(winner.fit, wheel))
-        except RopefricError as error:
-            refused = (_refusal(error),)
+    except RopefricError as error:
+        refused = [f"no lift force for the design: {error}"]
+        winner = choose_law(comparison, law, wheel)
     return CampaignAnswer(
         table=table,
         comparison=comparison,
@@ -110,23 +115,6 @@ def answer_trials(
         prediction=prediction,
         doubts=tuple(dict.fromkeys((*winner.doubts, *winner.fit.advice, *comparison.notes[1:], *refused))),
     )
-
-
-def _wheel(
-    table: TrialTable, design: DesignWheel | None, rope_radius_m: float | None
-) -> tuple[Conditions | None, tuple[str, ...]]:
-    """Return the wheel of a design, or None and why there is none."""
-    if design is None:
-        return None, ()
-    rope_m = float(np.median(table.rope_radius_m[table.used])) if rope_radius_m is None else rope_radius_m
-    try:
-        return one_condition(design.wheel_radius_m, rope_m, design.wrap_angle_rad, design.end_tension_N), ()
-    except RopefricError as error:
-        return None, (_refusal(error),)
-
-
-def _refusal(error: RopefricError) -> str:
-    return f"no lift force for the design: {error}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -125,13 +125,13 @@ def draw_condition(
     wheel_mm, rope_mm, wrap_deg, tension_N, symbol = _settings(summary, trials)
     title = typeset(f"R_w = {wheel_mm} mm,  R_r = {rope_mm} mm,  φ = {wrap_deg}°,  {symbol} = {tension_N} N")
     colors = shades(len(trials))
-    with drawing(margins=_MARGINS if traces else None) as figure:
+    with drawing(margins=_MARGINS) as figure:
         panels = figure.subplots(1, 2, width_ratios=(3, 2)) if traces else [figure.subplots()]
+        for axes, left in zip(panels, (-0.1, -0.16) if traces else (-0.065,), strict=True):
+            # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
+            axes.xaxis.set_label_coords(0.5, -0.09)
+            axes.yaxis.set_label_coords(left, 0.5)
         if traces:
-            for axes, left in zip(panels, (-0.1, -0.16), strict=True):
-                # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
-                axes.xaxis.set_label_coords(0.5, -0.09)
-                axes.yaxis.set_label_coords(left, 0.5)
             _draw_traces(panels[0], trials, colors)
         _draw_strip(panels[-1], summary, trials, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")
@@ -197,7 +197,7 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
     envelopes = [
         np.column_stack([np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]]) for o in outlines
     ]
-    means = [np.column_stack([o.smoothed_time_s, o.smoothed_N]) for o in outlines]
+    means = [np.column_stack([o.time_s, o.smoothed_N]) for o in outlines]
     label = "recorded, min to max"
     axes.add_collection(PolyCollection(envelopes, facecolors=looks, alpha=0.25, linewidths=0, label=label))
     axes.add_collection(LineCollection(means, colors=looks, linewidths=0.8, label="recorded, mean", zorder=2))

@@ -29,8 +29,8 @@ _LOOKS: dict[str, Any] = {
 _ONE_BAND, _BAND, _MANY = 40, 100, 600
 
 
-def _status(status: Status) -> "Callable[[TrialResult], str]":
-    return lambda trial: FAIL if trial.breakaway.status is status else OK
+def _status(*failing: Status) -> "Callable[[TrialResult], str]":
+    return lambda trial: FAIL if trial.breakaway.status in failing else OK
 
 
 def _saturation(trial: "TrialResult") -> str:

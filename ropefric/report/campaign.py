@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from ropefric.errors import Problem
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence
-from ropefric.pipeline.provenance import MANIFEST, InputFile, Provenance, manifest_text, trace_provenance
+from ropefric.pipeline.provenance import MANIFEST, manifest_text, trace_provenance
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
 from ropefric.report.parts import (
@@ -28,6 +29,7 @@ from ropefric.report.section import Section, as_text, interval, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import (
+    SUMMARISED,
     ConditionSummary,
     Extraction,
     TrialResult,
@@ -53,6 +55,7 @@ _CHAPTERS = {
     "next": "What to measure next",
     "provenance": "Settings and provenance",
 }
+_NONE = (math.nan, math.nan, 0)
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
     "were, so that the lift force of the design becomes as certain as it can."
@@ -64,12 +67,13 @@ def write_report(
     folder: Folder | str | os.PathLike[str],
     *,
     figures: bool = True,
+    executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write summary.txt, report.html with the numbers of its figures, and what they rest on; return the paths.
 
     The page needs nothing else. Beside it stand figures/*.csv, uncertainty.json and next_tests.csv where there is a
-    design, and manifest.json. The same campaign gives the same bytes.
+    design, and manifest.json. The same campaign gives the same bytes. The figures are drawn by the executor, if any.
     """
     target = as_folder(folder)
     evidence = gather_evidence(run)
@@ -78,7 +82,7 @@ def write_report(
     if figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 
-        pictures = draw_pictures(run, evidence, target, progress=progress)
+        pictures = draw_pictures(run, evidence, target, executor=executor, progress=progress)
     numbers = [
         target.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
@@ -128,7 +132,7 @@ def _law_section(run: CampaignRun) -> Section:
 
 
 def campaign_report(
-    run: CampaignRun, evidence: Evidence, provenance: Provenance, pictures: Pictures
+    run: CampaignRun, evidence: Evidence, provenance: Mapping[str, Any], pictures: Pictures
 ) -> Report:
     """Return a campaign's report: what to know first, the result, the evidence, settings and provenance."""
     answer, extraction, plan = run.answer, run.extraction, evidence.plan
@@ -145,6 +149,8 @@ def campaign_report(
             _measured_section(run),
             *pictures.get("trials", ())[:1],
             *_trial_sections(extraction, evidence),
+            *_decided_section(extraction),
+            *_sliding_section(extraction),
             *pictures.get("trials", ())[1:],
         ],
         "friction": [
@@ -354,7 +360,7 @@ def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section
     rows: list[tuple[str, ...]] = []
     headings: tuple[str, ...]
     if gone:
-        for trial in gone.values():
+        for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
             fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
             known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
             cells = _setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
@@ -387,33 +393,70 @@ def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section
     return aside, Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
 
 
+def _sliding_section(extraction: Extraction) -> Iterator[Section]:
+    """Yield what was measured beside the break-away force, by condition: mean ± s of the kept trials."""
+    conditions = extraction.conditions
+    shown = [name for name in SUMMARISED if any(item.of_kept.get(name, _NONE)[2] for item in conditions)]
+    if not shown:
+        return
+    rows = []
+    for number, item in enumerate(conditions, start=1):
+        found = [item.of_kept.get(name, _NONE) for name in shown]
+        cells = (f"{plain(mean)} ± {plain(std, '.2g')}" if n > 1 else plain(mean) for mean, std, n in found)
+        rows.append((str(number), str(max(n for *_, n in found)), *cells))
+    headings = ("no.", "n", *(SUMMARISED[name] for name in shown))
+    note = "mean ± s of the kept trials, n of them at most; every trial stands in trials.csv"
+    yield Section("Beside the break-away force", headings=headings, rows=rows, left=0, notes=(note,))
+
+
+def _decided_section(extraction: Extraction) -> Iterator[Section]:
+    """Yield what people decided about single trials, where they did: what, who and why."""
+    rows = tuple(
+        (
+            trial.trial,
+            trial.decision or f"excluded: {trial.excluded}",
+            plain(trial.measured_N),
+            trial.by,
+            trial.why,
+            "; ".join(note for note in trial.breakaway.notes if note.startswith("without the decision")),
+        )
+        for trial in extraction.trials
+        if trial.decision or (trial.excluded and trial.by)
+    )
+    if rows:
+        headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
+        yield Section("Decided by people", headings=headings, rows=rows, left=1)
+
+
 def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
     if trial.excluded:
         return trial.excluded
     if trial.breakaway.status is not Status.OK:
-        return trial.breakaway.detail
+        candidates = trial.measured("candidates")
+        return trial.breakaway.detail + (f"; candidates: {candidates}" if candidates else "")
     rule = _rule_label(trial.rejected_by)
     if summary is None:
         return rule
     return f"{rule}; mean of all {plain(summary.mean_all_N)} N, s = {plain(summary.std_all_N, '.2g')} N"
 
 
-def _provenance(provenance: Provenance) -> tuple[Block, ...]:
+def _provenance(provenance: Mapping[str, Any]) -> tuple[Block, ...]:
     """Return command, versions, seeds and inputs with their hashes; settings and recordings folded away."""
-    seeds = ", ".join(f"{name} {seed}" for name, seed in provenance.seeds.items())
-    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance.versions.items()))
-    notes = (provenance.command, f"versions: {made}", f"seeds: {seeds}")
-    settings = Section(headings=("setting", "value "), rows=[*_flat(provenance.settings)])
+    seeds = ", ".join(f"{name} {seed}" for name, seed in provenance["seeds"].items())
+    made = ", ".join(f"{name} {number}" for name, number in sorted(provenance["versions"].items()))
+    notes = (provenance["command"], f"versions: {made}", f"seeds: {seeds}")
+    settings = Section(headings=("setting", "value "), rows=[*_flat(provenance["settings"])])
+    lists, recordings = provenance["inputs"][:2], provenance["inputs"][2:]
     return (
         Section("How to make it again", ("in the campaign's folder:",), notes=notes),
-        _hashes((provenance.campaign, provenance.trial_list), "Inputs"),
-        Fold(f"SHA-256 of the {len(provenance.recordings)} recordings", _hashes(provenance.recordings)),
+        _hashes(lists, "Inputs"),
+        Fold(f"SHA-256 of the {len(recordings)} recordings", _hashes(recordings)),
         Fold("All settings, defaults filled in, in SI", settings),
     )
 
 
-def _hashes(files: Iterable[InputFile], title: str = "") -> Section:
-    rows = [(item.path, item.sha256 or "could not be read") for item in files]
+def _hashes(files: Iterable[Mapping[str, str]], title: str = "") -> Section:
+    rows = [(item["path"], item["sha256"] or "could not be read") for item in files]
     return Section(title, headings=("file", "SHA-256 "), rows=rows)
 
 

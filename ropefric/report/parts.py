@@ -26,6 +26,11 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
     between = f"between conditions {percent(found.scatter_between)}"
     lines = (
         f"{law.name}: {law.equation}",
+        *(
+            ("fitted to the kinetic force: F_A is the mean force while sliding",)
+            if fit.of == "kinetic"
+            else ()
+        ),
         f"{counted(found.n, 'trial')} of {counted(found.n_conditions, 'condition')}",
         f"scatter between repeats {percent(found.scatter_within)}, {between}",
         f"status {fit.status}: {fit.status.advice}",
@@ -95,9 +100,11 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
     """Return the lift force of one condition with both its intervals."""
     level = f"{100 * prediction.level:g} %"
     lift, std = plain(prediction.lift_force_N[index], ".5g"), _newtons(prediction.std_N[index])
+    is_kinetic = prediction.of == "kinetic"
+    title, symbol = ("Kinetic force", "F_A while sliding") if is_kinetic else ("Lift force", "F_A")
     lines = [
         f"{_where(prediction.conditions, index, rope=True)}:",
-        f"F_A = {lift} N by {prediction.law}, standard error {std}",
+        f"{symbol} = {lift} N by {prediction.law}, standard error {std}",
         f"{level} confidence interval of the mean: {_span(prediction.interval_N[index])}",
     ]
     wide = prediction.prediction_interval_N[index]
@@ -110,7 +117,7 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
         low, high = prediction.spread_N
         lines.append(f"laws that the data do not tell apart answer {plain(low)} … {plain(high)} N:")
         notes[:0] = [_candidate(item) for item in prediction.candidates]
-    return Section("Lift force", lines, notes=notes)
+    return Section(title, lines, notes=notes)
 
 
 def _where(at: Conditions, i: int, *, rope: bool = False) -> str:

@@ -332,7 +332,7 @@ def draw_slider_pull(
     """Return a pull of the bench whose force comes from a contact law; F_A is `lift_force_N` or would have been."""
     hang_s = rng.uniform(*bench.idle_s)
     climb_s = rng.uniform(*bench.load_s)
-    own = {
+    own: dict[str, Any] = {
         "force_N": lift_force_N,
         "wraps": np.log(lift_force_N / end_tension_N) / 0.2 / (2.0 * np.pi),
         "mu": 0.2,
@@ -345,8 +345,12 @@ def draw_slider_pull(
         "ending": "let-down",
         "hang": 1.0,
     }
+    own |= dict(ranges) | {"laws": PHYSICS[physics]}
+    if "held" in own:  # The weights alone may bring the rope near to slipping: the motor has only the rest.
+        left = 1.0 - (end_tension_N / lift_force_N) ** 0.8
+        own |= {"held": tuple(left * part for part in own["held"]), "soft_start": 0.1 * left}
     for _ in range(_ATTEMPTS):
-        slider = draw_slider(rng, draw_numbers(rng, own | dict(ranges) | {"laws": PHYSICS[physics]}))
+        slider = draw_slider(rng, draw_numbers(rng, own))
         (motion,) = simulate([slider])
         known = truth_of(motion, slider)
         if known is not None and known.status == expects:

@@ -149,6 +149,12 @@ def recordings(
         How many of each family.
     families, tiers : sequence of str
         Only these families, only these tiers; all by default.
+
+    Examples
+    --------
+    >>> one = next(recordings(1, per_family=1, families=("sharp",)))
+    >>> one.truth.status.value, one.tier, one.force_N.size == one.time_s.size
+    ('ok', 'clean', True)
     """
     chosen = [FAMILIES[name] for name in families or FAMILIES]
     jobs = [(one, number) for one in chosen if one.tier in tiers for number in range(per_family)]

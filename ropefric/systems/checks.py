@@ -1,7 +1,6 @@
 """Numbers that people give: finite, of the right sign, of a size that a machine has, and of one length."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import lru_cache
 from typing import Annotated, Any, Literal, get_args
@@ -30,25 +29,20 @@ def checked(name: str, values: npt.ArrayLike, rule: Rule = "positive") -> FloatA
     return array
 
 
-def out_of_scale(values: npt.ArrayLike, *, may_vanish: bool) -> BoolArray:
-    """Return where a quantity is above 1e30 in amount, or below 1e-30 if it may not vanish.
+def in_scale(name: str, values: npt.ArrayLike, rule: Rule = "positive") -> FloatArray:
+    """Return numbers that keep to a rule and are at most 1e30 in amount, and at least 1e-30 where they are positive.
 
-    No machine has such numbers, and squares and quotients of them are no floats.
+    No machine has any others, and squares and quotients of them are no floats.
     """
-    size = np.abs(np.asarray(values, dtype=np.float64))
-    return np.asarray((size > _LARGEST) | ((size < _SMALLEST) & (not may_vanish)))
-
-
-def refuse_out_of_scale(name: str, values: npt.ArrayLike, *, may_vanish: bool) -> None:
-    """Refuse a quantity above 1e30 in amount, or below 1e-30 if it may not vanish."""
-    array = np.atleast_1d(np.asarray(values, dtype=np.float64))
-    beyond = out_of_scale(array, may_vanish=may_vanish)
+    array = checked(name, values, rule)
+    beyond = (np.abs(array) > _LARGEST) | ((array < _SMALLEST) & (rule == "positive"))
     if beyond.any():
         raise InputError(
-            f"{name} is {array[beyond][0]:g}, beyond anything from {_SMALLEST:g} to {_LARGEST:g} in SI units",
+            f"{name} is {array[beyond].ravel()[0]:g}, beyond anything from {_SMALLEST:g} to {_LARGEST:g} in SI units",
             key=name,
             fix="check the unit it was given in",
         )
+    return array
 
 
 def refuse(wrong: BoolArray, words: str, *, key: str, fix: str = "", code: str = "", **values: Any) -> None:
@@ -63,25 +57,6 @@ def refuse(wrong: BoolArray, words: str, *, key: str, fix: str = "", code: str =
         raise InputError(words.format(**here), code=code, key=key, fix=fix.format(**here))
 
 
-def side_by_side(
-    values: Mapping[str, npt.ArrayLike | None], rules: Mapping[str, Rule]
-) -> dict[str, FloatArray]:
-    """Return the values that are given, many cases side by side: checked, and spread to arrays of one length."""
-    given = {
-        name: np.atleast_1d(checked(name, value, rules[name]))
-        for name, value in values.items()
-        if value is not None
-    }
-    try:
-        shape = np.broadcast_shapes(*(array.shape for array in given.values()))
-    except ValueError:
-        lengths = ", ".join(f"{name} has {array.size}" for name, array in given.items() if array.size > 1)
-        raise InputError(
-            f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
-        ) from None
-    return {name: np.broadcast_to(array, shape) for name, array in given.items()}
-
-
 Positive = Annotated[FloatArray, "positive"]
 ZeroOrMore = Annotated[FloatArray, "zero or more"]
 AnyNumber = Annotated[FloatArray, "any"]
@@ -94,13 +69,21 @@ class Cases:
     n: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
-        rules = _rules(type(self))  # type: ignore[arg-type]  # a class is hashable
-        for name, array in side_by_side({name: getattr(self, name) for name in rules}, rules).items():
+        rules = rules_of(type(self))  # type: ignore[arg-type]  # a class is hashable
+        values = {name: getattr(self, name) for name in rules if getattr(self, name) is not None}
+        given = {name: np.atleast_1d(in_scale(name, one, rules[name])) for name, one in values.items()}
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in given.values()))
+        except ValueError:
+            lengths = ", ".join(f"{name} has {array.size}" for name, array in given.items() if array.size > 1)
+            raise InputError(
+                f"the cases disagree in length: {lengths}", fix="give one value each, or one for all"
+            ) from None
+        for name, array in given.items():
             if array.ndim != 1:
                 raise InputError(f"{name} has {array.ndim} axes; it has one, of its cases", key=name)
-            refuse_out_of_scale(name, array, may_vanish=rules[name] != "positive")
-            object.__setattr__(self, name, array)
-            object.__setattr__(self, "n", array.size)
+            object.__setattr__(self, name, np.broadcast_to(array, shape))
+        object.__setattr__(self, "n", shape[0])
 
     def product(self, *names: str) -> FloatArray:
         """Return the product of quantities, shape (n,); zero where one of them is not given."""
@@ -109,7 +92,7 @@ class Cases:
 
 
 @lru_cache(maxsize=32)
-def _rules(kind: Any) -> dict[str, Rule]:
+def rules_of(kind: Any) -> dict[str, Rule]:
     """Return the rules of the fields that are `Positive` and the like, or None."""
     return {
         one.name: rule

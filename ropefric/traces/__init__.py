@@ -2,9 +2,10 @@
 
 In: a recording file and an `ImportProfile`. Out: `Breakaway`. On the way: RawRecording -> ForceTrace -> Breakaway.
 
-readers/: file -> `RawRecording`, columns as they are in it. assemble.py: -> `ForceTrace` (trace.py) in SI, by derived.py
-(channels computed by formula), clock.py (time stamps mended or refused) and calibration.py (counts -> newtons, tare).
-protocols.py: a way of measuring picks its break-aways; decision.py: whether there is one; segments.py: climbs, breaks,
-slips, sliding; peak.py: its height and uncertainty; noise.py: noise, spikes, stuck converters; smoothing.py: the moving
-average; breakaway.py: the result, and what a user decides. budget.py: uncertainty of a measured force.
+readers/: file -> `RawRecording`, columns as they are in it. assemble.py: -> `ForceTrace` (trace.py) in SI, by
+derived.py (channels computed by formula), clock.py (time stamps mended or refused) and calibration.py (counts ->
+newtons, tare). protocols.py: a way of measuring picks its break-aways; decision.py: whether there is one; decided.py:
+one that a person names; two_way.py: raised and lowered; segments.py: climbs, breaks, slips, sliding; peak.py: its
+height and uncertainty; noise.py: noise, spikes, stuck converters; smoothing.py: the moving average; breakaway.py: the
+result, and what a user decides. budget.py: uncertainty of a measured force.
 """

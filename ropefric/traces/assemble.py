@@ -14,8 +14,10 @@ from ropefric.traces.derived import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.trace import ForceTrace
 
-_FIXED = {"time": "s", "force": "N"}
-_EXAMPLE = {"time": "ms", "force": "kN"}
+_FIXED = {"time": "s", "force": "N", "end_tension": "N"}
+_EXAMPLE = {"time": "ms", "force": "kN", "end_tension": "N"}
+COUNTS = ("counts", "end_tension_counts")
+"""Channels of raw counts: of the pull, and of a second cell on the slack side."""
 
 
 def si_factor(channel: str, unit: str, *, path: str = "") -> float:
@@ -25,7 +27,7 @@ def si_factor(channel: str, unit: str, *, path: str = "") -> float:
     unit of its own dimension, and is taken as a bare number where it has no unit.
     """
     fixed = _FIXED.get(channel)
-    if channel == "counts" or unit == fixed or (fixed is None and not unit):
+    if channel in COUNTS or unit == fixed or (fixed is None and not unit):
         return 1.0
     reason, hint = f"the {channel} has no unit", "give the unit"
     if unit:
@@ -49,6 +51,7 @@ def assemble_trace(
     profile: ImportProfile,
     *,
     calibration: Calibration | None = None,
+    end_calibration: Calibration | None = None,
     tared: Callable[[FloatArray, IntArray, Calibration], Calibration] | None = None,
 ) -> ForceTrace:
     """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated.
@@ -75,13 +78,29 @@ def assemble_trace(
         first_line=raw.first_line,
     )
     notes = (*raw.notes, *notes)
-    if "force" in channels:
-        force_N = channels["force"][keep]
-        return ForceTrace(time_s=time_s, force_N=force_N, name=raw.name, source=raw.source, notes=notes)
-    if calibration is None:
-        message = f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons"
-        raise refuse(message, "RF210", "counts", "name the cell in trials.csv and [adc] in campaign.toml")
+    end_N = channels["end_tension"][keep] if "end_tension" in channels else None
+    for name, its_own, column in zip(
+        COUNTS, (calibration, end_calibration), ("cell", "end_cell"), strict=True
+    ):
+        in_newtons = "force" if name == "counts" else "end_tension"
+        if name in channels and in_newtons not in channels and its_own is None:
+            message = f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons"
+            raise refuse(
+                message, "RF210", name, f"name the {column} in trials.csv and [adc] in campaign.toml"
+            )
     try:
+        if end_N is None and "end_tension_counts" in channels and end_calibration is not None:
+            end_N, _ = end_calibration.apply(end_calibration.checked(channels["end_tension_counts"][keep]))
+        if "force" in channels or calibration is None:
+            force_N = channels["force"][keep]
+            return ForceTrace(
+                time_s=time_s,
+                force_N=force_N,
+                name=raw.name,
+                source=raw.source,
+                end_tension_N=end_N,
+                notes=notes,
+            )
         counts = calibration.checked(channels["counts"][keep])
         if tared is not None:
             calibration = tared(time_s, counts, calibration)
@@ -97,6 +116,7 @@ def assemble_trace(
         counts=counts,
         calibration=calibration,
         saturation=saturation,
+        end_tension_N=end_N,
         notes=notes,
     )
 

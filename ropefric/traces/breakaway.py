@@ -185,6 +185,7 @@ class PickSettings:
     ending: str = "sliding"
     side: str = "slack"
     rest: str = "unknown"
+    pick_s: float | None = None
 
     def __post_init__(self) -> None:
         for key, known in (("peak", PEAKS), ("ending", ENDINGS), ("side", SIDES), ("rest", RESTS)):

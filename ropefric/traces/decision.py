@@ -155,7 +155,7 @@ def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSett
     return peak_result(
         prepared,
         settings,
-        climb=_half_climb(force_N, 0, block),
+        climb=half_climb(force_N, 0, block),
         block=block,
         fallen=min(block + 2, force_N.size - 1),
         sliding=None,
@@ -455,7 +455,7 @@ def _assessed(
         return measured(prepared, settings, candidate, sliding)
     fall_blocks = _fall_blocks(force_N, fall)
     fall_s = fall_blocks * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
-    climb = fall.top - _half_climb(force_N, pull.start, fall.top)
+    climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and fall_blocks <= BRIEF * climb
     said = f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, and stays at {share:.0%} of the peak"
     flat = flat_top(force_N, fall, blocks.noise_N)
@@ -500,7 +500,7 @@ def measured(
     return peak_result(
         prepared,
         settings,
-        climb=_half_climb(force_N, fall.start, fall.top),
+        climb=half_climb(force_N, fall.start, fall.top),
         block=fall.top,
         fallen=fall.settled,
         sliding=sliding,
@@ -508,7 +508,7 @@ def measured(
     )
 
 
-def _half_climb(force_N: FloatArray, start: int, top: int) -> int:
+def half_climb(force_N: FloatArray, start: int, top: int) -> int:
     """Return the first block of the upper half of a climb."""
     before = force_N[start : top + 1]
     below = np.flatnonzero(before < 0.5 * (float(before.min()) + float(force_N[top])))
@@ -671,7 +671,7 @@ def _stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
     What the force did meanwhile nobody knows: the peak may lie in the stretch, and what is found be a later tooth.
     """
     blocks, n = prepared.blocks, prepared.force_N.size
-    begin = blocks.first_sample(_half_climb(blocks.force_N, 0, block))
+    begin = blocks.first_sample(half_climb(blocks.force_N, 0, block))
     end = blocks.last_sample(fallen + 1, n)
     for start, stop in prepared.stuck.tolist():
         if stop > begin and start <= end and not _climbed_on(prepared, start, stop):

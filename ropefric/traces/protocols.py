@@ -1,4 +1,4 @@
-"""Ways of measuring: one load ramp a recording, slow stick-slip, load cycles that are held.
+"""Ways of measuring: one load ramp a recording, slow stick-slip, load cycles that are held, raising and lowering.
 
 A new one is a `pick` function and a line in `PROTOCOLS`.
 """
@@ -22,6 +22,7 @@ from ropefric.traces.decision import (
 )
 from ropefric.traces.segments import Prepared, prepare
 from ropefric.traces.trace import ForceTrace
+from ropefric.traces.two_way import pick_two_way
 
 SAME_KIND = 0.15
 """A fall smaller than this part of the typical slip is no tooth but the creep of one."""
@@ -50,9 +51,9 @@ class Protocol:
         One line for people.
     pick : callable
         `(trace, settings) -> tuple of Breakaway`, one per trial, at least one.
-    measures : {"peak_N", "plateau"}
+    measures : {"peak_N", "plateau", "pair"}
         Which side of the rope the result belongs to: a break-away force is the lift force F_A itself, a held
-        plateau may be either side.
+        plateau may be either side, a pair gives both.
     """
 
     name: str
@@ -186,6 +187,12 @@ PROTOCOLS: Registry[Protocol] = Registry(
             description="load cycles held by hand or weight; every plateau of a recording is a trial",
             pick=pick_plateaus,
             measures="plateau",
+        ),
+        Protocol(
+            name="two-way",
+            description="a weight raised and then lowered over the wheel; the pair of steady forces is a trial",
+            pick=pick_two_way,
+            measures="pair",
         ),
     ],
 )

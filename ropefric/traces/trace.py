@@ -32,6 +32,8 @@ class ForceTrace:
         How `force_N` came from `counts`.
     saturation : Saturation, optional
         Where the ADC sat at its ceiling or floor.
+    end_tension_N : ndarray, shape (n,), optional
+        Force on the slack side [N], where a second sensor measures it; NaN where a sample is missing.
     notes : tuple of str
         What was mended on the way in: repeated time stamps, gaps.
 
@@ -55,6 +57,7 @@ class ForceTrace:
     counts: IntArray | None = None
     calibration: Calibration | None = None
     saturation: Saturation | None = None
+    end_tension_N: FloatArray | None = None
     notes: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
@@ -66,6 +69,12 @@ class ForceTrace:
             raise self._refused(why, "RF201", "check which columns the import profile names")
         if time_s.size == 0:
             raise self._refused("no samples", "RF201")
+        if self.end_tension_N is not None:
+            object.__setattr__(self, "end_tension_N", frozen_array(self.end_tension_N))
+            if self.end_tension_N.shape != time_s.shape:
+                raise self._refused(
+                    f"{self.end_tension_N.shape} end tensions for {time_s.shape} samples", "RF201"
+                )
         steps_s = np.diff(time_s)
         if not np.isfinite(time_s).all() or (steps_s <= 0).any():
             fix = "sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)"

@@ -16,13 +16,11 @@ from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
 from ropefric.registry import did_you_mean
+from ropefric.traces.assemble import COUNTS
 from ropefric.traces.breakaway import SIDES
-from ropefric.traces.calibration import Adc
 from ropefric.traces.derived import evaluate_derived
-from ropefric.traces.readers.profile import ImportProfile
 from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
-from ropefric.trials.workers import Limits
 
 MISSING_WAYS = ("error", "flag")
 TEMPLATES = ("campaign.toml", "trials.csv")
@@ -125,28 +123,18 @@ def _read(
         return None, problems
     shown = (parent / trials_path).as_posix()
     problems += advise(
-        trials, shown, rule=model.rejection.rule, one_trial_each=model.protocol.name == "breakaway"
+        trials, shown, rule=model.rejection, one_trial_each=model.protocol.name in {"breakaway", "two-way"}
     )
-    rate_Hz = model.import_.sampling_rate_Hz or (model.sampling.rate if model.sampling else None)
-    campaign = Campaign(
+    rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
+    of_file = dict(model) | {
+        "sampling_rate_Hz": rate_Hz,
+        "profile": replace(model.profile, sampling_rate_Hz=rate_Hz),
+        "trial_list": parent / trials_path,
+    }
+    campaign = Campaign.model_construct(
+        **of_file,
         path=Path(path),
-        trial_list=parent / trials_path,
         folder=folder,
-        name=model.name,
-        schema=model.schema_name,
-        rope=model.rope,
-        wheels=model.wheels,
-        cells={name: table.cell(name) for name, table in model.cells.items()},
-        adc=Adc(**dict(model.adc)) if model.adc else None,
-        protocol=model.protocol,
-        sampling_rate_Hz=rate_Hz,
-        tare_interval_s=model.tare.interval if model.tare else None,
-        smoothing=model.smoothing,
-        rejection=model.rejection.rule,
-        weights_tolerance=model.weights.tolerance if model.weights else 0.0,
-        design=model.design,
-        profile=ImportProfile(**dict(model.import_) | {"sampling_rate_Hz": rate_Hz}),
-        limits=Limits(**model.limits.given),
         trials=trials,
         warnings=tuple(problem for problem in problems if problem.severity == "warning"),
     )
@@ -165,11 +153,16 @@ def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -
         rope_radius_m=model.rope.radius_m if model else None,
         needs_lift_force=Protocol(name=name, side=side).needs_lift_force if known else None,
         needs_cell="counts" in document.table("import", "channels"),
+        needs_end_cell="end_tension_counts" in document.table("import", "channels"),
+        measures_end=name == "two-way"
+        or any("end_tension" in key for place in _PLACES for key in document.table("import", place)),
         start_s=model.protocol.start_s if model else None,
         stop_s=model.protocol.stop_s if model else None,
+        protocol=model.protocol.name if model else "breakaway",
     )
 
 
+_PLACES = ("channels", "derived")
 _USUAL_PROTOCOL = (("name", "breakaway"), ("side", "slack"))
 
 
@@ -182,8 +175,8 @@ def _is_folder(path: Path) -> bool:
 
 def _check_document(document: TomlDocument) -> Iterator[Problem]:
     """Yield what is wrong between the tables of a campaign file, whether or not each is right by itself."""
-    key = ("import", "channels", "counts")
-    if "counts" in document.table("import", "channels"):
+    counts = [name for name in COUNTS if name in document.table("import", "channels")]
+    for key in [("import", "channels", name) for name in counts[:1]]:
         if "adc" not in document.data:
             fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
             yield document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix)
@@ -221,19 +214,20 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
     def warn(key: tuple[str, ...], code: str, message: str, fix: str) -> Problem:
         return document.problem(key, code, message, fix=fix, warning=True)
 
-    profile_Hz = model.import_.sampling_rate_Hz
-    if model.sampling is not None and profile_Hz is not None and profile_Hz != model.sampling.rate:
-        message = f"{profile_Hz:g} Hz, but [sampling] rate is {model.sampling.rate:g} Hz"
+    profile_Hz, rate_Hz = model.profile.sampling_rate_Hz, model.sampling_rate_Hz
+    if profile_Hz is not None and rate_Hz is not None and profile_Hz != rate_Hz:
+        message = f"{profile_Hz:g} Hz, but [sampling] rate is {rate_Hz:g} Hz"
         yield document.problem(("import", "sampling_rate"), "RF111", message, fix="remove one of the two")
     protocol = model.protocol.name
-    idle = {"side"} if protocol != "held" else {"min_step", "ending"}
+    idle = ({"side"} if protocol != "held" else set()) | (
+        {"min_step", "ending"} if protocol in {"held", "two-way"} else set()
+    )
     for key in sorted(idle & document.table("protocol").keys()):
         yield warn(("protocol", key), "RF141", f"has no effect for protocol '{protocol}'", "remove it")
     for name, wheel in model.wheels.items():
         if doubt := radius_doubt(wheel.radius_m):
             yield warn(("wheels", name), "RF140", doubt, "check the unit")
-    for name, table in model.cells.items():  # one warning a cell, with every key that is missing
-        cell = table.cell(name)
+    for name, cell in model.cells.items():  # one warning a cell, with every key that is missing
         said = [f'{key} = "{100.0 * getattr(cell, key):g} %FS"' for key in cell.assumed]
         if said:
             fix = f"write what the data sheet states, such as {said[0]}"
@@ -243,9 +237,11 @@ def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Proble
 
 def _idle_channels(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
     """Yield a warning of each measured channel that the trial list sets once for each trial instead."""
-    used = {name for formula in model.import_.derived.values() for name in _NAME.findall(str(formula))}
-    for place in ("channels", "derived"):
-        for name in getattr(model.import_, place):
+    used = {name for formula in model.profile.derived.values() for name in _NAME.findall(str(formula))}
+    if not model.protocol.needs_lift_force:
+        used.add("end_tension")
+    for place in _PLACES:
+        for name in getattr(model.profile, place):
             if name in _SET_BY_TRIAL and name not in used:
                 what = (
                     f"the measured {name.replace('_', ' ')} is read, but not used: that of the trial list is"

@@ -3,20 +3,21 @@
 import hashlib
 import json
 import os
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 from zoneinfo import available_timezones
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
 from ropefric.errors import InputError, Problem
 from ropefric.files.stamps import ORDERS
 from ropefric.files.toml_model import (
     StrictTable,
+    Table,
     any_quantity,
     choice,
     date_text,
@@ -29,24 +30,23 @@ from ropefric.files.toml_model import (
 )
 from ropefric.quantities import si_unit_of
 from ropefric.traces.breakaway import ENDINGS, PEAKS, SIDES
-from ropefric.traces.calibration import Adc, ForceCell
+from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.trials.workers import Limits
 
 SCHEMA = "ropefric.campaign/1"
 _plain = partial(to_jsonable_python, by_alias=False)
-_SI_UNITS = {"time": "s", "force": "N"}
+_SI_UNITS = {"time": "s", "force": "N", "end_tension": "N"}
 _SEPARATORS = {"tab": "\t", "space": " "}
+
+_LENGTH, _FORCE = quantity("m", "40 mm", above=0), quantity("N", "60 N", above=0)
+_VOLTAGE, _TIME = quantity("V", "2.5 V"), quantity("s", "0.3 s")
+_RATE, _WINDOW = quantity("Hz", "3 kHz", above=0), quantity("s", "10 ms", above=0)
 
 # What stands in the file under the `alias` of a field is in SI under its name.
 Text = Annotated[str, PlainValidator(text)]
-Row = Annotated[int, PlainValidator(whole_number(0))]
-Length = Annotated[float, PlainValidator(quantity("m", "40 mm", above=0))]
-Force = Annotated[float, PlainValidator(quantity("N", "60 N", above=0))]
-Voltage = Annotated[float, PlainValidator(quantity("V", "5 V"))]
-Time = Annotated[float | None, PlainValidator(quantity("s", "0.3 s"))]
-Rate = Annotated[float, PlainValidator(quantity("Hz", "3 kHz", above=0))]
-Share = Annotated[float, PlainValidator(fraction("0.02 %FS"))]
+Length = Annotated[float, PlainValidator(_LENGTH)]
+Time = Annotated[float | None, PlainValidator(_TIME)]
 
 
 class Round(StrictTable):
@@ -84,63 +84,16 @@ def _pair(value: object, what: str, like: str) -> list[object]:
     return value
 
 
-_FORCE, _VOLTAGE, _TIME = quantity("N", "500 N"), quantity("V", "2.5 V"), quantity("s", "0.3 s")
-
-
 def _point(value: object) -> tuple[float, float]:
     force, voltage = _pair(value, "a pair of force and voltage", '["500 N", "2.5 V"]')
-    return _FORCE(force), _VOLTAGE(voltage)
+    return _POINT_N(force), _VOLTAGE(voltage)
 
 
-class CellTable(StrictTable):
-    """`[cells.NAME]`; what is not given is as `ForceCell` has it."""
-
-    full_scale_N: Force = Field(alias="full_scale")
-    zero_V: Voltage = Field(default=0.0, alias="zero_voltage")
-    full_scale_V: Voltage = Field(default=0.0, alias="full_scale_voltage")
-    linearity: Share = 0.0
-    hysteresis: Share = 0.0
-    repeatability: Share = 0.0
-    transmitter: Share = 0.0
-    points: tuple[Annotated[tuple[float, float], PlainValidator(_point)], ...] = Field(
-        default=(), alias="calibration_points"
-    )
-    serial: Text = ""
-    calibrated: Annotated[str, PlainValidator(date_text)] = ""
-
-    @model_validator(mode="after")
-    def _is_possible(self) -> Self:
-        try:
-            self.cell("")
-        except InputError as error:
-            message = error.problem.message.removeprefix("force cell '': ")
-            found = type(self).model_fields.get(error.problem.key)
-            reject("RF110", message, fix=error.fix, key=(found and found.alias) or error.problem.key)
-        return self
-
-    def cell(self, name: str) -> ForceCell:
-        """Return the cell under its name."""
-        return ForceCell(name=name, **self.given)
+_POINT_N = quantity("N", "500 N")
 
 
-class AdcTable(StrictTable):
-    """`[adc]`."""
-
-    bits: Annotated[int, PlainValidator(whole_number(1, 32))]
-    low_V: Annotated[float, PlainValidator(quantity("V", "0 V"))] = Field(default=0.0, alias="low")
-    high_V: Voltage = Field(alias="high")
-
-    @model_validator(mode="after")
-    def _has_a_range(self) -> Self:
-        if not self.low_V < self.high_V:
-            reject("RF111", f"the range from {self.low_V:g} V to {self.high_V:g} V is empty", key="high")
-        return self
-
-
-class SamplingTable(StrictTable):
-    """`[sampling]`."""
-
-    rate: Rate
+def _named(cells: dict[str, ForceCell]) -> dict[str, ForceCell]:
+    return {name: replace(cell, name=name) for name, cell in cells.items()}
 
 
 def protocol_names() -> Collection[str]:
@@ -183,12 +136,6 @@ def _interval(value: object) -> tuple[float, float]:
     return start_s, stop_s
 
 
-class TareTable(StrictTable):
-    """`[tare]`."""
-
-    interval: Annotated[tuple[float, float], PlainValidator(_interval)]
-
-
 def _window_s(value: object) -> float | None:
     if value in ("auto", "none"):
         return None if value == "auto" else 0.0
@@ -196,9 +143,6 @@ def _window_s(value: object) -> float | None:
         fix = 'write "auto", "none" or a time such as "10 ms"'
         reject("RF120", f"{got(value)} is no smoothing window", fix=fix)
     return _WINDOW(value)
-
-
-_WINDOW = quantity("s", "10 ms", above=0)
 
 
 class Smoothing(StrictTable):
@@ -219,18 +163,6 @@ def _rule_names() -> Collection[str]:
     return tuple(RULES)
 
 
-class RejectionTable(StrictTable):
-    """`[rejection]`."""
-
-    rule: Annotated[str, PlainValidator(choice(_rule_names))] = "two-sigma"
-
-
-class WeightsTable(StrictTable):
-    """`[weights]`."""
-
-    tolerance: Annotated[float, PlainValidator(fraction("0.05 %"))]
-
-
 class DesignWheel(StrictTable):
     """`[design]`: a wheel whose lift force is to be predicted."""
 
@@ -240,18 +172,7 @@ class DesignWheel(StrictTable):
     wrap_angle_rad: Annotated[float, PlainValidator(quantity("rad", "400 deg", above=0))] = Field(
         alias="wrap_angle"
     )
-    end_tension_N: Force = Field(alias="end_tension")
-
-
-class LimitsTable(StrictTable):
-    """`[limits]`."""
-
-    memory_bytes: Annotated[float, PlainValidator(quantity("byte", "2 GB", above=0))] = Field(
-        default=0.0, alias="memory"
-    )
-    time_s: Annotated[float, PlainValidator(quantity("s", "120 s", above=0))] = Field(
-        default=0.0, alias="time"
-    )
+    end_tension_N: Annotated[float, PlainValidator(_FORCE)] = Field(alias="end_tension")
 
 
 def _format_names() -> Collection[str]:
@@ -307,43 +228,20 @@ def _encoding(value: object) -> str:
     return encoding
 
 
-class ImportTable(StrictTable):
-    """`[import]`: the import profile of the recordings."""
-
-    format: Annotated[str, PlainValidator(choice(_format_names))] = "auto"
-    separator: Annotated[str, PlainValidator(_separator)] = ""
-    decimal: Annotated[str, PlainValidator(choice(lambda: ("", ".", ",")))] = ""
-    encoding: Annotated[str, PlainValidator(_encoding)] = ""
-    header_row: Annotated[int, PlainValidator(whole_number(-1))] = -1
-    units_row: Row = 0
-    data_row: Row = 0
-    sampling_rate_Hz: Annotated[float | None, PlainValidator(quantity("Hz", "3 kHz", above=0))] = Field(
-        default=None, alias="sampling_rate"
-    )
-    missing: tuple[Text, ...] = ()
-    block_columns: Row = 0
-    block_names_row: Row = 0
-    skip_footer: Row = 0
-    date_order: Annotated[str, PlainValidator(choice(lambda: ("", *ORDERS)))] = ""
-    time_zone: Annotated[str, PlainValidator(choice(available_timezones))] = ""
-    table: Text = ""
-    channels: dict[str, Annotated[Channel, PlainValidator(_channel)]] = Field(default_factory=dict)
-    constants: dict[str, Annotated[float, PlainValidator(any_quantity)]] = Field(default_factory=dict)
-    derived: dict[str, Text] = Field(default_factory=dict)
-
-    @model_validator(mode="after")
-    def _fits_together(self) -> Self:
-        if self.separator and self.separator == self.decimal:
-            reject("RF111", "separator and decimal mark are the same", key="decimal")
-        for name, si_unit in _SI_UNITS.items():
-            unit = self.channels[name].unit if name in self.channels else ""
-            if unit and si_unit_of(unit) != si_unit:
-                fix = f"use a unit such as '{si_unit}'"
-                reject("RF130", f"'{unit}' is not a unit of {name}", fix=fix, key=f"channels.{name}.unit")
-        if self.channels and not {"force", "counts"} & (self.channels.keys() | self.derived.keys()):
-            fix = 'add force = { column = "...", unit = "N" }, or counts, or [import.derived] force = "..."'
-            reject("RF121", "no channel gives the force", fix=fix, key="channels")
-        return self
+def _import_profile(**given: Any) -> ImportProfile:
+    profile = ImportProfile(**given)
+    if profile.separator and profile.separator == profile.decimal:
+        reject("RF111", "separator and decimal mark are the same", key="decimal")
+    channels = profile.channels
+    for name, si_unit in _SI_UNITS.items():
+        unit = channels[name].unit if name in channels else ""
+        if unit and si_unit_of(unit) != si_unit:
+            fix = f"use a unit such as '{si_unit}'"
+            reject("RF130", f"'{unit}' is not a unit of {name}", fix=fix, key=f"channels.{name}.unit")
+    if channels and not {"force", "counts"} & (channels.keys() | profile.derived.keys()):
+        fix = 'add force = { column = "...", unit = "N" }, or counts, or [import.derived] force = "..."'
+        reject("RF121", "no channel gives the force", fix=fix, key="channels")
+    return profile
 
 
 def _schema(value: object) -> str:
@@ -352,55 +250,139 @@ def _schema(value: object) -> str:
     return SCHEMA
 
 
-class CampaignFile(StrictTable):
-    """The whole file."""
+_ROW = whole_number(0)
+_CELL = Table(
+    partial(ForceCell, name=""),
+    {
+        "full_scale_N": ("full_scale", _FORCE),
+        "zero_V": ("zero_voltage", _VOLTAGE),
+        "full_scale_V": ("full_scale_voltage", _VOLTAGE),
+        **dict.fromkeys(ASSUMED_LIMITS, fraction("0.02 %FS")),
+        "points": ("calibration_points", tuple[Annotated[Any, PlainValidator(_point)], ...]),
+        "serial": text,
+        "calibrated": date_text,
+    },
+    needed=("full_scale_N",),
+    prefix="force cell '': ",
+)
+_ADC = Table(
+    Adc,
+    {"bits": whole_number(1, 32), "low_V": ("low", _VOLTAGE), "high_V": ("high", _VOLTAGE)},
+    needed=("bits", "high_V"),
+    code="RF111",
+    prefix="ADC: ",
+)
+_LIMITS = Table(
+    Limits,
+    {
+        "memory_bytes": ("memory", quantity("byte", "2 GB", above=0)),
+        "time_s": ("time", quantity("s", "120 s", above=0)),
+    },
+)
+_IMPORT = Table(
+    _import_profile,
+    {
+        "format": choice(_format_names),
+        "separator": _separator,
+        "decimal": choice(lambda: ("", ".", ",")),
+        "encoding": _encoding,
+        "header_row": whole_number(-1),
+        **dict.fromkeys(
+            ("units_row", "data_row", "block_columns", "block_names_row", "skip_footer"), whole_number(0)
+        ),
+        "date_order": choice(lambda: ("", *ORDERS)),
+        "time_zone": choice(available_timezones),
+        "sampling_rate_Hz": ("sampling_rate", _RATE),
+        "missing": tuple[Text, ...],
+        "table": text,
+        "channels": dict[str, Annotated[Channel, PlainValidator(_channel)]],
+        "constants": dict[str, Annotated[float, PlainValidator(any_quantity)]],
+        "derived": dict[str, Text],
+    },
+)
 
-    schema_name: Annotated[str, PlainValidator(_schema)] = Field(alias="schema")
+
+def _of_one_key(key: str, reader: Callable[[object], Any]) -> Table:
+    return Table(lambda **given: given[key], {key: reader}, needed=(key,))
+
+
+class CampaignFile(StrictTable):
+    """The whole file; each table is what it says in SI."""
+
     name: Text
-    trials: Text
-    data: Text = "."
     rope: Rope
+    schema_name: Annotated[str, PlainValidator(_schema)] = Field(alias="schema")
+    trial_list: Text = Field(alias="trials")
+    data: Text = "."
     wheels: dict[str, Round] = Field(default_factory=dict)
-    cells: dict[str, CellTable] = Field(default_factory=dict)
-    adc: AdcTable | None = None
-    sampling: SamplingTable | None = None
-    protocol: Protocol = Field(default_factory=Protocol)
-    tare: TareTable | None = None
-    smoothing: Smoothing = Field(default_factory=Smoothing)
-    rejection: RejectionTable = Field(default_factory=RejectionTable)
-    weights: WeightsTable | None = None
+    cells: Annotated[dict[str, Annotated[ForceCell, _CELL]], AfterValidator(_named)] = Field(
+        default_factory=dict
+    )
+    adc: Annotated[Adc | None, _ADC] = None
+    protocol: Protocol = Protocol()
+    sampling_rate_Hz: Annotated[float | None, _of_one_key("rate", _RATE), Field(alias="sampling")] = None
+    tare_interval_s: Annotated[
+        tuple[float, float] | None, _of_one_key("interval", _interval), Field(alias="tare")
+    ] = None
+    smoothing: Smoothing = Smoothing()
+    rejection: Annotated[str, Table(lambda rule="two-sigma": rule, {"rule": choice(_rule_names)})] = (
+        "two-sigma"
+    )
+    weights_tolerance: Annotated[
+        float, _of_one_key("tolerance", fraction("0.05 %")), Field(alias="weights")
+    ] = 0.0
     design: DesignWheel | None = None
-    limits: LimitsTable = Field(default_factory=LimitsTable)
-    import_: ImportTable = Field(default_factory=ImportTable, alias="import")
+    profile: Annotated[ImportProfile, _IMPORT, Field(alias="import")] = ImportProfile()
+    limits: Annotated[Limits, _LIMITS] = Limits()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrialSpec:
-    """One row of the trial list in SI: a recording and the conditions it was made under."""
+class TrialRow:
+    """What the trial list says of a trial, in SI, and its result repeats."""
 
     trial: str
     file: str
-    path: Path
-    line: int
+    sample: str = ""
     wheel_radius_m: float
     rope_radius_m: float
     wrap_angle_rad: float
-    end_tension_N: float | None = None
-    lift_force_N: float | None = None
-    sample: str = ""
-    wheel: str = ""
     cell: str = ""
     rope_id: str = ""
-    dwell_s: float | None = None
-    start_s: float | None = None
-    stop_s: float | None = None
-    exclude: str = ""
     note: str = ""
+    why: str = ""
+    by: str = ""
     own: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Campaign:
+class TrialSpec(TrialRow):
+    """One row of the trial list: a recording, the conditions it was made under, and what a person decided of it.
+
+    A decision is `pick_s`, when F_A was reached, or `peak_N`, F_A itself, `by` somebody who says `why`.
+    """
+
+    path: Path
+    line: int
+    end_tension_N: float | None = None
+    lift_force_N: float | None = None
+    wheel: str = ""
+    end_cell: str = ""
+    dwell_s: float | None = None
+    start_s: float | None = None
+    stop_s: float | None = None
+    exclude: str = ""
+    pick_s: float | None = None
+    peak_N: float | None = None
+    peak_std_N: float | None = None
+
+    @property
+    def decision(self) -> str:
+        """Return what a person decided about F_A; "" where nobody did."""
+        given = (("pick_s", self.pick_s, "s"), ("peak_N", self.peak_N, "N"))
+        return "".join(f"{name} = {value:g} {unit}" for name, value, unit in given if value is not None)
+
+
+class Campaign(CampaignFile):
     """A campaign file and its trial list, checked, with every default filled in, in SI.
 
     Attributes
@@ -436,25 +418,15 @@ class Campaign:
     """
 
     path: Path
-    trial_list: Path
+    trial_list: Path  # type: ignore[assignment]  # (in the file as text)
     folder: Path
-    name: str
-    rope: Rope
     trials: tuple[TrialSpec, ...]
-    schema: str = SCHEMA
-    wheels: Mapping[str, Round] = field(default_factory=dict)
-    cells: Mapping[str, ForceCell] = field(default_factory=dict)
-    adc: Adc | None = None
-    protocol: Protocol = field(default_factory=Protocol)
-    sampling_rate_Hz: float | None = None
-    tare_interval_s: tuple[float, float] | None = None
-    smoothing: Smoothing = field(default_factory=Smoothing)
-    rejection: str = "two-sigma"
-    weights_tolerance: float = 0.0
-    design: DesignWheel | None = None
-    profile: ImportProfile = field(default_factory=ImportProfile)
-    limits: Limits = field(default_factory=Limits)
     warnings: tuple[Problem, ...] = ()
+
+    @property
+    def schema(self) -> str:  # type: ignore[override]  # (pydantic's own, deprecated)
+        """Return the version of the file format."""
+        return self.schema_name
 
     def settings_fingerprint(self) -> str:
         """Return the SHA-256 of all settings that every recording's extraction depends on.
@@ -473,8 +445,8 @@ class Campaign:
 
     def resolved(self) -> dict[str, Any]:
         """Return the whole campaign, defaults included, as JSON-able data without absolute paths."""
-        skipped = {"path", "trial_list", "folder", "warnings", "trials", "limits"}
-        tree = {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name not in skipped}
+        elsewhere = {"path", "trial_list", "folder", "data", "trials", "warnings", "limits", "schema_name"}
+        tree: dict[str, Any] = {"schema": self.schema_name, **_plain(self, exclude=elsewhere)}
         tree["smoothing"]["mode"] = self.smoothing.mode
         tree["path"] = self.path.name
         tree["folder"] = self.relative(self.folder)

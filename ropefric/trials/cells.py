@@ -132,7 +132,7 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
 def _text(source: Source) -> tuple[str, str]:
     if source.path.suffix.lower() in READER.suffixes:
         return sheet_as_csv(source)
-    return b"".join(block.data for block in load_text(source).blocks()).decode(), ""
+    return load_text(source).whole().data.decode(), ""
 
 
 def _counts(line: str) -> bool:

@@ -11,7 +11,7 @@ from ropefric.errors import InputError, Problem
 from ropefric.friction.condition import condition_groups
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.outliers import RULES, OutlierRule, scaled
-from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
+from ropefric.trials.result import SUMMARISED, ConditionSummary, Extraction, TrialResult
 
 NOT_ABOVE = "F_A is not above F_B"
 """Why a trial is set aside that no friction law can explain."""
@@ -172,12 +172,13 @@ def summarise_conditions(
     return tuple(marked), tuple(conditions), tuple(problems)
 
 
-def _known_N(trial: TrialResult) -> float:
-    return trial.peak_N if trial.measures_slack else trial.end_tension_N
-
-
 def _key(trial: TrialResult) -> tuple[float, ...]:
-    return (trial.wheel_radius_m, trial.rope_radius_m, trial.wrap_angle_rad, _known_N(trial))
+    return (
+        trial.wheel_radius_m,
+        trial.rope_radius_m,
+        trial.wrap_angle_rad,
+        np.nan_to_num(trial.known_N).item(),
+    )
 
 
 def _summarise(
@@ -188,7 +189,7 @@ def _summarise(
     measured_N = np.array([trials[place].measured_N for place in usable], dtype=np.float64)
     series = summarise(measured_N, rule)
     rejected = tuple(usable[place] for place in series.rejected)
-    known_N = _known_N(first)
+    known_N = first.known_N
     end_N, lift_N = (series.mean_kept, known_N) if first.measures_slack else (known_N, series.mean_kept)
     where = (
         f"R_w = {1000 * first.wheel_radius_m:.4g} mm, wrap {np.degrees(first.wrap_angle_rad):.4g} deg, "
@@ -212,5 +213,16 @@ def _summarise(
         rule=rule,
         notes=(*series.warnings, *series.notes),
         trials=tuple(trial.trial for trial in trials),
+        of_kept=_of_kept([trials[place] for place in usable if place not in rejected]),
     )
     return summary, rejected, problems
+
+
+def _of_kept(trials: Sequence[TrialResult]) -> dict[str, tuple[float, float, int]]:
+    """Return mean, sample standard deviation and number of what else was measured, of what was at all."""
+    found = {}
+    for name in SUMMARISED:
+        values = np.array([trial.measured(name) for trial in trials], dtype=np.float64)
+        series = scaled(values[np.isfinite(values)])
+        found[name] = (series.mean(), series.std(), series.deviations.size)
+    return found

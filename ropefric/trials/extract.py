@@ -43,7 +43,7 @@ def extract_campaign(
     files = [tuple(rows) for rows in by_file.values()]
     done: list[_Done] = [((), False)] * len(files)
     work = _Work(
-        campaign=replace(campaign, trials=(), warnings=()),
+        campaign=campaign.model_copy(update={"trials": (), "warnings": ()}),
         files=tuple(files),
         cache=None if cache_dir is None else ResultCache(cache_dir, campaign.settings_fingerprint()),
     )
@@ -136,8 +136,8 @@ class _Work:
 def check_recordings(campaign: Campaign) -> tuple[tuple[str, ...], tuple[Problem, ...]]:
     """Return what was recognised in one recording of every kind, and why such a one cannot be read.
 
-    Recordings are of one kind if their names end alike, in one of the endings that readers know. Where the first cannot be read, the last is tried before the
-    kind is given up: a single bad recording ends no campaign.
+    Recordings are of one kind if their names end alike, in one of the endings that readers know. Where the first cannot
+    be read, the last is tried before the kind is given up: a single bad recording ends no campaign.
     """
     kinds: dict[str, list[TrialSpec]] = {}
     endings = [ending for reader in READERS.values() for ending in reader.suffixes]

@@ -1,8 +1,9 @@
 """One recording file -> the results of the trials it holds."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import nan
 from typing import Any
 
@@ -16,16 +17,18 @@ from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.budget import end_tension_std_N, force_std_N
 from ropefric.traces.calibration import Calibration, Saturation, tare_from_interval
+from ropefric.traces.decided import pick_at
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
 from ropefric.traces.segments import MIN_SAMPLES
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.campaign_model import Campaign, TrialSpec
+from ropefric.trials.campaign_model import Campaign, TrialRow, TrialSpec
 from ropefric.trials.result import Outline, TrialResult
 
 STATUS_CODES = {
+    Status.DOUBTFUL: "RF234",
     Status.SATURATED: "RF230",
     Status.NO_BREAKAWAY: "RF231",
     Status.NO_PEAK: "RF232",
@@ -34,6 +37,13 @@ STATUS_CODES = {
 RATE_TOLERANCE = 0.01
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
+PAIR_TOLERANCE = 0.02
+"""How far the weight that a pair of raising and lowering gives may be from the one that was hung."""
+STATED_SHARE = 0.01
+"""Standard uncertainty of a force that a person states, as a fraction of it, where none is stated with it."""
+NO_END = "no end tension is known at the break-away; write it into the list of trials"
+SLACK_SAMPLES = 20
+"""Samples before the break-away, at least, that tell the slack tension at it."""
 FALLS = 5.0
 """A force that falls this many times as far as it rises only goes down [-]."""
 BINS = 300
@@ -63,20 +73,6 @@ def unreadable(
     return tuple((_unreadable(campaign, spec, error, sha256=sha256),) for spec in specs)
 
 
-def _extract_row(
-    campaign: Campaign, spec: TrialSpec, raws: Sequence[RawRecording], sha256: str
-) -> list[TrialResult]:
-    try:
-        chosen = blocks_of(spec, raws)
-    except DataError as error:
-        return [_unreadable(campaign, spec, error, sha256=sha256)]
-    results: list[TrialResult] = []
-    for raw in chosen:
-        named = spec if len(chosen) == 1 else replace(spec, trial=f"{spec.trial}#{raw.sample}")
-        results.extend(_extract_raw(campaign, replace(named, sample=raw.sample), raw, sha256))
-    return results
-
-
 def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawRecording]:
     """Return the recordings of a file that a row of the trial list names."""
     if spec.sample == "*" or (not spec.sample and len(raws) == 1):
@@ -91,26 +87,55 @@ def blocks_of(spec: TrialSpec, raws: Sequence[RawRecording]) -> Sequence[RawReco
     raise DataError(message, code="RF123", path=spec.file, key="sample", fix=fix)
 
 
-def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str) -> list[TrialResult]:
+def _extract_row(
+    campaign: Campaign, spec: TrialSpec, raws: Sequence[RawRecording], sha256: str
+) -> Iterator[TrialResult]:
+    try:
+        chosen = blocks_of(spec, raws)
+    except DataError as error:
+        yield _unreadable(campaign, spec, error, sha256=sha256)
+        return
+    for raw in chosen:
+        name = spec.trial if len(chosen) == 1 else f"{spec.trial}#{raw.sample}"
+        named = replace(spec, trial=name, sample=raw.sample)
+        try:
+            yield from _extract_raw(campaign, named, raw, sha256)
+        except RopefricError as error:
+            yield _unreadable(campaign, named, error, sha256=sha256)
+
+
+def _extract_raw(
+    campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str
+) -> Sequence[TrialResult]:
+    of_campaign = {key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side")}
     settings = PickSettings(
         window_s=campaign.smoothing.window_s,
         peak=campaign.smoothing.peak,
         start_s=spec.start_s,
         stop_s=spec.stop_s,
-        min_step_N=campaign.protocol.min_step_N,
-        ending=campaign.protocol.ending,
-        side=campaign.protocol.side,
+        **of_campaign,
     )
-    try:
-        trace, tare_N, problems = tared_trace(campaign, spec, raw)
-        found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
-    except RopefricError as error:
-        return [_unreadable(campaign, spec, error, sha256=sha256)]
+    trace, tare_N, problems = tared_trace(campaign, spec, raw)
+    found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
+    if spec.decision:
+        chosen = (
+            _given(spec) if spec.pick_s is None else pick_at(trace, replace(settings, pick_s=spec.pick_s))
+        )
+        found = (_beside(chosen, found[0]),)
+    found = tuple(_with_end_tension(trace, one, calibrations(campaign, spec)[1]) for one in found)
     common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": tare_N}
-    problems += _rate_problem(campaign, spec, trace)
+    of_trace = {
+        "calibration": trace.calibration,
+        "saturated_samples": trace.saturation.n_high if trace.saturation is not None else 0,
+    }
+    wanted_Hz, found_Hz = campaign.sampling_rate_Hz, trace.sampling_rate_Hz
+    if wanted_Hz is not None and found_Hz and abs(found_Hz / wanted_Hz - 1) > RATE_TOLERANCE:
+        message = f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz"
+        fix = "correct the unit of the time column or the rate; the time stamps were used"
+        problems += (_warning(spec, "RF203", message, fix, "[sampling] rate"),)
     results = []
     for number, breakaway in enumerate(found, start=1):
-        many = campaign.protocol.name != "breakaway"
+        many = campaign.protocol.name in {"stick-slip", "held"}
         named = replace(spec, trial=f"{spec.trial}#{number}") if many else spec
         if breakaway.status is Status.OK and not breakaway.peak_N > 0:
             refusal = DataError(
@@ -121,60 +146,129 @@ def _extract_raw(campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256:
             )
             results.append(_unreadable(campaign, named, refusal, problems, **common))
         else:
-            saturated = trace.saturation.n_high if trace.saturation is not None else 0
-            of_trace = {"calibration": trace.calibration, "saturated_samples": saturated}
-            problems += _status_problem(named, breakaway)
+            if breakaway.status is not Status.OK:
+                message = f"{named.trial}: {breakaway.status.value}: {breakaway.detail}"
+                problems += (_warning(named, STATUS_CODES[breakaway.status], message, breakaway.advice),)
             results.append(_result(campaign, named, breakaway, problems, **of_trace, **common))
         problems = ()  # those of the recording are told once
     return results
 
 
+def _with_end_tension(trace: ForceTrace, found: Breakaway, calibration: Calibration | None) -> Breakaway:
+    """Return a break-away with the measured slack tension at its time: a line through the samples just before it.
+
+    With the slip the slack side changes too, so what follows does not count.
+    """
+    if trace.end_tension_N is None or found.status is not Status.OK or not math.isnan(found.end_tension_N):
+        return found
+    time_s, peak_s = trace.time_s, found.peak_time_s
+    stop = int(np.searchsorted(time_s, peak_s, side="right")) if math.isfinite(peak_s) else 0
+    first = min(stop - SLACK_SAMPLES, int(np.searchsorted(time_s, peak_s - found.window_s)))
+    x_s, y_N = time_s[max(first, 0) : stop] - peak_s, trace.end_tension_N[max(first, 0) : stop]
+    x_s, y_N = x_s[np.isfinite(y_N)], y_N[np.isfinite(y_N)]
+    if x_s.size < 3:
+        if not math.isfinite(peak_s):
+            return found  # stated by a person, without a time: the end tension of the list
+        raise _slack_error(trace, f"no end tension was measured before the break-away at {peak_s:.6g} s")
+    slope, value_N = np.polyfit(x_s, y_N, 1).tolist()
+    scatter_N = math.sqrt(float(((y_N - value_N - slope * x_s) ** 2).sum()) / (x_s.size - 2))
+    middle_s = float(x_s.mean())
+    share = math.sqrt(1.0 / x_s.size + middle_s**2 / float(((x_s - middle_s) ** 2).sum()))
+    if value_N <= 0.0:
+        raise _slack_error(trace, f"the end tension at break-away reads {value_N:.4g} N: a rope cannot push")
+    std_N = force_std_N(value_N, calibration, picking_std_N=scatter_N * share)
+    return replace(found, end_tension_N=value_N, end_tension_std_N=std_N)
+
+
+def _slack_error(trace: ForceTrace, message: str) -> DataError:
+    fix = "check the channel end_tension, its unit and its zero"
+    return DataError(message, code="RF242", path=trace.source, key="end_tension", fix=fix)
+
+
+def _given(spec: TrialSpec) -> Breakaway:
+    """Return the break-away force that a person states."""
+    peak_N = nan if spec.peak_N is None else spec.peak_N
+    note = f"no peak_std_N is given: taken as {STATED_SHARE:.0%} of peak_N"
+    return Breakaway(
+        status=Status.OK,
+        peak_N=peak_N,
+        peak_std_N=STATED_SHARE * peak_N if spec.peak_std_N is None else spec.peak_std_N,
+        notes=(note,) if spec.peak_std_N is None else (),
+    )
+
+
+def _beside(chosen: Breakaway, found: Breakaway) -> Breakaway:
+    """Return what a person decided, with what the picker would have said of it."""
+    says = f"{found.peak_N:.6g} N at {found.peak_time_s:.6g} s" if found.status is Status.OK else found.detail
+    return replace(chosen, notes=(*chosen.notes, f"without the decision: {found.status.value}, {says}"))
+
+
 def _result(
     campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
 ) -> TrialResult:
-    known_N = spec.lift_force_N if campaign.protocol.needs_lift_force else spec.end_tension_N
-    known_N = nan if known_N is None else known_N
-    known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
-    measured = (breakaway.peak_N, nan)
-    if breakaway.status is Status.OK:
-        std_N = force_std_N(breakaway.peak_N, more.get("calibration"), picking_std_N=breakaway.peak_std_N)
+    measures_slack, is_ok = campaign.protocol.needs_lift_force, breakaway.status is Status.OK
+    known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
+    known, set_N = (nan, nan), nan
+    if known_N is not None:
+        known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
+    if not math.isnan(breakaway.end_tension_N):
+        known, set_N = (breakaway.end_tension_N, breakaway.end_tension_std_N), known[0]
+    calibration, measured = more.get("calibration"), (nan, nan)
+    if is_ok:
+        std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
+        if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.two_way`
+            ratio = breakaway.peak_N / breakaway.trough_N
+            chain_N = [
+                force_std_N(force_N, calibration) for force_N in (breakaway.peak_N, breakaway.trough_N)
+            ]
+            std_N = math.hypot(breakaway.peak_std_N, 0.5 * chain_N[0], 0.5 * ratio * chain_N[1])
         measured = (breakaway.peak_N, std_N)
-    measures_slack = campaign.protocol.needs_lift_force
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
+    hung_N, apart_N = known[0] if math.isnan(set_N) else set_N, 0.0
+    if campaign.protocol.name == "two-way" and is_ok:
+        apart_N = abs(end_N - hung_N) - 3.0 * end_N * peak_std_N / peak_N
+    if apart_N > PAIR_TOLERANCE * hung_N:
+        message = f"the geometric mean of raising and lowering is {end_N:.4g} N, the weight of the list {hung_N:.4g} N"
+        fix = "check the zero of the cell, the weight, and what the rope itself weighs"
+        problems += (_warning(spec, "RF243", message, fix, "end_tension"),)
+    excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
     if peak_N <= end_N:
-        swapped = Problem(
-            code="RF240",
-            message=f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)",
-            path=spec.file,
-            key="end_tension",
-            fix="check whether the sides, the units or the sign of the force are swapped",
-            severity="warning",
-        )
-        problems = (*problems, swapped)
-    of_row = (
-        "trial",
-        "file",
-        "sample",
-        "wheel_radius_m",
-        "rope_radius_m",
-        "wrap_angle_rad",
-        "cell",
-        "rope_id",
-    )
+        message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
+        fix = "check whether the sides, the units or the sign of the force are swapped"
+        problems += (_warning(spec, "RF240", message, fix, "end_tension"),)
     return TrialResult(
-        **{name: getattr(spec, name) for name in (*of_row, "note", "own")},
+        **{item.name: getattr(spec, item.name) for item in fields(TrialRow)},
         end_tension_N=end_N,
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
         peak_std_N=peak_std_N,
+        end_tension_set_N=set_N,
+        kinetic_mean_std_N=force_std_N(
+            breakaway.kinetic_N, calibration, picking_std_N=_kinetic_picking_N(breakaway)
+        ),
         breakaway=breakaway,
-        kept=breakaway.status is Status.OK and not spec.exclude,
-        excluded=spec.exclude,
+        kept=is_ok and not excluded,
+        excluded=excluded,
+        decision=spec.decision,
         measures_slack=measures_slack,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
         problems=problems,
         **more,
     )
+
+
+def _kinetic_picking_N(breakaway: Breakaway) -> float:
+    """Return the standard uncertainty [N] of a mean kinetic force beside its chain.
+
+    Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
+    stick-slip it begins anew.
+    """
+    wander_N = math.sqrt(max(breakaway.kinetic_std_N**2 - breakaway.noise_std_N**2, 0.0))
+    return wander_N / math.sqrt(max(breakaway.n_slips - 1, 1))
+
+
+def _warning(spec: TrialSpec, code: str, message: str, fix: str, key: str = "") -> Problem:
+    return Problem(code=code, message=message, path=spec.file, key=key, fix=fix, severity="warning")
 
 
 def _unreadable(
@@ -186,32 +280,21 @@ def _unreadable(
 ) -> TrialResult:
     problem = error.problem
     detail = f"{problem.message} ({problem.where})" if problem.where else problem.message
-    breakaway = Breakaway(status=Status.UNREADABLE, detail=detail)
-    return _result(campaign, spec, breakaway, (*problems, *error.problems), **more)
+    breakaway, of_error = Breakaway(status=Status.UNREADABLE, detail=detail), error.problems
+    if spec.peak_N is not None:  # a stated force needs no recording
+        breakaway = _beside(_given(spec), breakaway)
+        of_error = tuple(replace(problem, severity="warning") for problem in of_error)
+    return _result(campaign, spec, breakaway, (*problems, *of_error), **more)
 
 
-def _status_problem(spec: TrialSpec, breakaway: Breakaway) -> tuple[Problem, ...]:
-    if breakaway.status is Status.OK:
-        return ()
-    message = f"{spec.trial}: {breakaway.status.value}: {breakaway.detail}"
-    code, fix = STATUS_CODES[breakaway.status], breakaway.advice
-    return (Problem(code=code, message=message, path=spec.file, fix=fix, severity="warning"),)
-
-
-def _rate_problem(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> tuple[Problem, ...]:
-    wanted_Hz, found_Hz = campaign.sampling_rate_Hz, trace.sampling_rate_Hz
-    if wanted_Hz is None or not found_Hz or abs(found_Hz / wanted_Hz - 1) <= RATE_TOLERANCE:
-        return ()
-    return (
-        Problem(
-            code="RF203",
-            message=f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz",
-            path=spec.file,
-            key="[sampling] rate",
-            fix="correct the unit of the time column or the rate; the time stamps were used",
-            severity="warning",
-        ),
+def calibrations(campaign: Campaign, spec: TrialSpec) -> tuple[Calibration | None, Calibration | None]:
+    """Return how the counts of both sides become forces; the slack side is never unloaded, so it has no tare."""
+    adc = campaign.adc
+    of_pull, of_slack = (
+        Calibration(cell=campaign.cells[name], adc=adc) if name and adc is not None else None
+        for name in (spec.cell, spec.end_cell)
     )
+    return of_pull, of_slack
 
 
 def tared_trace(
@@ -256,9 +339,7 @@ def _falls_to(force_N: FloatArray) -> float:
 def _tared_trace(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording
 ) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
-    calibration = None
-    if spec.cell and campaign.adc is not None:
-        calibration = Calibration(cell=campaign.cells[spec.cell], adc=campaign.adc)
+    calibration, end_calibration = calibrations(campaign, spec)
     interval_s, problems = campaign.tare_interval_s, list[Problem]()
 
     def tared(time_s: FloatArray, counts: IntArray, untared: Calibration) -> Calibration:
@@ -268,7 +349,9 @@ def _tared_trace(
         problems.extend(replace(doubt, path=spec.file) for doubt in doubts)
         return found
 
-    trace = assemble_trace(raw, campaign.profile, calibration=calibration, tared=tared)
+    trace = assemble_trace(
+        raw, campaign.profile, calibration=calibration, end_calibration=end_calibration, tared=tared
+    )
     _check_size(spec, trace)
     if interval_s is None:
         return (trace, 0.0, ())
@@ -316,12 +399,10 @@ def draw_outline(trace: ForceTrace) -> Outline | None:
     n_bins = min(BINS, force_N.size)
     starts = np.arange(n_bins) * force_N.size // n_bins
     counts = np.diff(np.append(starts, force_N.size))
-    middle_s = _rounded(0.5 * (time_s[starts] + time_s[starts + counts - 1]))
     return Outline(
-        time_s=middle_s,
+        time_s=_rounded(0.5 * (time_s[starts] + time_s[starts + counts - 1])),
         low_N=_rounded(np.minimum.reduceat(force_N, starts)),
         high_N=_rounded(np.maximum.reduceat(force_N, starts)),
-        smoothed_time_s=middle_s,
         smoothed_N=_rounded(np.add.reduceat(force_N, starts) / counts),
     )
 

@@ -1,6 +1,8 @@
 """What an extraction hands on: trials, conditions, problems; and the three CSV files of them."""
 
+import math
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
@@ -19,6 +21,7 @@ from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
+from ropefric.trials.campaign_model import TrialRow
 
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
@@ -26,14 +29,32 @@ its F_A is not above its F_B; or its recording gave no usable force."""
 
 _COLUMNS = (
     "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N",
-    "end_tension_std_N", "peak_N", "peak_std_N", "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s",
-    "noise_std_N", "loading_rate_N_s", "kinetic_N", "kinetic_std_N", "status", "kept", "rejected_by", "excluded",
-    "detail", "notes", "cell", "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
+    "end_tension_std_N", "end_tension_set_N", "peak_N", "peak_std_N", "peak_raw_N", "peak_time_s", "two_line_N",
+    "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "measured_dwell_s", "kinetic_N", "kinetic_std_N",
+    "kinetic_mean_std_N", "sliding_s", "drop_N", "trough_N", "n_slips", "recurrence_s", "mu", "mu_std", "mu_kinetic",
+    "status", "candidates", "kept", "rejected_by", "excluded", "decision", "decided_by", "decided_why", "detail",
+    "notes", "cell", "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
 )  # fmt: skip
+"""Of a trial's row."""
 _OF_BREAKAWAY = {
-    "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
-    "kinetic_std_N", "status", "detail", "notes",
-}  # fmt: skip
+    name: name
+    for name in (
+        "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
+        "kinetic_std_N", "drop_N", "trough_N", "n_slips", "recurrence_s", "status", "detail", "notes",
+    )
+} | {"sliding_s": "kinetic_s", "measured_dwell_s": "dwell_s"}  # fmt: skip
+SUMMARISED = {
+    "kinetic_N": "kinetic force [N]",
+    "drop_N": "drop [N]",
+    "trough_N": "trough [N]",
+    "n_slips": "slips",
+    "recurrence_s": "recurrence [s]",
+    "loading_rate_N_s": "loading rate [N/s]",
+    "measured_dwell_s": "dwell [s]",
+    "mu": "μ",
+    "mu_kinetic": "kinetic μ",
+}
+"""What a condition has the mean, scatter and number of, over its kept trials, beside the break-away force."""
 # What else a trial table may call its columns.
 _MEANT = frozenset(
     {
@@ -53,42 +74,33 @@ class Outline:
     time_s: _Curve
     low_N: _Curve
     high_N: _Curve
-    smoothed_time_s: _Curve
     smoothed_N: _Curve
 
     def __post_init__(self) -> None:
-        envelope, smoothed = (self.low_N, self.high_N, self.time_s), (self.smoothed_N, self.smoothed_time_s)
-        if any(len({curve.shape for curve in curves}) > 1 for curves in (envelope, smoothed)):
+        if len({curve.shape for curve in (self.time_s, self.low_N, self.high_N, self.smoothed_N)}) > 1:
             raise ValueError("the curves differ in length")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrialResult:
+class TrialResult(TrialRow):
     """One trial: its condition, what was picked, and whether it counts."""
 
-    trial: str
-    file: str
-    sample: str = ""
-    wheel_radius_m: float
-    rope_radius_m: float
-    wrap_angle_rad: float
     end_tension_N: float
     end_tension_std_N: float = nan
     peak_N: float = nan
     peak_std_N: float = nan
+    end_tension_set_N: float = nan
+    kinetic_mean_std_N: float = nan
     breakaway: Breakaway
     kept: bool = False
     excluded: str = ""
+    decision: str = ""
     rejected_by: str = ""
     measures_slack: bool = False
-    cell: str = ""
-    rope_id: str = ""
     dwell_s: float = nan
     tare_N: float = nan
     saturated_samples: int = 0
     sha256: str = ""
-    note: str = ""
-    own: tuple[tuple[str, str], ...] = ()
     calibration: Calibration | None = None
     outline: Outline | None = None
     problems: tuple[Problem, ...] = field(default=())
@@ -112,11 +124,46 @@ class TrialResult:
             return "without a force"
         return "rejected" if self.rejected_by else "kept"
 
+    @property
+    def known_N(self) -> float:
+        """Return the force that was set, the same for repeats [N]: F_B, or F_A where the slack side is measured."""
+        known_N = self.peak_N if self.measures_slack else self.end_tension_N
+        return known_N if math.isnan(self.end_tension_set_N) else self.end_tension_set_N
+
+    @property
+    def mu(self) -> float:
+        """Return the apparent coefficient ln(F_A/F_B)/φ [-]."""
+        return self._mu(self.peak_N)
+
+    @property
+    def mu_kinetic(self) -> float:
+        """Return the apparent coefficient of sliding, ln(F_k/F_B)/φ [-]."""
+        return nan if self.measures_slack else self._mu(self.breakaway.kinetic_N)
+
+    def _mu(self, lift_N: float) -> float:
+        good = lift_N > 0.0 and self.end_tension_N > 0.0
+        return math.log(lift_N / self.end_tension_N) / self.wrap_angle_rad if good else nan
+
+    @property
+    def mu_std(self) -> float:
+        """Return the standard uncertainty of `mu` by the two forces [-]."""
+        return (
+            math.hypot(self.peak_std_N / self.peak_N, self.end_tension_std_N / self.end_tension_N)
+            / self.wrap_angle_rad
+        )
+
+    def measured(self, name: str) -> Any:
+        """Return what a column of the trial's row holds."""
+        if name in _OF_BREAKAWAY:
+            return getattr(self.breakaway, _OF_BREAKAWAY[name])
+        if name == "candidates":
+            events = self.breakaway.candidates
+            return "; ".join(f"{event.force_N:.5g} N at {event.time_s:.5g} s" for event in events)
+        return getattr(self, name.removeprefix("decided_"))
+
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""
-        row: dict[str, Any] = {
-            name: getattr(self.breakaway if name in _OF_BREAKAWAY else self, name) for name in _COLUMNS
-        }
+        row: dict[str, Any] = {name: self.measured(name) for name in _COLUMNS}
         row |= {"status": self.breakaway.status.value, "notes": "; ".join(self.breakaway.notes)}
         if self.measures_slack:
             row["peak_raw_N"] = nan
@@ -155,10 +202,13 @@ class ConditionSummary:
     rule: str
     notes: tuple[str, ...]
     trials: tuple[str, ...]
+    of_kept: Mapping[str, tuple[float, float, int]] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the condition's row; a number that is not there is None."""
-        row = {name: getattr(self, name) for name in self.__slots__ if name != "trials"}
+        row = {name: getattr(self, name) for name in self.__slots__ if name not in {"trials", "of_kept"}}
+        for name, (mean, std, n) in self.of_kept.items():
+            row |= {f"mean_{name}": mean, f"std_{name}": std, f"n_{_STEM.sub('', name)}": n}
         return {
             key: list(value) if isinstance(value, tuple) else _finite_or_none(value)
             for key, value in row.items()
@@ -196,7 +246,11 @@ class Extraction:
             "counts": count_trials(self),
             "trials": [
                 trial.to_dict()
-                | {"calibration": None if trial.calibration is None else trial.calibration.to_dict()}
+                | {
+                    "calibration": None if trial.calibration is None else trial.calibration.to_dict(),
+                    "events": [asdict(event) for event in trial.breakaway.events],
+                    "candidates": [asdict(event) for event in trial.breakaway.candidates],
+                }
                 for trial in self.trials
             ],
             "conditions": [condition.to_dict() for condition in self.conditions],
@@ -257,9 +311,10 @@ def _finite_or_none(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
+_STEM = re.compile(r"(_N_s|_N|_s)$|^n_")
 _PROBLEM_COLUMNS = ("severity", "code", "path", "line", "key", "message", "fix")
 _NAME_SEPARATOR = "; "
-_SETTINGS = frozenset({"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "dwell_s"})
+_SETTINGS = frozenset({"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "dwell_s", "end_tension_set_N"})
 """Columns that people set: they stay as they came out of the trial list."""
 _RESIDUE = 1e-12
 """What a number in newtons or seconds is that should be zero."""

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError, Problem, raise_problems
+from ropefric.errors import InputError, Problem, UnknownNameError, raise_problems
 from ropefric.files.plain_text import from_spreadsheet
 from ropefric.friction.condition import Conditions, condition_groups
+from ropefric.glossary import counted
 from ropefric.quantities import split_unit_suffix
+from ropefric.registry import did_you_mean
 from ropefric.trials.cells import (
     SETTINGS,
     SLIP,
@@ -43,6 +45,10 @@ _REQUIRED = {
 """Numbers every table needs, and a header that gives each."""
 _OPTIONAL = ("peak_std_N", "end_tension_std_N", "wrap_std_rad", "wheel_radius_std_m")
 _NUMBERS = (*_REQUIRED, *_OPTIONAL)
+_BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
+"""Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
+FORCES = ("peak", "kinetic")
+"""What a law can be fitted to: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
 _QUANTITIES = {
     **SETTINGS,
@@ -58,12 +64,19 @@ _QUANTITIES = {
     "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
     "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
 }
+_QUANTITIES_BESIDE = {
+    "kinetic": ("kinetic_N", "N", 1.0),
+    "kinetic_force": ("kinetic_N", "N", 1.0),
+    "kinetic_mean_std": ("kinetic_mean_std_N", "N", 1.0),
+    "end_tension_set": ("end_tension_set_N", "N", 1.0),
+}
 # What an extraction writes beside the columns a fit reads.
 _PASSED_OVER = frozenset(
     {
         "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
         "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
-        "dwell", "tare", "saturated_samples", "sha256", "wheel",
+        "sliding", "drop", "trough", "n_slips", "recurrence", "measured_dwell", "mu", "mu_std", "mu_kinetic",
+        "candidates", "dwell", "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
     }
 )  # fmt: skip
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
@@ -93,6 +106,12 @@ class TrialTable:
         Standard uncertainty of F_A by the instrument [N]; NaN where unknown.
     end_tension_std_N, wrap_std_rad, wheel_radius_std_m : ndarray, shape (N,)
         Standard uncertainties of the settings; 0 where unknown.
+    kinetic_N, kinetic_mean_std_N : ndarray, shape (N,)
+        Mean force while sliding, and its standard uncertainty [N]; NaN where unknown.
+    end_tension_set_N : ndarray, shape (N,)
+        What F_B was set to where it was measured [N], the same for all repeats of a condition; NaN elsewhere.
+    force : {"peak", "kinetic"}
+        What stands in `peak_N`, see `of`.
     kept : ndarray of bool, shape (N,)
         False where a rule or the user set the trial aside.
     status : tuple of str
@@ -127,6 +146,10 @@ class TrialTable:
     end_tension_std_N: FloatArray = 0.0  # type: ignore[assignment]
     wrap_std_rad: FloatArray = 0.0  # type: ignore[assignment]
     wheel_radius_std_m: FloatArray = 0.0  # type: ignore[assignment]
+    kinetic_N: FloatArray = np.nan  # type: ignore[assignment]
+    kinetic_mean_std_N: FloatArray = np.nan  # type: ignore[assignment]
+    end_tension_set_N: FloatArray = np.nan  # type: ignore[assignment]
+    force: str = "peak"
     kept: BoolArray = True  # type: ignore[assignment]
     status: tuple[str, ...] = ()
     source: str = ""
@@ -134,7 +157,7 @@ class TrialTable:
 
     def __post_init__(self) -> None:
         n = len(self.trial)
-        for name in (*_NUMBERS, "kept"):
+        for name in (*_NUMBERS, *_BESIDE, "kept"):
             given = np.asarray(getattr(self, name), dtype=bool if name == "kept" else np.float64)
             if given.shape not in {(), (n,)}:
                 raise InputError(f"{name} has shape {given.shape} for {n} trials", key=name)
@@ -156,6 +179,40 @@ class TrialTable:
         """Return which trials a fit uses, shape (N,): kept, status ok, with a force."""
         good = np.array([word == "ok" for word in self.status], dtype=bool)
         return np.asarray(self.kept & good & (self.peak_N > 0.0))
+
+    def of(self, force: str) -> "TrialTable":
+        """Return the table with a force of `FORCES` as what is fitted; trials without it are not kept.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such force.
+        InputError
+            If no trial that is used has a kinetic force above its end tension.
+        """
+        if force not in FORCES:
+            fix = did_you_mean(force, FORCES)
+            raise UnknownNameError(f"unknown force {force!r}", key="of", fix=fix)
+        if force in {self.force, "peak"}:
+            return self
+        there = np.asarray(self.kinetic_N > self.end_tension_N)
+        lost = int(np.count_nonzero(self.used & ~there))
+        if not (self.used & there).any():
+            message = "no trial that is used has a kinetic force above its end tension"
+            fix = "add a column kinetic_N, or extract recordings that go on after the break-away"
+            raise InputError(message, code="RF410", key="of", fix=fix)
+        doubts = self.warnings
+        if lost:
+            message = f"{counted(lost, 'trial')} left out: no kinetic force above the end tension"
+            doubts += (Problem(code="RF410", message=message, path=self.source, severity="warning"),)
+        return replace(
+            self,
+            force=force,
+            peak_N=np.where(there, self.kinetic_N, np.nan),
+            peak_std_N=self.kinetic_mean_std_N,
+            kept=self.kept & there,
+            warnings=doubts,
+        )
 
     def conditions(self) -> Conditions:
         """Return the conditions of the n used trials."""
@@ -190,7 +247,8 @@ class TrialTable:
     def _groups(self) -> tuple[IntArray, IntArray]:
         used = self.used
         geometry = [self.wheel_radius_m, self.rope_radius_m, self.wrap_angle_rad]
-        by_end = condition_groups(*(array[used] for array in [*geometry, self.end_tension_N]))
+        set_N = np.where(np.isnan(self.end_tension_set_N), self.end_tension_N, self.end_tension_set_N)
+        by_end = condition_groups(*(array[used] for array in [*geometry, set_N]))
         return by_end, condition_groups(*(array[used] for array in [*geometry, self.peak_N]))
 
     def to_frame(self) -> "pd.DataFrame":
@@ -199,6 +257,7 @@ class TrialTable:
 
         data: dict[str, Any] = {"trial": list(self.trial)}
         data |= {_FRAME_NAMES.get(name, name): getattr(self, name) for name in _NUMBERS}
+        data |= {name: getattr(self, name) for name in _BESIDE if not np.isnan(getattr(self, name)).all()}
         return pd.DataFrame(data | {"kept": self.kept, "status": list(self.status)})
 
 
@@ -229,8 +288,8 @@ def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
 def table_of_extraction(extraction: Extraction) -> TrialTable:
     """Return the trial table of an extraction; a pull in which friction helped the rope along is not kept."""
     trials = extraction.trials
-    names = (*_REQUIRED, "peak_std_N", "end_tension_std_N")
-    columns: dict[str, Any] = {name: np.array([getattr(trial, name) for trial in trials]) for name in names}
+    names = (*_REQUIRED, "peak_std_N", "end_tension_std_N", *_BESIDE)
+    columns: dict[str, Any] = {name: np.array([trial.measured(name) for trial in trials]) for name in names}
     kept = np.array([trial.kept for trial in trials], dtype=np.bool_)
     kept &= columns["peak_N"] > columns["end_tension_N"]
     status = tuple(trial.breakaway.status.value for trial in trials)
@@ -247,7 +306,9 @@ def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
 
     A row that is not kept, or whose recording gave no force, may lack numbers; a row that is to be used may not.
     """
-    columns, others, found = bind_columns(table, _QUANTITIES, _TEXTS)
+    united = {word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
+    beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
+    columns, others, found = bind_columns(table, {**_QUANTITIES, **beside}, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
     texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
     n = len(table.rows)
@@ -279,7 +340,8 @@ def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
         *_too_few(table, kept, status),
     )
     raise_problems(every)
-    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **numbers)
+    arrays: dict[str, Any] = dict(numbers)
+    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **arrays)
 
 
 def _known(cells: list[str]) -> list[str]:
@@ -321,7 +383,7 @@ def _numbers(
 ) -> dict[str, FloatArray]:
     """Return the numbers of all columns in SI, NaN where there is none; say of each row what cannot be read."""
     decimal = decimal_mark(table, columns)
-    numbers = {name: np.full(len(table.rows), np.nan) for name in _NUMBERS}
+    numbers = {name: np.full(len(table.rows), np.nan) for name in (*_NUMBERS, *_BESIDE)}
     for name, column in columns.items():
         if not column.si_unit:
             continue
@@ -330,7 +392,9 @@ def _numbers(
             try:
                 meaning[cell] = read_number(cell, column, decimal)
             except InputError as error:
-                meaning[cell], refused[cell] = math.nan, error
+                meaning[cell] = math.nan
+                if name not in _BESIDE:
+                    refused[cell] = error
         numbers[name] = np.array([meaning[cell] for cell in texts[name]])
         for i, cell in enumerate(texts[name] if refused else ()):
             if cell in refused:
@@ -341,7 +405,7 @@ def _numbers(
 def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, Column]) -> BoolArray:
     """Return which rows lack a number, or have one that cannot be, if they are to be used."""
     wrong = (numbers["peak_N"] <= numbers["end_tension_N"]) | (numbers["peak_N"] == 0.0)
-    for name in given.keys() & numbers.keys():
+    for name in given.keys() & set(_NUMBERS):
         wrong |= (numbers[name] < 0.0) | (np.isnan(numbers[name]) & (name in _REQUIRED))
     return np.asarray(wrong)
 

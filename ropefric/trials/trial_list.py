@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ropefric.files.plain_text import from_spreadsheet
 from ropefric.files.read import kind_of_file
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
+from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.trials.campaign_model import TrialSpec
 from ropefric.trials.cells import (
@@ -27,6 +29,7 @@ from ropefric.trials.cells import (
     near_miss,
     read_cells,
     read_number,
+    word_of,
 )
 
 MISSING_RECORDING = "RF124"
@@ -36,7 +39,7 @@ MAX_MISSING = 20
 FEWEST_REPEATS = 6
 
 _SLIP = 0.75
-TEXTS = ("trial", "file", "sample", "wheel", "cell", "rope_id", "exclude", "note")
+TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
 QUANTITIES = {
     **SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
@@ -44,7 +47,10 @@ QUANTITIES = {
     "dwell": ("dwell_s", "s", 1.0),
     "from": ("start_s", "s", 1.0),
     "until": ("stop_s", "s", 1.0),
+    "pick": ("pick_s", "s", 1.0),
 }
+_DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
+"""Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
     "file": "the recording it was made of",
     "wheel_radius_m": "a wheel radius",
@@ -52,6 +58,7 @@ _MEANINGS = {
     "end_tension_N": "an end tension",
     "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
     "cell": "a force cell, for its recording is in counts",
+    "end_cell": "the force cell of its slack side, which is in counts",
 }
 
 
@@ -65,8 +72,11 @@ class TrialContext:
     rope_radius_m: float | None = None
     needs_lift_force: bool | None = False
     needs_cell: bool = False
+    needs_end_cell: bool = False
+    measures_end: bool = False
     start_s: float | None = None
     stop_s: float | None = None
+    protocol: str = "breakaway"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +106,8 @@ def read_trials(
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-    columns, others, found = bind_columns(table, QUANTITIES, TEXTS)
+    decided = _DECIDED if {"why", "by"} <= {word_of(name) for name in table.header} else {}
+    columns, others, found = bind_columns(table, {**QUANTITIES, **decided}, TEXTS)
     own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
     reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)
     # A mistyped header says more than the consequence that its column is missing.
@@ -104,6 +115,12 @@ def read_trials(
     mistyped = {problem.key for problem in missing}
     for name in others:
         found += [] if name in mistyped else near_miss(table, name, QUANTITIES, TEXTS)
+        if word_of(split_unit_suffix(name)[0]) == "peak":
+            message, fix = (
+                "kept, but not used",
+                "add the columns why and by, if it is a decision about the break-away",
+            )
+            found.append(table.problem(table.header_line, name, "RF141", message, fix, warning=True))
     problems = [*problems_of_rows, *found, *missing, *_unnamed_columns(table)]
     if not table.rows and not problems_of_rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
@@ -148,15 +165,22 @@ class _Reader:
     def tension(self) -> tuple[str, ...]:
         if self.context.needs_lift_force is None:
             return ()
-        return ("lift_force_N",) if self.context.needs_lift_force else ("end_tension_N",)
+        if self.context.needs_lift_force:
+            return ("lift_force_N",)
+        return () if self.context.measures_end else ("end_tension_N",)
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Return the columns that name a cell and are needed."""
+        needed = {"cell": self.context.needs_cell, "end_cell": self.context.needs_end_cell}
+        return tuple(name for name, is_needed in needed.items() if is_needed)
 
     def missing_columns(self) -> Iterator[Problem]:
         """Yield that a column is missing, or that its name is mistyped."""
         needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in self.tension}
         if not {"wheel", "wheel_radius_m"} & self.columns.keys():
             needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
-        if self.context.needs_cell:
-            needed["cell"] = "cell"
+        needed |= {name: name for name in self.cells}
         for name, header in needed.items():
             known = header.split(maxsplit=1)[0]
             if name in self.columns:
@@ -189,7 +213,8 @@ class _Reader:
         for name in ("file", "wrap_angle_rad", *self.tension):
             yield from self._empty(row, name)
         yield from self._unknown(row, "wheel", self.context.wheels)
-        yield from self._unknown(row, "cell", self.context.cells)
+        for name in ("cell", "end_cell"):
+            yield from self._unknown(row, name, self.context.cells)
         wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
         known_m = self.context.wheels.get(wheel)
         if not wheel and radius_m is None and self.header_is_good:
@@ -200,13 +225,40 @@ class _Reader:
             message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
             fix = "correct one, or leave one of the two cells empty"
             yield self._problem(row, "wheel_radius_m", "RF111", message, fix)
-        if self.context.needs_cell:
-            yield from self._empty(row, "cell")
+        for name in self.cells:
+            yield from self._empty(row, name)
         start_s, stop_s = self._interval(row)
         if start_s is not None and stop_s is not None and not start_s < stop_s:
             message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
             place = "stop_s" if "stop_s" in self.columns else "start_s"
             yield self._problem(row, place, "RF111", message, "give an end after the start")
+        yield from self._decision(row)
+
+    def _decision(self, row: _Row) -> Iterator[Problem]:
+        """Yield what is missing or too much in a person's decision about the break-away."""
+        given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
+        if not given:
+            if "peak_std_N" in row.numbers:
+                yield self._problem(
+                    row, "peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it"
+                )
+            return
+        if len(given) > 1:
+            message = "pick_s and peak_N are both given"
+            yield self._problem(row, "peak_N", "RF111", message, "leave one of the two cells empty")
+        for name in ("peak_N", "peak_std_N"):
+            value_N = row.numbers.get(name, 1.0)
+            if value_N < 0.0 or (name == "peak_N" and value_N == 0.0):
+                message = f"{value_N:g} N is no possible value"
+                yield self._problem(row, name, "RF110", message, "correct the number")
+        for name, what in (("why", "its reason"), ("by", "who took it")):
+            if not row.texts.get(name):
+                message, fix = f"a decision needs {what}", f"fill the column {name}"
+                yield self.table.problem(row.line, name, "RF121", message, fix)
+        if self.context.protocol != "breakaway" or row.texts.get("sample") == "*":
+            message = "one decision cannot stand for several trials of a recording"
+            fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
+            yield self._problem(row, given[0], "RF111", message, fix)
 
     def _interval(self, row: _Row) -> tuple[float | None, float | None]:
         start_s = row.numbers.get("start_s", self.context.start_s)
@@ -230,7 +282,7 @@ class _Reader:
         if word and word not in known:
             fix = did_you_mean(word[:80], known)
             if not known:
-                fix = f"describe it under [{name}s.{word}] in the campaign file"
+                fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
             yield self._problem(row, name, "RF120", f"unknown {name} '{word}'", fix)
 
     def trial(self, row: _Row, name: str, folder: Path) -> TrialSpec | None:
@@ -238,25 +290,15 @@ class _Reader:
         texts, numbers, context = row.texts, row.numbers, self.context
         wheel_m = numbers.get("wheel_radius_m", context.wheels.get(texts.get("wheel", "")))
         rope_m = numbers.get("rope_radius_m", context.rope_radius_m)
-        wrap_rad, file = numbers.get("wrap_angle_rad"), texts.get("file")
-        if wheel_m is None or rope_m is None or wrap_rad is None or not file:
+        if wheel_m is None or rope_m is None or "wrap_angle_rad" not in numbers or not texts.get("file"):
             return None
         start_s, stop_s = self._interval(row)
-        return TrialSpec(
-            trial=name,
-            path=folder / row.file,
-            line=row.line,
-            wheel_radius_m=wheel_m,
-            rope_radius_m=rope_m,
-            wrap_angle_rad=wrap_rad,
-            end_tension_N=numbers.get("end_tension_N"),
-            lift_force_N=numbers.get("lift_force_N"),
-            dwell_s=numbers.get("dwell_s"),
-            start_s=start_s,
-            stop_s=stop_s,
-            own=tuple((header, row.cells[index]) for header, index in self.own.items()),
-            **{key: text for key, text in texts.items() if key != "trial"},
-        )
+        of_row: dict[str, Any] = {key: text for key, text in texts.items() if key != "trial"} | {
+            key: value for key, value in numbers.items() if key not in {"start_s", "stop_s"}
+        }
+        settings = {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m, "start_s": start_s, "stop_s": stop_s}
+        own = tuple((header, row.cells[index]) for header, index in self.own.items())
+        return TrialSpec(**of_row | settings, trial=name, path=folder / row.file, line=row.line, own=own)
 
 
 # --- recordings and names ---

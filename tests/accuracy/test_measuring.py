@@ -115,7 +115,7 @@ def test_below_rounding_errors_are_all_the_same_and_infinite_ones_are_no_answer(
 
 
 def test_counting_leaves_the_timed_function_alone():
-    setting = against([2.0, 4.0], "m", "", lambda f: f(np.array([1.5, 2.0])), np.square)
+    (setting,) = against([2.0, 4.0], "m", "", lambda f: f(np.array([1.5, 2.0])), np.square)
     outcome = setting.assess()
     assert outcome.evaluations == 2
     assert outcome.error == pytest.approx(0.125)

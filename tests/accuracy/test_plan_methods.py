@@ -156,9 +156,9 @@ def test_a_plan_at_hand_gives_the_same_answers():
 
 def test_the_saws_reference_is_that_of_chebyshev_series():
     """The study's reference is the tool's own; here is another method for it."""
-    case = scenes.PROBLEMS["saw"]
+    system = scenes.PROBLEMS["saw"][0]
     model = model_of("saw", 1.0)
-    answer = case.system.solve(model, case.system.method(model, 1e-14))
+    answer = system.solve(model, system.method(model, 1e-14))
     for side in Side:
         span = model.spans[side]
         (beam,) = scaled_beams(span, CLAMPED)

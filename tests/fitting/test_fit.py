@@ -285,3 +285,26 @@ def test_a_bootstrap_of_a_large_table_draws_condition_means():
     # The scatter between conditions rules: half as many repeats more change little.
     np.testing.assert_allclose(large.theta.std(axis=0), small.theta.std(axis=0), rtol=0.15)
     assert len(bootstrap(fits[1].problem, fits[1].theta, n=50, kind="clustered").theta) == 50
+
+
+def test_copies_of_a_trial_say_nothing_of_how_repeats_scatter():
+    """Each force written down twice: the scatter is that about the law, not the zero between the copies."""
+    wraps = np.linspace(2.0, 12.0, 8)
+    log_lift = np.log(20.0) + 0.2 * wraps + 0.03 * np.sin(1.0 + 2.0 * np.arange(8))
+
+    def fitted(copies):
+        table = TrialTable(
+            trial=tuple(f"t{i}" for i in range(8 * copies)),
+            wheel_radius_m=0.04,
+            rope_radius_m=0.005,
+            wrap_angle_rad=np.tile(wraps, copies),
+            end_tension_N=20.0,
+            peak_N=np.exp(np.tile(log_lift, copies)),
+        )
+        return fit_law(table, "constant")
+
+    once, twice = fitted(1), fitted(2)
+    assert twice.statistics.chi2_reduced == pytest.approx(once.statistics.chi2_reduced)
+    assert np.isnan(twice.statistics.scatter_between)
+    assert twice["mu"].value == pytest.approx(once["mu"].value, rel=1e-6)
+    assert twice["mu"].std == pytest.approx(once["mu"].std, rel=0.1)

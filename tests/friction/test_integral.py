@@ -13,12 +13,12 @@ from ropefric.errors import SolverError
 from ropefric.friction import integral
 from ropefric.friction.condition import one_condition
 from ropefric.friction.integral import (
+    PowerSpan,
     exponential_start_rad,
     exprel_slope,
     log1prel,
     log1prel_slope,
     power_log_start,
-    power_span,
 )
 from ropefric.friction.laws import LAWS
 from ropefric.friction.laws.wrap_exponential import exponential_rise
@@ -28,7 +28,7 @@ ASKED = 1e-13
 
 
 def power_rise(y, delta, a, b, c):
-    return float(a * power_span(power_log_start(y, a, b, c), delta, b).integral() + c * delta)
+    return float(a * PowerSpan(power_log_start(y, a, b, c), delta, b).integral() + c * delta)
 
 
 def wrap_exponential_rise(y, delta, a, b, c):
@@ -134,7 +134,7 @@ def test_stretch_away_from_zero_goes_through_minus_one(b, delta):
     assert abs(float(integral.power_integral(delta, 1.0, b, start_rad=p)) / truth - 1) < ASKED
     # Relative to ∫ φ^b |ln φ|, because ln φ changes sign at 1 rad and the slope itself may pass through zero.
     scale = max(abs(slope), truth * 0.3)
-    assert abs(float(power_span(math.log(p), delta, b).slope()) - slope) < 1e-12 * scale
+    assert abs(float(PowerSpan(math.log(p), delta, b).slope()) - slope) < 1e-12 * scale
 
 
 def test_the_numbers_on_paper():

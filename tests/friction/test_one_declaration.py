@@ -24,10 +24,6 @@ class Logarithmic:
         (mu, s), phi, y = columns, conditions.wrap_angle_rad, conditions.log_end_tension
         return np.array(0.0), mu * (1 + s * y), 1 + mu * phi * s
 
-    def local_mu(self, columns, wrap_rad, conditions):
-        mu, s = columns
-        return mu * (1 + s * conditions.log_end_tension) + 0.0 * wrap_rad
-
     def refusals(self, columns, _conditions):
         mu, _ = columns
         yield Refusal(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")

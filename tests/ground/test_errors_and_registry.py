@@ -15,7 +15,7 @@ from ropefric.errors import (
     UnknownNameError,
     raise_problems,
 )
-from ropefric.glossary import GLOSSARY, axis_label, describe
+from ropefric.glossary import GLOSSARY, axis_label
 from ropefric.registry import Registry, did_you_mean
 
 
@@ -107,4 +107,3 @@ def test_the_glossary_names_units_as_its_names_do():
             assert term.unit == endings[ending], name
         assert term.meaning[0].isupper()
         assert axis_label(name).startswith(term.meaning.split(";")[0])
-    assert describe("no such quantity") == "no such quantity"

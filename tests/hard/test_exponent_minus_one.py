@@ -6,7 +6,7 @@ import pytest
 from hard_regime import EPS, Regime, once, relative, worst_law_error
 
 from ropefric.friction.condition import one_condition
-from ropefric.friction.integral import power_integral, power_span
+from ropefric.friction.integral import PowerSpan, power_integral
 from ropefric.friction.laws import ALL_LAWS
 
 REGIME = Regime(
@@ -49,7 +49,7 @@ def measured():
         digits=520,
     )
     for b, delta, value, slope in _stretches():
-        span = power_span(np.log(START), delta, b)
+        span = PowerSpan(np.log(START), delta, b)
         worst = max(
             worst,
             relative(power_integral(delta, 1.0, b, start_rad=START), value),

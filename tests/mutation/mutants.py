@@ -48,28 +48,28 @@ class Mutant:
         return f"{self.path.as_posix()}:{self.line}: {self.before}  ->  {self.after}"
 
 
-def _breaks(node: ast.AST) -> list[Callable[[], None]]:
-    """Return what can be done to a node to make it wrong."""
+def _break_of(node: ast.AST) -> Callable[[], None] | None:
+    """Return what makes a node wrong, None where nothing is done to its kind."""
     match node:
         case ast.BinOp(op=op) if type(op) in _OTHER and not isinstance(
             node.left, ast.Constant | ast.JoinedStr
         ):
-            return [lambda: setattr(node, "op", _OTHER[type(op)]())]
+            return lambda: setattr(node, "op", _OTHER[type(op)]())
         case ast.BoolOp(op=op):
-            return [lambda: setattr(node, "op", _OTHER[type(op)]())]
+            return lambda: setattr(node, "op", _OTHER[type(op)]())
         case ast.Compare(ops=[op]) if type(op) in _OTHER:
-            return [lambda: setattr(node, "ops", [_OTHER[type(op)]()])]
+            return lambda: setattr(node, "ops", [_OTHER[type(op)]()])
         case ast.Constant(value=value) if type(value) is float and value not in (0.0, float("inf")):
-            return [lambda: setattr(node, "value", 1.1 * value)]
+            return lambda: setattr(node, "value", 1.1 * value)
         case ast.Constant(value=value) if type(value) is int:
-            return [lambda: setattr(node, "value", value + 1)]
+            return lambda: setattr(node, "value", value + 1)
         case ast.UnaryOp(op=ast.USub(), operand=operand) if not isinstance(operand, ast.Constant):
-            return [lambda: setattr(node, "op", ast.UAdd())]
+            return lambda: setattr(node, "op", ast.UAdd())
         case ast.If() | ast.IfExp():
-            return [lambda: setattr(node, "test", ast.UnaryOp(ast.Not(), node.test))]
+            return lambda: setattr(node, "test", ast.UnaryOp(ast.Not(), node.test))
         case ast.Attribute(attr=name) | ast.Name(id=name) if name in _NAMES:
-            return [lambda: setattr(node, "attr" if isinstance(node, ast.Attribute) else "id", _NAMES[name])]
-    return []
+            return lambda: setattr(node, "attr" if isinstance(node, ast.Attribute) else "id", _NAMES[name])
+    return None
 
 
 def _places(tree: ast.Module) -> dict[int, list[ast.AST]]:
@@ -79,7 +79,7 @@ def _places(tree: ast.Module) -> dict[int, list[ast.AST]]:
     def visit(node: ast.AST) -> None:
         if isinstance(node, ast.Raise | ast.Import | ast.ImportFrom | ast.JoinedStr | ast.Assert):
             return
-        if _breaks(node):
+        if _break_of(node) is not None:
             found.setdefault(node.lineno, []).append(node)  # type: ignore[attr-defined]
         for name, child in ast.iter_fields(node):
             if name in {"annotation", "returns", "decorator_list"}:
@@ -107,7 +107,9 @@ def _mutant(path: Path, line: int, chosen: random.Random, root: Path) -> Mutant:
     tree = ast.parse(path.read_text(encoding="utf-8"))
     node = chosen.choice(_places(tree)[line])
     before = ast.unparse(getattr(node, "test", node))
-    chosen.choice(_breaks(node))()
+    wrong = _break_of(node)
+    assert wrong is not None
+    wrong()
     return Mutant(
         path.relative_to(root), line, before, ast.unparse(getattr(node, "test", node)), ast.unparse(tree)
     )

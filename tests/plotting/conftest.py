@@ -39,9 +39,7 @@ def _make_trial(
         peak_time_s=peak_time_s if usable else math.nan,
         kinetic_N=0.9 * force_N if usable and not slack else math.nan,
     )
-    outline = Outline(
-        time_s=time_s, low_N=mean_N - 2.0, high_N=high_N, smoothed_time_s=time_s, smoothed_N=mean_N
-    )
+    outline = Outline(time_s=time_s, low_N=mean_N - 2.0, high_N=high_N, smoothed_N=mean_N)
     measured = (found.peak_N, 1.2 if usable else math.nan)
     known = (900.0 if slack else 80.0, 0.0)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if slack else (measured, known)

@@ -68,7 +68,7 @@ def test_the_report_is_made_again_without_extracting_again(run, results, tmp_pat
 
 
 def test_without_a_wheel_there_is_no_lift_force_and_that_is_said(run, tmp_path):
-    bare = replace(with_prediction(run, None), campaign=replace(run.campaign, design=None))
+    bare = replace(with_prediction(run, None), campaign=run.campaign.model_copy(update={"design": None}))
     page = without_figures(bare, tmp_path)
     assert "No lift force" in page
     assert 'id="next"' not in page
@@ -101,7 +101,7 @@ def test_a_design_beyond_what_was_tested_is_doubted(run, tmp_path):
 def test_what_the_user_writes_is_shown_and_not_obeyed(run, tmp_path):
     rope = run.campaign.rope.model_copy(update={"material": "</p><b>"})
     page = without_figures(
-        replace(run, campaign=replace(run.campaign, name="<script>&", rope=rope)), tmp_path
+        replace(run, campaign=run.campaign.model_copy(update={"name": "<script>&", "rope": rope})), tmp_path
     )
     assert "<h1>&lt;script&gt;&amp;" in page
     assert "<script" not in page

@@ -221,13 +221,13 @@ def test_settings_refuse_nonsense():
 
 def test_every_status_has_advice_and_every_protocol_a_description():
     assert set(ADVICE) == set(Status)
-    assert list(PROTOCOLS) == ["breakaway", "stick-slip", "held"]
+    assert list(PROTOCOLS) == ["breakaway", "stick-slip", "held", "two-way"]
     assert all(protocol.description for protocol in PROTOCOLS.values())
 
 
 @given(
     st.lists(st.floats(-1e3, 1e3) | st.just(float("nan")), min_size=1, max_size=400),
-    st.sampled_from(["breakaway", "stick-slip", "held"]),
+    st.sampled_from(["breakaway", "stick-slip", "held", "two-way"]),
     st.sampled_from(["sliding", "separation"]),
 )
 def test_any_signal_ends_in_a_status(values, protocol, ending):

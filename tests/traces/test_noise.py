@@ -21,6 +21,15 @@ def test_noise_is_found_under_ramp_slips_and_spikes(noise):
     assert noise_std(force_N) == pytest.approx(noise, rel=0.08)
 
 
+@pytest.mark.parametrize("size", [60, 1000, 4096, 4097, 50_000])
+def test_noise_is_found_in_recordings_of_every_length(size):
+    """Short ones are looked at whole, long ones in stretches; a median of n differences scatters by 1.8/√n."""
+    rng = np.random.default_rng(6)
+    ramp = np.linspace(0.0, 300.0, size)
+    found = [noise_std(ramp + rng.normal(0.0, 2.0, size)) for _ in range(30)]
+    assert np.mean(found) == pytest.approx(2.0, rel=0.05)
+
+
 def test_noise_below_a_count_is_never_called_zero():
     rng = np.random.default_rng(2)
     counts = np.round(rng.normal(0, 0.05, 5000) + 100.3)

@@ -52,7 +52,7 @@ def test_every_status_is_the_true_one(bench):
     assert len(extraction.trials) == len(truth["trials"]) == 432
     assert wrong_statuses(extraction, truth["trials"]) == []
     # ... of a truth that has them all but the one a campaign does not need.
-    assert {trial.breakaway.status for trial in extraction.trials} == set(Status)
+    assert {trial.breakaway.status for trial in extraction.trials} >= set(Status) - {Status.DOUBTFUL}
 
 
 def test_break_away_forces_have_no_bias_and_little_scatter(bench):

@@ -52,7 +52,7 @@ class One:
         protocol = self.campaign.protocol.model_copy(
             update={"name": protocol, "ending": ending, "side": "tight"}
         )
-        return One(replace(self.campaign, protocol=protocol), self.text, self.allowed)
+        return One(self.campaign.model_copy(update={"protocol": protocol}), self.text, self.allowed)
 
 
 def extract_bytes(bench, data, name="r.csv"):

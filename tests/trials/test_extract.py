@@ -89,10 +89,7 @@ def rows_of(extraction, folder):
     outlines = [
         None
         if trial.outline is None
-        else [
-            getattr(trial.outline, name).tobytes()
-            for name in ("time_s", "low_N", "high_N", "smoothed_time_s", "smoothed_N")
-        ]
+        else [getattr(trial.outline, name).tobytes() for name in ("time_s", "low_N", "high_N", "smoothed_N")]
         for trial in extraction.trials
     ]
     return extraction.to_dict(), [path.read_bytes() for path in write_tables(extraction, folder)], outlines

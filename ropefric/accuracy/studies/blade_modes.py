@@ -1,6 +1,7 @@
 """The first frequencies of a running blade: the string, and the beam by Galerkin's method and by Chebyshev series."""
 
 import math
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
 import numpy as np
@@ -24,7 +25,6 @@ FREQUENCIES = {
 _N_MODES = 3
 _ORDERS = (6, 8, 10, 12, 14, 16, 20, 24, 32, 48)
 _CHEBYSHEV_ORDERS = (10, 12, 14, 16, 20, 24, 32, 48, 64, 96)
-_QUICK_ORDERS = {8, 12, 16, 24, 32}
 
 
 def string_frequencies(speed: float, n_modes: int) -> FloatArray:
@@ -98,25 +98,29 @@ def _inner_basis(size: int, *, turning_ends: bool) -> FloatArray:
 
 def _settings(stiffness: float) -> tuple[Setting, ...]:
     beam, exact = ScaledBeam.at_speed(stiffness, SPEED, CLAMPED), FREQUENCIES[stiffness]
+    judged = partial(against, exact)
 
-    def setting(method: str, order: int, call: "partial[FloatArray]", unknowns: int) -> Setting:
-        quick = order in {0, *_QUICK_ORDERS}
-        return against(exact, method, f"order {order}" if order else "", call, work=unknowns, quick=quick)
+    def galerkin(
+        method: str, layout: Callable[[float], tuple[float, ...]], orders: Sequence[int]
+    ) -> Iterable[Setting]:
+        def work(_: FloatArray, order: int) -> float:
+            return float(free_freedoms(len(layout(order)), order, turning_ends=beam.ends.turns).sum())
 
-    made = [setting("string", 0, partial(string_frequencies, SPEED, _N_MODES), 0)]
-    for order in _ORDERS:
-        layouts: dict[str, tuple[float, ...]] = {"Galerkin, one element": (1.0,)}
-        if len(widths_for(beam, order)) > 1:
-            layouts["Galerkin, thin end elements"] = widths_for(beam, order)
-        for method, widths in layouts.items():
-            size = int(free_freedoms(len(widths), order, turning_ends=beam.ends.turns).sum())
-            made.append(
-                setting(method, order, partial(galerkin_frequencies, beam, widths, order, _N_MODES), size)
-            )
-    for order in _CHEBYSHEV_ORDERS:
-        call = partial(chebyshev_frequencies, beam, order, _N_MODES)
-        made.append(setting("Chebyshev series", order, call, order - 3))
-    return tuple(made)
+        def solve(order: int) -> FloatArray:
+            return galerkin_frequencies(beam, layout(order), order, _N_MODES)
+
+        return judged(f"Galerkin, {method}", "order {}", solve, over=orders, work=work)
+
+    thin = [order for order in _ORDERS if len(widths_for(beam, order)) > 1]
+    chebyshev = partial(chebyshev_frequencies, beam, n_modes=_N_MODES)
+    return (
+        *judged("string", "", partial(string_frequencies, SPEED, _N_MODES), work=0.0),
+        *galerkin("one element", lambda _: (1.0,), _ORDERS),
+        *galerkin("thin end elements", partial(widths_for, beam), thin),
+        *judged(
+            "Chebyshev series", "order {}", chebyshev, over=_CHEBYSHEV_ORDERS, work=lambda _, order: order - 3
+        ),
+    )
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:

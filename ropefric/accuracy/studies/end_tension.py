@@ -32,9 +32,7 @@ EXPONENTIAL = (-0.11583262364226936619, 0.63599172530242845292, 1.41755272401623
                2.6391224322449871322, 2.9444429185812412516, 3.1780540863559743644, 3.3672958473777681421)  # fmt: skip
 
 _HALVINGS = (5, 10, 15, 20, 25, 30, 40, 50, 60, 80, 100)
-_QUICK_HALVINGS = {10, 20, 40, 80}
 _STEPS = (1, 2, 3, 4, 5, 6, 8, 12)
-_QUICK_STEPS = {2, 4, 8}
 
 
 def bisection(values: Values, upper: FloatArray, n: int) -> FloatArray:
@@ -89,6 +87,11 @@ def _steps_to_stop(y: FloatArray, b: float) -> float:
     return float(steps)
 
 
+def _own(_answer: FloatArray, n: float) -> float:
+    """Return the work of n steps of a method that evaluates G in its own way."""
+    return n
+
+
 def omega(y: FloatArray) -> FloatArray:
     """Return ln φ0 of μ = 0.1 e^{−0.5 φ} + 0.2 by Wright's omega function, without a step of iteration."""
     shifted = y + A_EXP / B_EXP
@@ -110,16 +113,12 @@ def _error_of_angle(answer: npt.ArrayLike, reference: npt.ArrayLike) -> float:
 
 def _iterated(values: Values, upper: FloatArray, exact: FloatArray) -> tuple[Setting, ...]:
     judged = partial(against, exact, work="calls", error=_error_of_angle)
-    ways = (("bisection", "halvings", bisection, _HALVINGS, _QUICK_HALVINGS),
-            ("Newton in φ", "steps", newton, _STEPS, _QUICK_STEPS))  # fmt: skip
-    return tuple(
-        judged(name, f"{n} {what}", partial(solve, upper=upper, n=n), values, quick=n in quick)
-        for name, what, solve, counts, quick in ways
-        for n in counts
+    return (
+        *judged("bisection", "{} halvings", lambda n, at: bisection(at, upper, n), values, over=_HALVINGS),
+        *judged("Newton in φ", "{} steps", lambda n, at: newton(at, upper, n), values, over=_STEPS),
     )
 
 
-# Methods below evaluate G in their own way, so that their work is given and not counted.
 def _power_settings(b: float) -> tuple[Setting, ...]:
     y, exact = (np.tile(np.array(values), COPIES) for values in (LOG_TENSION, POWER[b]))
     s = b + 1.0
@@ -134,12 +133,9 @@ def _power_settings(b: float) -> tuple[Setting, ...]:
 
     return (
         *_iterated(values, upper, exact),
-        *(
-            judged("Newton in ln φ", f"{n} steps", partial(log_newton, y, b, n), work=n, quick=n in _QUICK_STEPS)
-            for n in _STEPS
-        ),
-        judged("ropefric", "", partial(power_log_start, y, A, b, C), work=_steps_to_stop(y, b)),
-    )  # fmt: skip
+        *judged("Newton in ln φ", "{} steps", partial(log_newton, y, b), over=_STEPS, work=_own),
+        *judged("ropefric", "", partial(power_log_start, y, A, b, C), work=_steps_to_stop(y, b)),
+    )
 
 
 def _exponential_settings() -> tuple[Setting, ...]:
@@ -154,15 +150,15 @@ def _exponential_settings() -> tuple[Setting, ...]:
 
     return (
         *_iterated(values, y / C_EXP, exact),
-        judged("Wright omega", "alone", partial(omega, y), work=0.0),
-        *(
-            judged(
-                "Wright omega", text, partial(lambda n: newton(values, np.exp(omega(y)), n), n), work=float(n)
-            )
-            for n, text in ((1, "1 step"), (2, "2 steps"))
+        *judged("Wright omega", "alone", partial(omega, y), work=0.0),
+        *judged(
+            "Wright omega", "{} step", lambda n: newton(values, np.exp(omega(y)), n), over=(1,), work=_own
+        ),
+        *judged(
+            "Wright omega", "{} steps", lambda n: newton(values, np.exp(omega(y)), n), over=(2,), work=_own
         ),
         # One step from there moves φ0 by less than the library's 1e-9, where it stops.
-        judged("ropefric", "", house, work=1.0),
+        *judged("ropefric", "", house, work=1.0),
     )
 
 

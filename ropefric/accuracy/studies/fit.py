@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, largest_error
+from ropefric.accuracy.study import Case, Setting, Study, against, largest_error
 from ropefric.arrays import FloatArray
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
@@ -27,7 +27,6 @@ _N_POINTS = 12
 # Data of so many decimals are the same on every processor, whatever its last bits of sine and logarithm.
 _DECIMALS = 6
 _TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-15)
-_QUICK_TOLERANCES = {1e-3, 1e-6, 1e-12}
 
 
 @cache
@@ -58,36 +57,22 @@ def fitting_problem(case: str) -> FitProblem:
 def _settings(case: str) -> tuple[Setting, ...]:
     problem, exact = fitting_problem(case), BEST[case]
 
-    def by_scipy(residuals: Any, slopes: Any = None, *, jacobian: Any = "", tolerance: float) -> FloatArray:
+    def by_scipy(tolerance: float, residuals: Any, slopes: Any = None, *, jacobian: Any = "") -> FloatArray:
         found = least_squares(
             residuals, problem.start, jac=slopes or jacobian, bounds=(problem.lower, problem.upper), x_scale="jac",
             ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=500,
         )  # fmt: skip
         return np.asarray(found.x)
 
-    def batched(tolerance: float) -> Setting:
-        def assess() -> Outcome:
-            found = batched_fit(problem, tolerance=tolerance)
-            return Outcome(
-                error=largest_error(found.theta[0], exact), evaluations=float(found.n_iterations + 1)
-            )
-
-        call = partial(batched_fit, problem, tolerance=tolerance)
-        return Setting(
-            "ropefric, batched", f"tolerance {tolerance:g}", call, assess, tolerance in _QUICK_TOLERANCES
-        )
-
-    ways = {"2-point": (problem.residuals,), "3-point": (problem.residuals,),
-            "analytic": (problem.residuals, problem.jacobian)}  # fmt: skip
-    judged = partial(against, exact, work="calls")
+    judged = partial(against, exact, over=_TOLERANCES, work="calls")
+    label, residuals = "tolerance {:g}", problem.residuals
     return (
-        *(
-            judged(f"{way} Jacobian", f"tolerance {tolerance:g}", partial(by_scipy, jacobian=way, tolerance=tolerance),
-                   *functions, quick=tolerance in _QUICK_TOLERANCES)
-            for way, functions in ways.items()
-            for tolerance in _TOLERANCES
-        ),
-        *(batched(tolerance) for tolerance in _TOLERANCES),
+        *judged("2-point Jacobian", label, partial(by_scipy, jacobian="2-point"), residuals),
+        *judged("3-point Jacobian", label, partial(by_scipy, jacobian="3-point"), residuals),
+        *judged("analytic Jacobian", label, by_scipy, residuals, problem.jacobian),
+        *judged("ropefric, batched", label, lambda tolerance: batched_fit(problem, tolerance=tolerance),
+                error=lambda found, best: largest_error(found.theta[0], best),
+                work=lambda found, _: found.n_iterations + 1),
     )  # fmt: skip
 
 

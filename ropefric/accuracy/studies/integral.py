@@ -11,25 +11,16 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import quad
 
-from ropefric.accuracy.study import (
-    ACCURACIES,
-    Case,
-    Measured,
-    Setting,
-    Study,
-    against,
-    cheapest,
-    in_case,
-    time_text,
-)
+from ropefric.accuracy import study
+from ropefric.accuracy.study import Case, Measured, Setting, Study, against
 from ropefric.arrays import FloatArray
-from ropefric.friction.integral import power_integral, power_span
+from ropefric.friction.integral import PowerSpan, power_integral
 
 CLOSED = ("closed form", "closed form, stable", "closed form, textbook")
 """The library's function, its formula without the checks of its input, and the difference of two powers."""
 
-_DEMANDING = tuple(accuracy for accuracy in ACCURACIES if accuracy < 2e-6)
-_TIGHTEST = ACCURACIES[-1]
+_DEMANDING = tuple(accuracy for accuracy in study.ACCURACIES if accuracy < 2e-6)
+_TIGHTEST = study.ACCURACIES[-1]
 _ASKED = (1e-2, 1e-6, 1e-12)
 _MANY = 10_000
 
@@ -48,9 +39,7 @@ NEAR_MINUS_ONE = 2.7697142691114408804
 SHORT_WRAP = 1.6324555162222883729e-7
 
 _PIECES = tuple(2**k for k in range(1, 15))
-_QUICK_PIECES = {4, 32, 256, 2048}
 _ORDERS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64)
-_QUICK_ORDERS = {2, 4, 8, 16, 32}
 _MOST_PIECES = 64
 """Of many conditions, and of a wrap so short that two pieces are exact."""
 
@@ -116,7 +105,7 @@ def _difference(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
 
 def _unchecked(p: FloatArray, delta: FloatArray, b: float) -> FloatArray:
     with np.errstate(divide="ignore"):
-        return A * power_span(np.log(p), delta, b).integral() + C * delta
+        return A * PowerSpan(np.log(p), delta, b).integral() + C * delta
 
 
 def _settings(
@@ -133,31 +122,29 @@ def _settings(
         return float(A * phi**b + C)
 
     judged = partial(against, exact)
-    rules = {"segment sum": segment_sum, "trapezoid": trapezoid, "simpson": simpson}
+
+    def by(rule: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+        return lambda n, function: rule(function, p, delta, n)
+
+    pieces = [n for n in _PIECES if n <= most_pieces]
+    tolerances = (1e-4, 1e-8, 1e-12) if copies == 1 else (1e-8,)
     return (
-        *(
-            judged(name, f"{n} pieces", partial(rule, start=p, wrap=delta, n=n), mu, quick=n in _QUICK_PIECES)
-            for name, rule in rules.items() for n in _PIECES if n <= most_pieces
+        *judged("segment sum", "{} pieces", by(segment_sum), mu, over=pieces),
+        *judged("trapezoid", "{} pieces", by(trapezoid), mu, over=pieces),
+        *judged("simpson", "{} pieces", by(simpson), mu, over=pieces),
+        *judged("gauss-legendre", "{} points", by(gauss_legendre), mu, over=_ORDERS),
+        *judged(
+            "adaptive quad", "tolerance {:g}", by(adaptive), float_mu, over=tolerances, quick=copies == 1
         ),
-        *(
-            judged("gauss-legendre", f"{n} points", partial(gauss_legendre, start=p, wrap=delta, n=n), mu,
-                   quick=n in _QUICK_ORDERS)
-            for n in _ORDERS
-        ),
-        *(
-            judged("adaptive quad", f"tolerance {one:g}", partial(adaptive, start=p, wrap=delta, tolerance=one),
-                   float_mu, quick=copies == 1)
-            for one in ((1e-4, 1e-8, 1e-12) if copies == 1 else (1e-8,))
-        ),
-        judged("closed form, textbook", "", partial(_difference, p, delta, b)),
-        judged("closed form, stable", "", partial(_unchecked, p, delta, b)),
-        judged("closed form", "", partial(power_integral, delta, A, b, C, start_rad=p)),
-    )  # fmt: skip
+        *judged("closed form, textbook", "", partial(_difference, p, delta, b)),
+        *judged("closed form, stable", "", partial(_unchecked, p, delta, b)),
+        *judged("closed form", "", partial(power_integral, delta, A, b, C, start_rad=p)),
+    )
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     """Whether a closed form is the fastest at every accuracy from 1e-6 down, case by case, and what else is."""
-    cases = {case: in_case(points, case) for case in dict.fromkeys(point.case for point in points)}
+    cases = study.by_case(points)
     sentences = [
         _of_case(case, here) for case, here in cases.items() if any(p.method in CLOSED for p in here)
     ]
@@ -166,7 +153,7 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
         where = " and ".join(f"{point.error:.0e} in {point.case}" for point in bad)
         worst = max(point.error for point in points if point.method == CLOSED[0])
         sentences.append(
-            "The textbook's difference of two powers is the cheapest closed form and loses digits: it is off by "
+            "The textbook's difference of two powers is the study.cheapest closed form and loses digits: it is off by "
             f"{where}. The stable form is never off by more than {worst:.0e}; for one condition, the checks of the "
             "input cost more than the formula."
         )
@@ -175,7 +162,7 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
 
 def _of_case(case: str, points: tuple[Measured, ...]) -> str:
     closed = [point for point in points if point.method in CLOSED]
-    winners = [best for accuracy in _DEMANDING if (best := cheapest(points, accuracy)) is not None]
+    winners = [best for accuracy in _DEMANDING if (best := study.cheapest(points, accuracy)) is not None]
     rivals = list(dict.fromkeys(best.name for best in winners if best.method not in CLOSED))
     verdict = "a closed form is the fastest at every accuracy from 1e-6 down"
     if rivals:
@@ -184,11 +171,11 @@ def _of_case(case: str, points: tuple[Measured, ...]) -> str:
             f"the closed form is not the fastest at every accuracy from 1e-6 down, {', '.join(rivals)} is faster "
             f"where {first.name} is not accurate enough"
         )
-    times = ", ".join(f"{time_text(p.seconds)} ({p.method}, error {p.shown_error:.0e})" for p in closed)
-    rule = cheapest([point for point in points if point.method not in CLOSED], _TIGHTEST)
+    times = ", ".join(f"{study.time_text(p.seconds)} ({p.method}, error {p.shown_error:.0e})" for p in closed)
+    rule = study.cheapest([point for point in points if point.method not in CLOSED], _TIGHTEST)
     best_rule = f"no rule reaches {_TIGHTEST:.0e}"
     if rule is not None:
-        best_rule = f"the fastest rule to {_TIGHTEST:.0e} is {rule.name} in {time_text(rule.seconds)}"
+        best_rule = f"the fastest rule to {_TIGHTEST:.0e} is {rule.name} in {study.time_text(rule.seconds)}"
     return f"{case}: {verdict}: {times}; {best_rule}."
 
 
@@ -197,13 +184,13 @@ def _one_against_many(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]
     lines = []
     for method in (*CLOSED, "gauss-legendre"):
         alone, batch = (
-            cheapest([p for p in cases.get(case, ()) if p.method == method], _TIGHTEST)
+            study.cheapest([p for p in cases.get(case, ()) if p.method == method], _TIGHTEST)
             for case in ("regular", "many")
         )
         if alone is not None and batch is not None:
             other = "" if batch.setting == alone.setting else f" ({batch.setting})"
-            each = time_text(batch.seconds / _MANY)
-            lines.append(f"{alone.name} {time_text(alone.seconds)} alone, {each} in a batch{other}")
+            each = study.time_text(batch.seconds / _MANY)
+            lines.append(f"{alone.name} {study.time_text(alone.seconds)} alone, {each} in a batch{other}")
     if not lines:
         return ()
     why = "Alone, the calls of numpy are paid for, and a rule with fewer of them wins; in a batch, the arithmetic is."
@@ -216,10 +203,14 @@ def _of_the_hoist(cases: dict[str, tuple[Measured, ...]]) -> tuple[str, ...]:
     for case, what in (("regular", "one condition"), ("many", f"{_MANY:,} conditions".replace(",", " "))):
         own = next((point for point in cases.get(case, ()) if point.method == CLOSED[0]), None)
         rules = [point for point in cases.get(case, ()) if point.method not in CLOSED]
-        pairs = [(a, rule) for a in _ASKED if (rule := cheapest(rules, a)) is not None]
+        pairs = [(a, rule) for a in _ASKED if (rule := study.cheapest(rules, a)) is not None]
         if own is not None and pairs:
-            rivals = ", ".join(f"{time_text(rule.seconds)} to {a:.0e} ({rule.name})" for a, rule in pairs)
-            parts.append(f"for {what} {time_text(own.seconds)} to {own.shown_error:.0e}, against {rivals}")
+            rivals = ", ".join(
+                f"{study.time_text(rule.seconds)} to {a:.0e} ({rule.name})" for a, rule in pairs
+            )
+            parts.append(
+                f"for {what} {study.time_text(own.seconds)} to {own.shown_error:.0e}, against {rivals}"
+            )
     return (f"A hoist's plan takes the closed form at every accuracy: {'; '.join(parts)}.",) if parts else ()
 
 

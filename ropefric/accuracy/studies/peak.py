@@ -5,7 +5,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case, over_seeds
+from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, by_case, over_seeds
 from ropefric.rig.bench import Bench
 from ropefric.rig.recording import simulate_recording
 from ropefric.traces.breakaway import PickSettings
@@ -21,7 +21,6 @@ IDLE_S = 0.25
 _SAMPLES = (3, 5, 7, 11, 15, 21, 31, 61, 121, 301)
 _ONE_SIDED = 0.5
 """Of the scatter: a bias beyond it is no chance of forty recordings."""
-_QUICK_SAMPLES = {5, 15, 31, 121}
 
 
 @cache
@@ -49,7 +48,7 @@ def _settings(noise_counts: tuple[float, float]) -> tuple[Setting, ...]:
         def assess() -> Outcome:
             return over_seeds([pick(trace) / LIFT_N - 1.0 for trace in traces], size)
 
-        name, quick = f"{n_window} samples" if n_window else "", n_window in {0, *_QUICK_SAMPLES}
+        name, quick = f"{n_window} samples" if n_window else "", n_window in {0, *_SAMPLES[1::3]}
         return Setting(method, name, partial(pick, traces[0]), assess, quick)
 
     def highest_average(n_window: int, trace: ForceTrace) -> float:  # the way of the paper
@@ -65,8 +64,7 @@ def _settings(noise_counts: tuple[float, float]) -> tuple[Setting, ...]:
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     lines = []
-    for case in dict.fromkeys(point.case for point in points):
-        here = in_case(points, case)
+    for case, here in by_case(points).items():
         averages = [point for point in here if point.method == "moving average"]
         best, longest = min(averages, key=lambda point: point.error), averages[-1]
         others = [f"{point.method} {_percent(point)}" for point in here if point not in averages]

@@ -1,14 +1,13 @@
 """Scenes: what leaving effects out saves and costs, against simulating all of them."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from ropefric.accuracy.studies.press_transient import SPEED_M_S, machine
-from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case, time_text
+from ropefric.accuracy.study import Case, Measured, Setting, Study, against, by_case, time_text
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import Plan, make_plan
@@ -26,86 +25,57 @@ N_SWEEP = 8
 """Preloads of the sweep."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Planned:
-    """A machine to be planned and solved."""
-
-    system: System[Any, Any, Any]
-    problem: Callable[[], Any]
-    title: str
+def _each(**numbers: float) -> dict[str, Any]:
+    """Return numbers of one machine as arrays."""
+    return {name: np.array([value]) for name, value in numbers.items()}
 
 
-def _hoist() -> HoistProblem:
-    """Return a rope that climbs, runs, hangs and is a little stiff: all six effects have something to say."""
-    law = ALL_LAWS["coupled"]
-    rope = WrapFriction(
-        law=law,
-        theta=law.theta_from({"mu_inf": 0.46, "a": -0.22, "b": -0.3, "c": -0.48, "d": 0.055}),
+# A rope that climbs, runs, hangs and is a little stiff: all six effects have something to say.
+_HOIST = HoistProblem(
+    friction=WrapFriction(
+        law=ALL_LAWS["coupled"],
+        theta=np.array([0.46, -0.22, -0.3, -0.48, 0.055]),
         reference=one_condition(0.035, 0.0049, 5.4, 32.0),
-    )
-    return HoistProblem(
-        friction=rope,
-        wheel_radius_m=np.array([0.04]),
-        rope_radius_m=np.array([0.0049]),
-        wrap_angle_rad=np.array([5.0 * np.pi]),
-        end_tension_N=np.array([80.0]),
-        speed_m_s=np.array([0.3]),
-        linear_density_kg_m=np.array([0.062]),
-        hanging_length_m=np.array([25.0]),
-        bending_stiffness_N_m2=np.array([1e-4]),
-    )
-
-
-def _saw(preload_N: np.ndarray) -> SawProblem:
-    return SawProblem(
-        free_span_m=np.array([1.6]),
-        linear_density_kg_m=np.array([STEEL_85_09.linear_density_kg_m]),
-        preload_N=preload_N,
-        n_modes=3,
-        wheel_radius_m=np.array([0.35]),
-        wheel_speed_rad_s=np.array([100.0]),
-        tension_difference_N=np.array([211.0]),
-        mounting_factor=np.array([0.1]),
-        bending_stiffness_N_m2=np.array([STEEL_85_09.bending_stiffness_N_m2]),
-        section=STEEL_85_09,
-    )
-
-
-def _press() -> PressProblem:
-    return PressProblem(
-        press=machine(2e6, 1e-3),
-        closure="share",
-        friction=WrapFriction.constant(0.9),
-        speed_m_s=np.array([SPEED_M_S]),
-        load_factor=np.array([1.0]),
-    )
-
-
-PROBLEMS = {
-    "hoist": Planned(
+    ),
+    **_each(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=5.0 * np.pi, end_tension_N=80.0),
+    **_each(speed_m_s=0.3, linear_density_kg_m=0.062, hanging_length_m=25.0, bending_stiffness_N_m2=1e-4),
+)
+_SAW = SawProblem(
+    n_modes=3,
+    section=STEEL_85_09,
+    **_each(free_span_m=1.6, preload_N=12_000.0, tension_difference_N=211.0, mounting_factor=0.1),
+    **_each(wheel_radius_m=0.35, wheel_speed_rad_s=100.0),
+    **_each(
+        linear_density_kg_m=STEEL_85_09.linear_density_kg_m,
+        bending_stiffness_N_m2=STEEL_85_09.bending_stiffness_N_m2,
+    ),
+)
+_PRESS = PressProblem(
+    press=machine(2e6, 1e-3),
+    closure="share",
+    friction=WrapFriction.constant(0.9),
+    **_each(speed_m_s=SPEED_M_S, load_factor=1.0),
+)
+PROBLEMS: dict[str, tuple[System[Any, Any, Any], Any, str]] = {
+    "hoist": (
         replace(HOIST, solved_whole=False),  # what a plan of it would be like, were it made
-        _hoist,
+        _HOIST,
         "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
     ),
-    "saw": Planned(
+    "saw": (SAW, _SAW, "a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side"),
+    "saw-sweep": (
         SAW,
-        lambda: _saw(np.array([12_000.0])),
-        "a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side",
-    ),
-    "saw-sweep": Planned(
-        SAW,
-        lambda: _saw(np.linspace(8_000.0, 16_000.0, N_SWEEP)),
+        replace(_SAW, preload_N=np.linspace(8_000.0, 16_000.0, N_SWEEP)),
         f"the same blade at {N_SWEEP} preloads from 8 to 16 kN, planned once and solved in one call",
     ),
-    "press": Planned(PRESS, _press, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
+    "press": (PRESS, _PRESS, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
 }
-"""By the name of their case."""
-
+"""By the name of their case: the system, a machine to be planned and solved, and what it is."""
 
 ACCURACIES_WANTED = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 
-_QUICK = {0.3, 1e-2, 1e-6}
-_QUICK_PLANS = {("hoist", 1e-2), ("saw", 1e-2), ("saw-sweep", 0.1), ("press", 1e-2)}
+_PLANNED = {"hoist": 1e-2, "saw": 1e-2, "saw-sweep": 0.1, "press": 1e-2}
+"""The accuracy for which a quick look makes a plan."""
 _REFERENCE_BUDGET = 1e-14
 _NO_ERROR = 1e-15
 _A_SAVING = 0.25
@@ -116,35 +86,23 @@ _PLAN, _KEPT, _ALL, _NONE = "plan and solve", "plan at hand", "all effects", "no
 @cache
 def planned(case: str, accuracy: float, effects: str = "auto") -> tuple[Plan, Any]:
     """Return the plan of a case and the model assembled to it."""
-    return make_plan(PROBLEMS[case].system, _problem(case), accuracy=accuracy, effects=effects)
-
-
-@cache
-def _problem(case: str) -> Any:
-    return PROBLEMS[case].problem()
+    system, problem, _ = PROBLEMS[case]
+    return make_plan(system, problem, accuracy=accuracy, effects=effects)
 
 
 @cache
 def _reference(case: str) -> Any:
     """Return the answer with all effects by the finest method of the system."""
-    system = PROBLEMS[case].system
-    _, model = planned(case, 1.0, "all")
+    system, model = PROBLEMS[case][0], planned(case, 1.0, "all")[1]
     return system.solve(model, system.method(model, _REFERENCE_BUDGET))
 
 
 def _settings(case: str) -> tuple[Setting, ...]:
-    system, problem = PROBLEMS[case].system, _problem(case)
+    system, problem, _ = PROBLEMS[case]
 
-    def setting(
-        method: str, wanted: float, call: Callable[[], object], effects: str, *, quick: bool
-    ) -> Setting:
-        def assess() -> Outcome:
-            count = len(planned(case, wanted, effects)[0].simulated) if effects else 0
-            return Outcome(error=float(system.distance(call(), _reference(case))), evaluations=float(count))
+    judged = partial(against, _reference(case), error=system.distance)
 
-        return Setting(method, f"accuracy {wanted:g}" if wanted else "", call, assess, quick)
-
-    def solve(accuracy: float, effects: str) -> object:
+    def solve(accuracy: float, effects: str = "auto") -> object:
         plan, model = planned(case, accuracy, effects)
         return system.solve(model, plan.method)
 
@@ -152,19 +110,20 @@ def _settings(case: str) -> tuple[Setting, ...]:
         plan, model = make_plan(system, problem, accuracy=accuracy, effects="auto")
         return system.solve(model, plan.method)
 
-    bare = system.bare(problem)
-    made = [setting(_NONE, 0.0, lambda: system.solve(bare, system.method(bare, 1.0)), "", quick=True)]
-    for wanted in ACCURACIES_WANTED:
-        kept, fresh = partial(solve, wanted, "auto"), partial(plan_and_solve, wanted)
-        made += [
-            setting(_KEPT, wanted, kept, "auto", quick=wanted in _QUICK),
-            setting(_PLAN, wanted, fresh, "auto", quick=(case, wanted) in _QUICK_PLANS),
-        ]
-    roughest = _roughest(case)
-    for place, wanted in enumerate(roughest):
-        whole = setting(_ALL, wanted, partial(solve, wanted, "all"), "all", quick=place in {0, 2})
-        made.append(whole if len(roughest) > 1 else replace(whole, setting=""))
-    return tuple(made)
+    def count(_answer: object, accuracy: float, effects: str = "auto") -> float:
+        return len(planned(case, accuracy, effects)[0].simulated)
+
+    bare, roughest = system.bare(problem), _roughest(case)
+    label = "accuracy {:g}" if len(roughest) > 1 else ""
+    whole, all_of = partial(solve, effects="all"), partial(count, effects="all")
+    return (
+        *judged(_NONE, "", lambda: system.solve(bare, system.method(bare, 1.0)), work=0.0),
+        *judged(_KEPT, "accuracy {:g}", solve, over=ACCURACIES_WANTED, work=count),
+        *judged(
+            _PLAN, "accuracy {:g}", plan_and_solve, over=ACCURACIES_WANTED, work=count, quick={_PLANNED[case]}
+        ),
+        *judged(_ALL, label, whole, over=roughest, work=all_of, quick=roughest[:3:2]),
+    )
 
 
 def _roughest(case: str) -> tuple[float, ...]:
@@ -179,8 +138,8 @@ def _roughest(case: str) -> tuple[float, ...]:
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     return tuple(
         sentence
-        for case in dict.fromkeys(point.case for point in points)
-        for sentence in (_left_out(case, in_case(points, case)), _worth(case, in_case(points, case)))
+        for case, here in by_case(points).items()
+        for sentence in (_left_out(case, here), _worth(case, here))
         if sentence
     )
 
@@ -238,6 +197,6 @@ STUDY = Study(
     reference="all effects, by the system's finest method; the tests hold it against other solutions",
     counted="effects in the model",
     used="plan and solve",
-    cases=tuple(Case(name, one.title, partial(_settings, name)) for name, one in PROBLEMS.items()),
+    cases=tuple(Case(name, title, partial(_settings, name)) for name, (_, _, title) in PROBLEMS.items()),
     findings=_findings,
 )

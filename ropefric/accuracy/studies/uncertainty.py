@@ -29,7 +29,6 @@ N_SEEDS = 12
 _FACTOR = float(ndtri(0.5 + 0.5 * LEVEL))
 
 _COUNTS = (100, 300, 1000, 3000, 10_000, 30_000)
-_QUICK_COUNTS = {100, 1000}
 _SCATTER = {"constant": 0.02, "thickness": 0.4}
 _TRUTH = {"constant": 0.2, "thickness": 0.5}
 
@@ -117,12 +116,12 @@ def _settings(law: str) -> tuple[Setting, ...]:
             errors = [solve(n, seed) / exact - 1.0 for seed in range(N_SEEDS)]
             return over_seeds(np.concatenate(errors), float(n))
 
-        return Setting(method, f"n = {n}", partial(solve, n, 0), assess, n in _QUICK_COUNTS)
+        return Setting(method, f"n = {n}", partial(solve, n, 0), assess, n in _COUNTS[:3:2])
 
     n_profile = profile_intervals(problem, theta, level=LEVEL, absolute_std=True).n_fits
     return (
-        against(exact, "covariance", "", by_covariance, work=1.0),
-        against(exact, "profile", "", by_profile, work=n_profile),
+        *against(exact, "covariance", "", by_covariance, work=1.0),
+        *against(exact, "profile", "", by_profile, work=n_profile),
         *(drawn("bootstrap", by_bootstrap, n) for n in _COUNTS),
         *(drawn("monte carlo", by_draws, n) for n in _COUNTS),
     )

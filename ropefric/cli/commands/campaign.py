@@ -9,30 +9,26 @@ from typing import TYPE_CHECKING
 
 from typer import Argument, BadParameter, Option
 
-from ropefric.cli.options import (
-    Answer,
-    Cache,
-    CampaignArgument,
-    Force,
-    Jobs,
-    campaign_file,
-    command,
-    exit_code_of,
-    folder_option,
-    lend_fonts_a_place,
-    parse_jobs,
-    written_to,
-)
-from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.cli import options
+from ropefric.cli.lazily import on_first_use
+from ropefric.cli.options import Answer, Force, command, exit_code_of, out_folder
+from ropefric.cli.output import Console, Output, Progress, make_table, number
 from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
-if TYPE_CHECKING:
-    from rich.console import Console
+with on_first_use():
+    from ropefric.files import folder as folders
+    from ropefric.friction import laws
+    from ropefric.pipeline import provenance
+    from ropefric.pipeline import run as pipeline
+    from ropefric.report import campaign as pages
+    from ropefric.traces import breakaway
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import campaign_model, result, workers
+    from ropefric.trials import extract as extracting
 
-    from ropefric.files.folder import Folder
-    from ropefric.trials.campaign_model import Campaign
-    from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 
 SERIAL_FIGURES = 8
@@ -40,18 +36,18 @@ SERIAL_FIGURES = 8
 MAX_ALIKE = 3
 """Problems of one code that are said in full; the others are counted."""
 # The advice for these says something about the measurement; an unreadable file has advice of its own.
-_ADVISED = ("no-breakaway", "no-peak", "saturated", "too-short")
+_ADVISED = ("doubtful", "no-breakaway", "no-peak", "saturated", "too-short")
 
 
 @command("ropefric extract data/prth-bench/campaign.toml --out out", order=50)
 def extract(
     out: Output,
-    campaign: CampaignArgument,
+    campaign: options.CampaignArgument,
     *,
-    folder: Path = folder_option(Path("out"), "--out", "-o", help="Where tables and figures go."),
-    jobs: Jobs = "auto",
+    folder: Path = out_folder("Where tables and figures go.", Path("out")),
+    jobs: options.Jobs = "auto",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
-    cache: Cache = True,
+    cache: options.Cache = True,
     force: Force = False,
 ) -> Answer:
     """Find the break-away force of every recording, reject outliers, and write tables and figures.
@@ -59,31 +55,26 @@ def extract(
     Writes trials.csv (a row a recording), conditions.csv (a row a condition), problems.csv and, in figures/,
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
-    from ropefric.pipeline.run import campaign_folder  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
-    from ropefric.trials.extract import extract_campaign  # noqa: PLC0415
-    from ropefric.trials.result import no_force, write_tables  # noqa: PLC0415
-
-    campaign = campaign_file(campaign)
-    loaded = load_campaign(campaign, missing_recordings="flag")
-    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    campaign = options.campaign_file(campaign)
+    loaded = campaigns.load_campaign(campaign, missing_recordings="flag")
+    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     cache_folder = folder / ".cache" if cache else None
     # Before the work, so that a folder that cannot be used costs nothing.
-    lend_fonts_a_place(folder)
-    target = campaign_folder(loaded, folder, answers=False, force=force)
+    options.lend_fonts_a_place(folder)
+    target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
         with Progress(out, "extract") as progress:
-            extraction = extract_campaign(
+            extraction = extracting.extract_campaign(
                 loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
             )
-        write_tables(extraction, target)
+        result.write_tables(extraction, target)
         target.publish("tables")
         if figures:
-            start_figures(extraction, target, n_jobs, out, stack)()
+            start_figures(extraction, target, out, drawing_pool(extraction, n_jobs, stack))()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
-    if (error := no_force(extraction, campaign)) is not None:
+    if (error := result.no_force(extraction, campaign)) is not None:
         if not out.json:
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
@@ -101,22 +92,24 @@ def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[Non
         raise
 
 
+def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
+    """Return processes to draw the figures in, which live as long as `stack`; None where it does not pay."""
+    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (quick start-up)
+
+    if n_jobs == 1 or len(extraction.conditions) < SERIAL_FIGURES:
+        return None
+    # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
+    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
+    stack.callback(executor.shutdown, cancel_futures=True)
+    return executor
+
+
 def start_figures(
-    extraction: "Extraction", folder: "Folder", n_jobs: int, out: Output, stack: ExitStack
-) -> "Callable[[], None]":
-    """Begin to draw one figure per condition; return what waits for them, writes and publishes them.
+    extraction: "result.Extraction", folder: "folders.Folder", out: Output, executor: "Executor | None"
+) -> Callable[[], None]:
+    """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
+    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    Where it pays they are drawn in processes that live as long as `stack`; else by what is returned.
-    """
-    from concurrent.futures import ProcessPoolExecutor  # noqa: PLC0415  (these: quick start-up)
-
-    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415
-
-    executor = None
-    if n_jobs > 1 and len(extraction.conditions) >= SERIAL_FIGURES:
-        # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
-        executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
-        stack.callback(executor.shutdown, cancel_futures=True)
     write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
 
     def finish() -> None:
@@ -128,20 +121,16 @@ def start_figures(
 
 
 def _work_quietly() -> None:
-    from ropefric.trials.workers import become_expendable  # noqa: PLC0415  (quick start-up)
-
-    become_expendable()
+    workers.become_expendable()
     # What matplotlib tells of its fonts and folders is for no reader of ours.
     logging.getLogger().addHandler(logging.NullHandler())
 
 
-def say_problems(extraction: "Extraction", folder: Path, out: Output) -> None:
+def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> None:
     """Say what was wrong or doubtful beside the recordings that the summary lists, and what became of the trials.
 
     Many problems of one kind are said a few times and then counted.
     """
-    from ropefric.trials.result import count_trials, outcome_words  # noqa: PLC0415  (quick start-up)
-
     listed = {problem for trial in _without_force(extraction) for problem in trial.problems}
     by_code: dict[str, list[Problem]] = {}
     for problem in extraction.problems:
@@ -159,64 +148,53 @@ def say_problems(extraction: "Extraction", folder: Path, out: Output) -> None:
     what = counted(len(trials), "trial")
     if n_recordings != len(trials):
         what += f" in {counted(n_recordings, 'recording')}"
-    counts = outcome_words(count_trials(extraction))
+    counts = result.outcome_words(result.count_trials(extraction))
     reused = f" ({extraction.n_reused} unchanged, not extracted again)" if extraction.n_reused else ""
     out.note(f"{what}: {counts}{reused} → {folder / 'problems.csv'}")
 
 
-def _show(extraction: "Extraction", console: "Console") -> None:
+def _show(extraction: "result.Extraction", console: Console) -> None:
     """Print a row a condition, then the recordings without a usable force and what to do about them."""
-    from ropefric.traces.breakaway import ADVICE  # noqa: PLC0415  (quick start-up)
-    from ropefric.trials.result import alike  # noqa: PLC0415
-
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
-    names = (
-        "R_w [mm]",
-        "φ [deg]",
-        f"{known} [N]",
-        "trials",
-        "kept",
-        f"mean {measured} [N]",
-        "s [N]",
-        "rejected ",
-    )
-    rows = [_condition_row(condition, slack=slack) for condition in extraction.conditions]
-    console.print(make_table(names, rows, left=0))
+    columns: dict[str, Callable[[result.ConditionSummary], str]] = {
+        "R_w [mm]": lambda of: number(1e3 * of.wheel_radius_m),
+        "φ [deg]": lambda of: number(math.degrees(of.wrap_angle_rad)),
+        f"{known} [N]": lambda of: number(of.lift_force_N if slack else of.end_tension_N),
+        "trials": lambda of: str(of.n_recorded),
+        "kept": lambda of: str(of.n_kept),
+        f"mean {measured} [N]": lambda of: number(of.mean_kept_N),
+        "s [N]": lambda of: number(of.std_kept_N, ".2g"),
+        "mean kinetic [N]": lambda of: number(of.of_kept.get("kinetic_N", (math.nan,))[0]),
+        "rejected ": lambda of: ", ".join(of.rejected),
+    }
+    rows = [[cell(condition) for cell in columns.values()] for condition in extraction.conditions]
+    console.print(make_table(tuple(columns), rows, left=0))
     flagged = _without_force(extraction)
     if not flagged:
         return
     console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials are without a force:\n")
-    rows = [row for group in alike(flagged) for row in _flagged_rows(group)]
-    console.print(make_table(("trial", "status", "why "), rows, left=3))
+    reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
+    console.print(make_table(("trial", "status", "why "), reasons, left=3))
     console.print()
     for status in dict.fromkeys(trial.breakaway.status for trial in flagged):
         if status in _ADVISED:
-            console.print(f"{status}: {ADVICE[status]}", markup=False)
+            console.print(f"{status}: {breakaway.ADVICE[status]}", markup=False)
 
 
-def _without_force(extraction: "Extraction") -> "list[TrialResult]":
-    return [trial for trial in extraction.trials if trial.outcome == "without a force"]
+def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]":
+    """Return the trials without a usable force, first those that a person can decide."""
+    found = [trial for trial in extraction.trials if trial.outcome == "without a force"]
+    return sorted(found, key=lambda trial: trial.breakaway.status != "doubtful")
 
 
-def _condition_row(condition: "ConditionSummary", *, slack: bool) -> tuple[str, ...]:
-    return (
-        number(1e3 * condition.wheel_radius_m),
-        number(math.degrees(condition.wrap_angle_rad)),
-        number(condition.lift_force_N if slack else condition.end_tension_N),
-        str(condition.n_recorded),
-        str(condition.n_kept),
-        number(condition.mean_kept_N),
-        number(condition.std_kept_N, ".2g"),
-        ", ".join(condition.rejected),
-    )
-
-
-def _flagged_rows(group: "Sequence[TrialResult]") -> list[tuple[str, str, str]]:
+def _flagged_rows(group: "Sequence[result.TrialResult]") -> list[tuple[str, str, str]]:
     """Return a row for each of some trials, or one for all where many have one reason."""
     rows = []
     for trial in group if len(group) <= MAX_ALIKE else group[:1]:
         why = trial.breakaway.detail
+        if candidates := trial.measured("candidates"):
+            why += f"; candidates: {candidates}"
         if trial.breakaway.status not in _ADVISED:
             why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
         rows.append((trial.trial, str(trial.breakaway.status), why))
@@ -228,15 +206,15 @@ def _flagged_rows(group: "Sequence[TrialResult]") -> list[tuple[str, str, str]]:
 @command("ropefric run data/prth-bench/campaign.toml --out out", order=60)
 def run(
     out: Output,
-    campaign: CampaignArgument,
+    campaign: options.CampaignArgument,
     *,
-    folder: Path = folder_option(Path("out"), "--out", "-o", help="Where everything is written."),
+    folder: Path = out_folder("Where everything is written.", Path("out")),
     law: str = Option("", help="Use this law, whichever wins."),
-    jobs: Jobs = "auto",
+    jobs: options.Jobs = "auto",
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
-    cache: Cache = True,
+    cache: options.Cache = True,
     force: Force = False,
 ) -> Answer:
     """Do everything: extract the forces, reject outliers, fit and compare all laws, predict the campaign's wheel.
@@ -246,10 +224,8 @@ def run(
     there and no longer fits is removed. Exits with 4 unless the law and its lift force are supported: when the data
     leave two of them undecided, or judge none.
     """
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415  (quick start-up)
-
-    loaded = load_campaign(campaign_file(campaign))
-    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    loaded = campaigns.load_campaign(options.campaign_file(campaign))
+    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"conditions", "report"}) if figures else frozenset()
     return work_through(
         out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing, force=force
@@ -258,7 +234,7 @@ def run(
 
 def work_through(
     out: Output,
-    campaign: "Campaign",
+    campaign: "campaign_model.Campaign",
     folder: Path,
     *,
     law: str = "",
@@ -271,29 +247,27 @@ def work_through(
 
     `law` is the one to use, "" for the best; `drawing` names the figures: those of the "report", those of "conditions".
     """
-    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.pipeline.run import campaign_folder, run_campaign  # noqa: PLC0415
-    from ropefric.report.campaign import summary_sections, write_report  # noqa: PLC0415
-
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
-        ALL_LAWS[law]
+        laws.ALL_LAWS[law]
     cache_dir = folder / ".cache" if cache else None
-    lend_fonts_a_place(folder)
-    target = campaign_folder(campaign, folder, force=force)
+    options.lend_fonts_a_place(folder)
+    target = pipeline.campaign_folder(campaign, folder, force=force)
 
     to_finish: list[Callable[[], None]] = []
+    pool: list[Executor | None] = [None]
 
-    def draw(extraction: "Extraction") -> None:
+    def draw(extraction: "result.Extraction") -> None:
         say_problems(extraction, folder, out)
         if "conditions" in drawing:
             # Other processes draw while this one fits; what is published is one part at a time.
-            to_finish.append(start_figures(extraction, target, n_jobs, out, stack))
+            pool[0] = drawing_pool(extraction, n_jobs, stack)
+            to_finish.append(start_figures(extraction, target, out, pool[0]))
 
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:
             with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
-                result = run_campaign(
+                done = pipeline.run_campaign(
                     campaign,
                     target,
                     law=law,
@@ -308,15 +282,18 @@ def work_through(
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            pages = write_report(result, target, figures="report" in drawing, progress=reporting.update)
+            report_figures, progress = "report" in drawing, reporting.update
+            written = pages.write_report(
+                done, target, figures=report_figures, executor=pool[0], progress=progress
+            )
         target.publish("answer")
         for finish in to_finish:
             finish()
-    said = written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
+    said = options.written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
     return Answer(
-        result.to_dict() | {"written": [*result.written, *pages]},
-        [*summary_sections(result), said],
-        exit_code_of(result.answer.verdict),
+        done.to_dict() | {"written": [*done.written, *written]},
+        [*pages.summary_sections(done), said],
+        exit_code_of(done.answer.verdict),
     )
 
 
@@ -329,11 +306,9 @@ def report(
         help="A folder that `run` wrote, or a campaign: its file or its folder.",
     ),
     *,
-    folder: Path | None = folder_option(
-        None, "--out", "-o", help="Of a campaign: where its results are, or are to be written [out]."
-    ),
+    folder: Path | None = out_folder("Of a campaign: where its results are, or are to be written [out]."),
     law: str = Option("", help="Use this law, whichever wins; by default as in the run before."),
-    jobs: Jobs = "auto",
+    jobs: options.Jobs = "auto",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw the figures of the report."),
     force: Force = False,
 ) -> Answer:
@@ -342,21 +317,18 @@ def report(
     The tables, fits and numbers beside it are brought up to date with it; pictures of single conditions are left as
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
-    from ropefric.pipeline.provenance import MANIFEST, recorded_run  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.campaign import load_campaign  # noqa: PLC0415
-
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
             raise BadParameter("a folder of results is written to itself", param_hint="--out")
-        folder, (campaign, law_before) = source, recorded_run(source)
+        folder, (campaign, law_before) = source, provenance.recorded_run(source)
         law = law or law_before
     else:
-        campaign = campaign_file(source)
+        campaign = options.campaign_file(source)
         folder = folder or Path("out")
-        if not law and (folder / MANIFEST).is_file():
-            before, law_before = recorded_run(folder)
+        if not law and (folder / provenance.MANIFEST).is_file():
+            before, law_before = provenance.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
-    loaded = load_campaign(campaign)
-    n_jobs = parse_jobs(jobs, len(loaded.trials))
+    loaded = campaigns.load_campaign(campaign)
+    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
     return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, force=force)

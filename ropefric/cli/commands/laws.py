@@ -4,80 +4,75 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from typer import Argument, Option
 
-from ropefric.cli.options import (
-    NOT_TRUSTED,
-    Answer,
-    TableArgument,
-    command,
-    exit_code_of,
-    parse_assignments,
-    parse_spans,
-    read_fit,
-    read_table,
-)
-from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.cli import options
+from ropefric.cli.lazily import on_first_use
+from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed
+from ropefric.cli.output import Console, Output, Progress, make_table, number
 
-if TYPE_CHECKING:
-    from rich.console import Console
+with on_first_use():
+    from ropefric.fitting import compare as comparing
+    from ropefric.fitting import diagnose as diagnosing
+    from ropefric.fitting import fit as fitting
+    from ropefric.fitting import intervals as confidence
+    from ropefric.fitting import store
+    from ropefric.report import parts
 
 
 _LARGE = 5_000_000
 """Bytes of a table that takes seconds."""
 
 
+_OF = Option(
+    "peak", metavar="peak|kinetic", help="Fit the break-away force, or the mean force while sliding."
+)
+
+
 @command("ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)
 def fit(
     out: Output,
-    trials: TableArgument,
+    trials: options.TableArgument,
     *,
     law: str = Option(..., help="The friction law: constant, wrap-power, coupled, …"),
-    fix: list[str] | None = Option(None, metavar="NAME=VALUE", help="Hold a parameter; repeatable."),
-    bound: list[str] | None = Option(
-        None, metavar="NAME=LOW:HIGH", help="Bounds of a parameter; repeatable."
-    ),
-    start: list[str] | None = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
+    fix: Words = listed("NAME=VALUE", "Hold a parameter"),
+    bound: Words = listed("NAME=LOW:HIGH", "Bounds of a parameter"),
+    start: Words = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
     intervals: str = Option(
         "covariance", metavar="covariance|profile|bootstrap", help="Where the 95 % intervals come from."
     ),
     loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
     seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
+    of: str = _OF,
     file: Path | None = Option(None, "--out", "-o", metavar="FIT.json", help="Store the fit there."),
-    force: bool = Option(False, "--force", help="Write over a file that is there and is no fit."),
+    force: bool = flag("--force", "Write over a file that is there and is no fit."),
 ) -> Answer:
     """Fit a friction law to a trial table: parameters with 95 % intervals, and whether to trust them.
 
     Exits with 4 when the law is not supported by its fit: undecided, or not judged; the status says more.
     """
-    from ropefric.fitting.fit import fit_law  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.fitting.intervals import with_intervals  # noqa: PLC0415
-    from ropefric.fitting.store import check_target, save_fit  # noqa: PLC0415
-    from ropefric.report.parts import fit_section, notes_sections, verdict_section  # noqa: PLC0415
-
-    options = {
-        "fixed": parse_assignments(fix or (), option="--fix"),
-        "bounds": parse_spans(bound or (), option="--bound"),
-        "start": parse_assignments(start or (), option="--start"),
+    given = {
+        "fixed": options.parse_assignments(fix or (), option="--fix"),
+        "bounds": options.parse_spans(bound or (), option="--bound"),
+        "start": options.parse_assignments(start or (), option="--start"),
     }
     if file is not None:  # before the work
-        check_target(file, trials, overwrite=force)
+        store.check_target(file, trials, overwrite=force)
     with _steps(trials, out) as step:
         step(0, "reading")
-        table = read_table(trials, out)
+        table = options.read_table(trials, out, of=of)
         step(1, "fitting")
-        fitted = fit_law(table, law, loss=loss, seed=seed, **options)
+        fitted = fitting.fit_law(table, law, loss=loss, seed=seed, **given)
         step(2, "intervals")
-        result = with_intervals(fitted, intervals, seed=seed)
+        result = confidence.with_intervals(fitted, intervals, seed=seed)
         step(3, "done")
     if file is not None:
-        out.note(f"wrote {save_fit(result, file, overwrite=force)}")
-    verdict = verdict_section(result.verdict, "The verdict, by this fit alone")
-    sections = [fit_section(result), verdict, *notes_sections(result)]
+        out.note(f"wrote {store.save_fit(result, file, overwrite=force)}")
+    verdict = parts.verdict_section(result.verdict, "The verdict, by this fit alone")
+    sections = [parts.fit_section(result), verdict, *parts.notes_sections(result)]
     return Answer(
-        result.to_dict() | {"verdict": result.verdict.to_dict()},
+        result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of},
         sections,
         exit_code_of(result.verdict),
     )
@@ -96,46 +91,39 @@ def _steps(trials: Path, out: Output) -> Iterator[Callable[[int, str], None]]:
 @command("ropefric compare fits/prth-trials.csv", order=100)
 def compare(
     out: Output,
-    trials: TableArgument,
+    trials: options.TableArgument,
     *,
-    laws: list[str] | None = Option(
-        None, metavar="NAME[,NAME…]", help="Laws to compare, all by default; repeatable."
-    ),
+    laws: Words = listed("NAME[,NAME…]", "Laws to compare, all by default"),
+    of: str = _OF,
 ) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
 
     The two constant laws always stand in the comparison. Exits with 4 unless the best law is supported: when the
     data leave two laws undecided, or no choice at all.
     """
-    from ropefric.fitting.compare import choose_law, compare_laws  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.report.parts import comparison_section, verdict_section  # noqa: PLC0415
-
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
-    table = read_table(trials, out)
+    table = options.read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
-        found = compare_laws(
+        found = comparing.compare_laws(
             table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
         )
-    choice = choose_law(found)
-    verdict = verdict_section(choice.verdict, f"The law: {choice.fit.law}")
+    chosen = comparing.choose_law(found)
+    verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
     return Answer(
-        found.to_dict() | choice.to_dict(),
-        [comparison_section(found), verdict],
-        exit_code_of(choice.verdict),
+        found.to_dict() | chosen.to_dict() | {"of": table.force},
+        [parts.comparison_section(found), verdict],
+        exit_code_of(chosen.verdict),
     )
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)
-def diagnose(out: Output, trials: TableArgument) -> Answer:
+def diagnose(out: Output, trials: options.TableArgument) -> Answer:
     """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, no gross slip.
 
     Exits with 4 unless the best law is supported: when the data leave two laws undecided, or no choice at all.
     """
-    from ropefric.fitting.diagnose import diagnose as find_causes  # noqa: PLC0415  (quick start-up)
-    from ropefric.report.parts import diagnosis_section  # noqa: PLC0415
-
-    found = find_causes(read_table(trials, out))
-    return Answer(found.to_dict(), [diagnosis_section(found, full=True)], exit_code_of(found.verdict))
+    found = diagnosing.diagnose(options.read_table(trials, out))
+    return Answer(found.to_dict(), [parts.diagnosis_section(found, full=True)], exit_code_of(found.verdict))
 
 
 @command("ropefric show fits/prth-coupled.json", order=90)
@@ -144,10 +132,8 @@ def show(out: Output, file: Path = Argument(..., metavar="FIT.json", help="A sto
 
     Exits with 4 when its law is not supported: undecided, or not judged.
     """
-    from ropefric.report.parts import fit_section, notes_sections, origin_section  # noqa: PLC0415  (quick start-up)
-
-    fit = read_fit(file, out)
-    sections = [fit_section(fit, short=True), *notes_sections(fit), origin_section(fit)]
+    fit = options.read_fit(file, out)
+    sections = [parts.fit_section(fit, short=True), *parts.notes_sections(fit), parts.origin_section(fit)]
     return Answer(fit.to_dict() | {"verdict": fit.verdict.to_dict()}, sections, exit_code_of(fit.verdict))
 
 
@@ -160,21 +146,14 @@ def verify(
 
     Exits with 4 when one does not come out again.
     """
-    from ropefric.fitting.store import verify_fits  # noqa: PLC0415  (quick start-up)
-
-    found = verify_fits(folder)
+    found = store.verify_fits(folder)
     n_ok = sum(item.ok for item in found)
     out.note(f"{n_ok} of {len(found)} fits come out of their data again")
+    words = {True: "ok", False: "FAILED"}
 
-    def show(console: "Console") -> None:
-        words = {True: "ok", False: "FAILED"}
-        rows = [
-            (Path(one.path).name, words[one.ok], number(one.difference, ".1g"), one.message) for one in found
-        ]
+    def show(console: Console) -> None:
+        rows = [(Path(i.path).name, words[i.ok], number(i.difference, ".1g"), i.message) for i in found]
         console.print(make_table(("fit", "", "change [standard errors]", "found "), rows, left=2))
 
-    return Answer(
-        {"ok": n_ok == len(found), "fits": [asdict(item) for item in found]},
-        show,
-        0 if n_ok == len(found) else NOT_TRUSTED,
-    )
+    good = n_ok == len(found)
+    return Answer({"ok": good, "fits": [asdict(item) for item in found]}, show, exit_code_of(good))

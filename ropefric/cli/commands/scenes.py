@@ -1,51 +1,45 @@
-"""The commands of scenes: the answer to one or to a grid of them, and how it is come by."""
+"""The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from typer import Option
+from typer import Argument, Option
 
-from ropefric.cli.options import (
-    NOT_TRUSTED,
-    Answer,
-    Force,
-    SceneArgument,
-    command,
-    figure_names,
-    folder_option,
-    open_folder,
-    publish,
-)
+from ropefric.cli import options
+from ropefric.cli.lazily import on_first_use
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
 from ropefric.cli.output import Output, Progress, json_text
 
-if TYPE_CHECKING:
-    from ropefric.files.folder import Folder
-    from ropefric.scenes.scene import Scene
-    from ropefric.scenes.solve import Solution
-    from ropefric.scenes.sweep import Sweep
-
+with on_first_use():
+    from ropefric.accuracy import measure
+    from ropefric.accuracy import studies as all_studies
+    from ropefric.files import folder as folders
+    from ropefric.report import cost_page
+    from ropefric.report import scene as pages
+    from ropefric.scenes import kinds, plan
+    from ropefric.scenes import scene as scenes
+    from ropefric.scenes import solve as solving
+    from ropefric.scenes import sweep as sweeping
 
 _LISTED_POINTS = 1000
 _TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
-_SWEPT = ("sweep.csv", *figure_names("sweep_figure"))
 
 
 @command("ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/", order=160)
 def solve(
     out: Output,
-    scene: SceneArgument,
+    scene: options.SceneArgument,
     *,
-    sweep: list[str] | None = Option(
+    sweep: Words = Option(
         None,
         "--sweep",
         metavar="KEY=START:STOP:COUNT",
         help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
     ),
     level: float = Option(0.95, help="Coverage of the intervals, between 0 and 1; a sweep has none."),
-    folder: Path | None = folder_option(
-        None, "--out", "-o", help="Write the answer (and a sweep's CSV and figure) there."
-    ),
+    folder: Path | None = out_folder("Write the answer (and a sweep's CSV and figure) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
     force: Force = False,
 ) -> Answer:
@@ -56,105 +50,71 @@ def solve(
     slips. A traction sheave is checked by one clause of EN 81-50, which is no certificate. A sweep says at how many
     points that is so, and exits with 4 for the error alone.
     """
-    from ropefric.scenes.scene import load_scene  # noqa: PLC0415  (quick start-up)
-
-    loaded = load_scene(scene)
-    family, names = ("sweep", _SWEPT) if sweep else ("scene", _solved_names())
+    loaded = scenes.load_scene(scene)
+    names = ("sweep.csv", *options.figure_names("sweep_figure")) if sweep else _solved_names()
+    fit = loaded.document.table("friction").get("fit")
+    fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
+    family = "sweep" if sweep else "scene"
     # Before the work, so that a folder that cannot be used costs nothing.
-    with open_folder(
-        folder, family=family, names=names, inputs=(scene, *_fits(loaded)), force=force
+    with options.open_folder(
+        folder, family=family, names=names, inputs=(scene, *fits), force=force
     ) as target:
-        return _swept(out, loaded, sweep, target, plot) if sweep else _solved(out, loaded, level, target)
+        if not sweep:
+            solution = solving.solve_scene(loaded, level=level)
+            tree = solution.to_dict()
+            files = [] if target is None else _write(out, solution, tree, target)
+            shown = pages.solution_sections(solution, tree)
+            return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
+        axes = tuple(sweeping.parse_axis(loaded, text) for text in sweep)
+        with Progress(out, "solve") as progress:
+            found = sweeping.sweep_scene(loaded, axes, progress=progress.update)
+        files = [] if target is None else _write_sweep(out, found, target, plot)
+        data = _tree(found) | {"files": files}
+        return Answer(data, pages.sweep_sections(found), exit_code_of(found.keeps_accuracy))
 
 
 def _solved_names() -> tuple[str, ...]:
     """Return what a solved scene of any kind may write: a folder may hold the answer to another one."""
-    from ropefric.scenes.kinds import KINDS  # noqa: PLC0415  (quick start-up)
-
-    kinds = KINDS.values()
-    histories = [name for kind in kinds for name in kind.histories]
-    return ("answer.json", *histories, *figure_names(*(stem for kind in kinds for stem in kind.figures)))
+    histories = [name for kind in kinds.KINDS.values() for name in kind.histories]
+    stems = [stem for kind in kinds.KINDS.values() for stem in kind.figures]
+    return ("answer.json", *histories, *options.figure_names(*stems))
 
 
-def _fits(scene: "Scene") -> list[Path]:
-    """Return where the fit may be that a scene names."""
-    friction = scene.document.data.get("friction")
-    name = friction.get("fit") if isinstance(friction, dict) else None
-    return [scene.folder / name, Path(name)] if isinstance(name, str) else []
-
-
-def _solved(out: Output, scene: "Scene", level: float, folder: "Folder | None") -> Answer:
-    from ropefric.report.scene import solution_sections  # noqa: PLC0415  (quick start-up)
-    from ropefric.scenes.solve import solve_scene  # noqa: PLC0415
-
-    solution = solve_scene(scene, level=level)
-    tree = solution.to_dict()
-    files = [] if folder is None else _write(out, solution, tree, folder)
-    return Answer(
-        tree | {"files": files},
-        solution_sections(solution, tree),
-        0 if solution.stands else NOT_TRUSTED,
-    )
-
-
-def _write(out: Output, solution: "Solution", tree: dict[str, Any], folder: "Folder") -> Sequence[Path]:
-    from ropefric.plotting.chart import scene_figures  # noqa: PLC0415
-    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
-    from ropefric.scenes.sweep import columns_text  # noqa: PLC0415
+def _write(
+    out: Output, solution: "solving.Solution", tree: dict[str, Any], folder: "folders.Folder"
+) -> Sequence[Path]:
+    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
 
     files = [*folder.write({"answer.json": json_text(tree)})]
-    for stem, figure in scene_figures(solution):
-        files += save_figure(figure, folder, stem)
+    for stem, drawn in chart.scene_figures(solution):
+        files += figure.save_figure(drawn, folder, stem)
     for name, history in solution.scene.kind.histories.items():
         columns = history(solution.answer)
         if columns is not None:
-            files += folder.write({name: columns_text(columns)})
-    return publish(out, folder, "answer", files)
+            files += folder.write({name: sweeping.columns_text(columns)})
+    return options.publish(out, folder, "answer", files)
 
 
-def _swept(out: Output, scene: "Scene", asked: list[str], folder: "Folder | None", plot: str) -> Answer:
-    from ropefric.report.scene import sweep_sections  # noqa: PLC0415
-    from ropefric.scenes.sweep import parse_axis, sweep_scene  # noqa: PLC0415
+def _write_sweep(out: Output, found: "sweeping.Sweep", folder: "folders.Folder", plot: str) -> Sequence[Path]:
+    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
 
-    axes = tuple(parse_axis(scene, text) for text in asked)
-    with Progress(out, "solve") as progress:
-        found = sweep_scene(scene, axes, progress=progress.update)
-    files = [] if folder is None else _write_sweep(out, found, folder, plot)
-    return Answer(
-        _tree(found) | {"files": files},
-        sweep_sections(found),
-        0 if found.keeps_accuracy else NOT_TRUSTED,
-    )
-
-
-def _write_sweep(out: Output, found: "Sweep", folder: "Folder", plot: str) -> Sequence[Path]:
-    from ropefric.scenes.sweep import write_sweep  # noqa: PLC0415
-
-    files = [write_sweep(found, folder, "sweep.csv")]
+    files = [sweeping.write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
-        from ropefric.plotting.chart import draw_sweep  # noqa: PLC0415
-        from ropefric.plotting.figure import save_figure  # noqa: PLC0415
-
-        files += save_figure(draw_sweep(found, quantity=plot), folder, "sweep_figure")
-    return publish(out, folder, "answer", files)
+        files += figure.save_figure(chart.draw_sweep(found, quantity=plot), folder, "sweep_figure")
+    return options.publish(out, folder, "answer", files)
 
 
-def _tree(found: "Sweep") -> dict[str, Any]:
-    axes = [
-        {"key": axis.key, "unit": axis.unit, "values": [float(value / axis.factor) for value in axis.values]}
-        for axis in found.axes
-    ]
+def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
     points = next(iter(found.columns.values())).size
     # A million numbers on a terminal serve nobody; the CSV of --out has them.
     listed = points <= _LISTED_POINTS
-    columns = {
-        name: [None if value != value else float(value) for value in values] if listed else None  # noqa: PLR0124
-        for name, values in found.columns.items()
-    }
     return {
-        "axes": axes,
+        "axes": [
+            {"key": axis.key, "unit": axis.unit, "values": (axis.values / axis.factor).tolist()}
+            for axis in found.axes
+        ],
         "points": points,
-        "columns": columns,
+        "columns": {name: values if listed else None for name, values in found.columns.items()},
         "effects": {"simulated": found.simulated},
         **{key: getattr(found, key) for key in _TOLD},
     }
@@ -163,16 +123,55 @@ def _tree(found: "Sweep") -> dict[str, Any]:
 @command("ropefric explain data/scenes/hoist.toml --measure", order=170)
 def explain(
     _out: Output,
-    scene: SceneArgument,
+    scene: options.SceneArgument,
     *,
-    measure: bool = Option(
-        False, "--measure", help="Solve with and without each effect, for its worth and its time."
-    ),
+    measure_: bool = flag("--measure", "Solve with and without each effect, for its worth and its time."),
 ) -> Answer:
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
-    from ropefric.report.scene import explanation_sections  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.scenes.plan import explain_scene  # noqa: PLC0415
-    from ropefric.scenes.scene import load_scene  # noqa: PLC0415
+    found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
+    return Answer(found.to_dict(), pages.explanation_sections(found))
 
-    found = explain_scene(load_scene(scene), measure=measure)
-    return Answer(found.to_dict(), explanation_sections(found))
+
+@command("ropefric cost integral --out cost --quick", order=180)
+def cost(
+    out: Output,
+    studies: Words = Argument(None, metavar="[STUDY …]", help="Studies to measure, all by default."),
+    *,
+    folder: Path = out_folder("Where figures, tables and page are written.", Path("cost")),
+    campaign: list[Path] | None = Option(
+        None, "--campaign", help="For picks: a campaign with truth.toml; repeatable."
+    ),
+    quick: bool = flag("--quick", "Some settings only, and little time for each."),
+    force: Force = False,
+) -> Answer:
+    """Measure what accuracy costs in time on this machine.
+
+    Of the lift-force integral, the end tension's root, break-away peaks and their pickers, intervals, fits, press, blade
+    and scenes.
+
+    For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
+    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
+    """
+    chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
+    if campaign:
+        from ropefric.accuracy.studies.picks import with_campaigns  # noqa: PLC0415  (its package loads all studies)
+
+        chosen = [with_campaigns(one, campaign) if one.name == "picks" else one for one in chosen]
+    pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
+    # Before the work, so that a folder that cannot be used costs nothing.
+    with options.open_folder(
+        folder, family="cost", names=["cost.md", "cost.html", *pairs], force=force
+    ) as target:
+        machine = measure.this_machine()
+        out.note(f"measuring on {machine.line}")
+        with Progress(out, "cost") as progress:
+            results = measure.measure_studies(chosen, quick=quick, progress=progress.update)
+        written = cost_page.write_cost(results, machine, target)
+    data = {
+        "machine": asdict(machine),
+        "quick": quick,
+        "studies": [result.to_dict() for result in results],
+        "written": list(written),
+    }
+    said = options.written_to(folder, "cost.html, cost.md, …")
+    return Answer(data, [*cost_page.cost_sections(results, machine), said])

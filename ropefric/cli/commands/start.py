@@ -11,19 +11,31 @@ from typing import TYPE_CHECKING, Any
 
 from typer import Argument, Option
 
-from ropefric.cli.options import Answer, campaign_file, command, parse_assignments, quantity
-from ropefric.cli.output import Output, Progress, make_table, number
+from ropefric.cli import options
+from ropefric.cli.lazily import on_first_use
+from ropefric.cli.options import Answer, Number, Words, command, flag, listed, quantity
+from ropefric.cli.output import Console, Output, Progress, make_table, number
 from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
 from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
-if TYPE_CHECKING:
-    from rich.console import Console
+with on_first_use():
+    from ropefric.files import toml
+    from ropefric.friction import condition as conditions
+    from ropefric.rig import bench as rig_bench
+    from ropefric.rig import campaign as rigs
+    from ropefric.rig import mechanics, recording
+    from ropefric.scenes import scene as scenes
+    from ropefric.scenes import scene_templates
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import campaign_model, workers
+    from ropefric.trials import extract as extracting
+    from ropefric.trials import names as trial_names
 
+if TYPE_CHECKING:
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
     from ropefric.traces.readers.profile import ImportProfile
-    from ropefric.trials.campaign_model import Campaign
 
 
 @command("ropefric init my-scenes --scene hoist", order=10)
@@ -31,12 +43,11 @@ def init(
     out: Output,
     *,
     folder: Path = Argument(Path(), help="Where to write them; made where it is missing."),
-    scenes: bool = Option(False, "--scenes", help="Write all scenes instead of a campaign."),
-    scene: list[str] | None = Option(
-        None,
+    scenes: bool = flag("--scenes", "Write all scenes instead of a campaign."),
+    scene: Words = listed(
+        "NAME",
+        "Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …",
         "--scene",
-        metavar="NAME",
-        help="Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …; repeatable.",
     ),
     recordings: str = Option(
         "",
@@ -49,32 +60,26 @@ def init(
         metavar="PATTERN",
         help="What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
     ),
-    force: bool = Option(False, "--force", help="Write over files that are already there."),
+    force: bool = flag("--force", "Write over files that are already there."),
 ) -> Answer:
     """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, ….
 
     With --from the list of trials is made from the names of recordings.
     """
     if scenes or scene:
-        from ropefric.scenes.scene_templates import write_scenes  # noqa: PLC0415  (quick start-up)
-
-        written = write_scenes(folder, () if scenes else scene or (), overwrite=force)
+        written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {first if first in written else written[0]}")
     else:
-        from ropefric.trials.campaign import write_templates  # noqa: PLC0415  (quick start-up)
-
         trials = None
         if recordings:
-            from ropefric.trials.names import list_from_names  # noqa: PLC0415
-
-            trials, told = list_from_names(recordings, pattern, folder)
+            trials, told = trial_names.list_from_names(recordings, pattern, folder)
             if told:
                 out.note(told)
         elif pattern:
             fix = "add --from 'daq/*.csv'"
             raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
-        written = write_templates(folder, trials=trials, overwrite=force)
+        written = campaigns.write_templates(folder, trials=trials, overwrite=force)
         out.note(f"next: fill them in, then  ropefric check {folder / 'campaign.toml'}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
@@ -96,23 +101,16 @@ def inspect(
     write_profile: Path | None = Option(
         None, metavar="PATH", help="Write the suggested [import] section there."
     ),
-    force: bool = Option(False, "--force", help="Write over a file that is already there."),
-    everything: bool = Option(
-        False, "--all", help="Read a large text whole, not only its first and last megabyte."
-    ),
-    memory: float | None = quantity(
-        None, "--memory", "byte", "QUANTITY", "Most memory that reading it may take [2 GB]."
-    ),
-    time: float | None = quantity(
-        None, "--time", "s", "QUANTITY", "Most time that reading it may take [120 s]."
-    ),
+    force: bool = flag("--force", "Write over a file that is already there."),
+    everything: bool = flag("--all", "Read a large text whole, not only its first and last megabyte."),
+    memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
+    time: Number = quantity("--time", "s", "Most time that reading it may take [120 s]."),
 ) -> Answer:
     """Look at a recording: columns, units, ranges, first rows, doubts, and the profile to read it with.
 
     Paste the section into campaign.toml, after checking the doubts.
     """
     from ropefric.traces.readers.profile import ImportProfile, profile_to_toml  # noqa: PLC0415  (quick start-up)
-    from ropefric.trials.workers import Limits, Lost, guarded  # noqa: PLC0415
 
     if file.is_dir():
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
@@ -123,18 +121,18 @@ def inspect(
             fix = "choose another name, or add --force"
             raise InputError("the file is there already", code="RF150", path=write_profile, fix=fix)
     given = {"memory_bytes": memory, "time_s": time}
-    limits = Limits(**{name: value for name, value in given.items() if value is not None})
+    limits = workers.Limits(**{name: value for name, value in given.items() if value is not None})
     # By a process that may die of it.
     look = partial(_inspect, file, ImportProfile(format=file_format), everything)
-    ((_, found),) = guarded(look, 1, limits=limits)
-    if isinstance(found, Lost):
+    ((_, found),) = workers.guarded(look, 1, limits=limits)
+    if isinstance(found, workers.Lost):
         raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
     profile = profile_to_toml(found.profile)
     if write_profile is not None:
         write_file(write_profile, profile)
         out.note(f"wrote {write_profile}")
 
-    def show(console: "Console") -> None:
+    def show(console: Console) -> None:
         _show(found, console)
         console.print("\nsuggested for campaign.toml:\n", style="bold")
         console.print(profile.rstrip(), markup=False, soft_wrap=True)
@@ -156,7 +154,7 @@ def _fix_of_folder(folder: Path) -> str:
     return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
 
 
-def _show(found: "Inspection", console: "Console") -> None:
+def _show(found: "Inspection", console: Console) -> None:
     """Print what was found out about a file: how it is written, its columns, its first rows, what to check."""
     console.print(_headline(found), markup=False, soft_wrap=True)
     console.print()
@@ -175,7 +173,7 @@ def _show(found: "Inspection", console: "Console") -> None:
             console.print(f"- {doubt}", markup=False, soft_wrap=True)
 
 
-def _show_first_rows(found: "Inspection", console: "Console") -> None:
+def _show_first_rows(found: "Inspection", console: Console) -> None:
     console.print("\nfirst rows:\n", style="bold")
     names = [column.name or f"({column.number})" for column in found.columns]
     rows = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]
@@ -227,17 +225,13 @@ def check(
     One recording of every kind is opened and read. A scene is checked too. Nothing is extracted, solved or written.
     Exit code 3 if there are errors; warnings alone leave it at 0.
     """
-    from ropefric.scenes.scene import check_scene  # noqa: PLC0415  (all of these: quick start-up)
-    from ropefric.trials.campaign import check_campaign, load_campaign  # noqa: PLC0415
-    from ropefric.trials.extract import check_recordings  # noqa: PLC0415
-
-    campaign = campaign_file(campaign)
+    campaign = options.campaign_file(campaign)
     scene = _is_scene(campaign)
-    problems = check_scene(campaign) if scene else check_campaign(campaign)
+    problems = scenes.check_scene(campaign) if scene else campaigns.check_campaign(campaign)
     content: dict[str, Any] = {}
     if not scene and all(problem.severity == "warning" for problem in problems):
-        loaded = load_campaign(campaign)
-        looked, unread = check_recordings(loaded)
+        loaded = campaigns.load_campaign(campaign)
+        looked, unread = extracting.check_recordings(loaded)
         content, problems = _content(loaded) | {"recordings": list(looked)}, (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
@@ -251,32 +245,23 @@ def check(
         return Answer(data | failure.to_dict(), summary, DataError.exit_code)
     if scene:
         return Answer(data, summary)
-
-    def show(console: "Console") -> None:
-        console.print(summary, markup=False, soft_wrap=True)
-        _show_content(content, console)
-
-    return Answer(data | {"campaign": content}, show)
+    return Answer(data | {"campaign": content}, "\n".join([summary, *_content_lines(content)]))
 
 
 def _is_scene(path: Path) -> bool:
     """Return whether a file is a scene; one that cannot be read is for the check of campaigns to tell of."""
-    from ropefric.files.toml import is_scene, read_toml  # noqa: PLC0415  (quick start-up)
-
     try:
-        return is_scene(read_toml(path).data)
+        return toml.is_scene(toml.read_toml(path).data)
     except DataError:
         return False
 
 
-def _content(campaign: "Campaign") -> dict[str, Any]:
+def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
     """Return what a campaign holds, in SI: trials, conditions, radii, wraps, end tensions, repeats."""
-    from ropefric.friction.condition import condition_groups  # noqa: PLC0415  (quick start-up)
-
     trials = campaign.trials
     keys = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "lift_force_N")
     settings = [[getattr(trial, key) or 0.0 for trial in trials] for key in keys]
-    repeats = Counter(condition_groups(*settings).tolist() if trials else ())
+    repeats = Counter(conditions.condition_groups(*settings).tolist() if trials else ())
     return {
         "name": campaign.name,
         "n_trials": len(trials),
@@ -289,8 +274,8 @@ def _content(campaign: "Campaign") -> dict[str, Any]:
     }
 
 
-def _show_content(content: dict[str, Any], console: "Console") -> None:
-    """Print what a campaign holds in the units people use at the rig."""
+def _content_lines(content: dict[str, Any]) -> list[str]:
+    """Return what a campaign holds in the units people use at the rig."""
     fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
     excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     rows = [
@@ -305,11 +290,8 @@ def _show_content(content: dict[str, Any], console: "Console") -> None:
         ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
         ("rejection", content["rejection"]),
     ]
-    table = make_table(("", " "), [row for row in rows if row[1]])
-    table.show_header = False
-    console.print(table)
-    for line in content["recordings"]:
-        console.print(f"read {line}", markup=False, soft_wrap=True)
+    told = [f"{name:<18} {text}" for name, text in rows if text]
+    return told + [f"read {line}" for line in content["recordings"]]
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:
@@ -330,15 +312,11 @@ def simulate(
     ),
     bench: str = Option("prth-bench", help="Which campaign to simulate: prth-bench."),
     law: str = Option("", help="The friction law that is true, instead of the bench's own."),
-    parameter: list[str] | None = Option(
-        None, "--parameter", "-p", metavar="NAME=VALUE", help="A true parameter of the law; repeatable."
-    ),
+    parameter: Words = listed("NAME=VALUE", "A true parameter of the law", "--parameter", "-p"),
     repeats: int | None = Option(None, min=1, help="Recordings per condition."),
     conditions: int | None = Option(None, min=1, help="Only the first so many conditions."),
-    fault: list[str] | None = Option(
-        None, metavar="NAME=RATE", help="Only this fault, at this rate (0 to 1); repeatable."
-    ),
-    no_faults: bool = Option(False, "--no-faults", help="Nothing goes wrong."),
+    fault: Words = listed("NAME=RATE", "Only this fault, at this rate (0 to 1)"),
+    no_faults: bool = flag("--no-faults", "Nothing goes wrong."),
     physics: str = Option(
         "coulomb", help="Friction of each recording: coulomb, or integrated: rate-state or lugre."
     ),
@@ -351,17 +329,12 @@ def simulate(
     or lugre (bristles) rope, wheel and motor are integrated in place of drawn: peaks, falls and teeth follow from
     stiffness, mass and contact.
     """
-    from ropefric.rig.bench import HELD_BENCH  # noqa: PLC0415  (quick start-up)
-    from ropefric.rig.campaign import PRTH_SEED, prth_bench_plan, simulate_campaign  # noqa: PLC0415
-    from ropefric.rig.mechanics import RIG_PROTOCOLS  # noqa: PLC0415
-    from ropefric.rig.recording import FAULTS  # noqa: PLC0415
-
-    benches = {"prth-bench": (prth_bench_plan, PRTH_SEED)}
+    benches = {"prth-bench": (rigs.prth_bench_plan, rigs.PRTH_SEED)}
     if bench not in benches:
         raise UnknownNameError(f"unknown bench {bench!r}", fix=did_you_mean(bench, benches))
     make, own_seed = benches[bench]
     plan = make()
-    given = parse_assignments(parameter or (), option="--parameter")
+    given = options.parse_assignments(parameter or (), option="--parameter")
     changes: dict[str, Any] = {}
     if law and law != plan.law:
         changes |= {"law": law, "parameters": given}
@@ -372,17 +345,16 @@ def simulate(
     if conditions is not None:
         changes["conditions"] = plan.conditions[:conditions]
     if fault is not None or no_faults:
-        changes["faults"] = parse_assignments(fault or (), option="--fault")
+        changes["faults"] = options.parse_assignments(fault or (), option="--fault")
     if protocol != plan.protocol:
         # Of faults only those that befall this way of measuring; a hand-held scale is another bench.
-        changes["bench"] = HELD_BENCH if protocol == "held" else plan.bench
-        changes.setdefault(
-            "faults", {name: rate for name, rate in plan.faults.items() if not FAULTS[name].protocols}
-        )
-    plan = replace(plan, physics=physics, protocol=RIG_PROTOCOLS[protocol].name, **changes)
+        changes["bench"] = rig_bench.HELD_BENCH if protocol == "held" else plan.bench
+        kept = {n: rate for n, rate in plan.faults.items() if not recording.FAULTS[n].protocols}
+        changes.setdefault("faults", kept)
+    plan = replace(plan, physics=physics, protocol=mechanics.RIG_PROTOCOLS[protocol].name, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
-        written = simulate_campaign(folder, plan, seed=seed, progress=progress.update)
+        written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
     out.note(f"next: ropefric extract {campaign} --out out")
     data = {

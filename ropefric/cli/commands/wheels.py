@@ -2,38 +2,35 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from typer import BadParameter, Option
 
+from ropefric.cli import options
+from ropefric.cli.lazily import on_first_use
 from ropefric.cli.options import (
-    NOT_TRUSTED,
-    ROPE_DIAMETER,
     Answer,
-    FitOption,
     Force,
-    Level,
+    Number,
+    Words,
     command,
     exit_code_of,
-    figure_names,
-    folder_option,
-    open_folder,
-    parse_assignments,
-    publish,
+    flag,
+    listed,
+    out_folder,
     quantity,
-    read_fit,
-    read_quantity,
-    rope_radius,
 )
 from ropefric.cli.output import Output
 from ropefric.errors import InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
 
-if TYPE_CHECKING:
-    from ropefric.files.folder import Folder
-    from ropefric.fitting.design import Design
-    from ropefric.fitting.result import FitResult
-    from ropefric.report.section import Section
+with on_first_use():
+    from ropefric.fitting import design as designs
+    from ropefric.fitting import next_tests
+    from ropefric.fitting import predict as predicting
+    from ropefric.friction import condition as conditions
+    from ropefric.friction import laws
+    from ropefric.pipeline import evidence
+    from ropefric.report import parts, section
 
 
 @command(
@@ -44,40 +41,35 @@ if TYPE_CHECKING:
 def predict(
     out: Output,
     *,
-    fit: FitOption,
-    wheel_radius: float = quantity(..., "--wheel-radius", "m", "LENGTH", 'R_w, such as "35 mm".'),
-    wrap: float = quantity(..., "--wrap", "rad", "ANGLE", 'φ, such as "400 deg" or "1.5 turn".'),
-    end_tension: float = quantity(..., "--end-tension", "N", "FORCE", 'F_B, such as "60 N".'),
-    rope_diameter: float | None = ROPE_DIAMETER,
-    speed: float | None = quantity(None, "--speed", "m/s", "SPEED", 'Of a running rope, such as "0.3 m/s".'),
-    linear_density: float | None = quantity(
-        None, "--linear-density", "kg/m", "DENSITY", 'Of a running rope, such as "62 g/m".'
-    ),
-    level: Level = 0.95,
+    fit: options.FitOption,
+    wheel_radius: float = quantity("--wheel-radius", "m", 'R_w, such as "35 mm".', needed=True),
+    wrap: float = quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
+    end_tension: float = quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
+    speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
+    level: options.Level = 0.95,
     method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
-    hand: bool = Option(False, "--hand", help="Print the calculation, to be checked by hand."),
+    hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
 ) -> Answer:
     """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
 
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
-    from ropefric.fitting.predict import predict as predict_lift  # noqa: PLC0415
-    from ropefric.friction.condition import one_condition  # noqa: PLC0415
-    from ropefric.report.parts import prediction_section  # noqa: PLC0415
-    from ropefric.report.section import Section  # noqa: PLC0415
-
-    stored = read_fit(fit, out)
-    wheel = one_condition(wheel_radius, rope_radius(stored, rope_diameter), wrap, end_tension)
+    stored = options.read_fit(fit, out)
+    wheel = conditions.one_condition(
+        wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension
+    )
     running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
-    found = predict_lift(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
+    found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
     data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
-    sections = [prediction_section(found)]
+    sections = [parts.prediction_section(found)]
     if hand:
         running = ("for the rope at rest, without the centrifugal term:",) if speed is not None else ()
         lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(lines)
-        sections.append(Section(title="By hand", lines=lines, verbatim=True))
+        sections.append(section.Section(title="By hand", lines=lines, verbatim=True))
     return Answer(data, sections, exit_code_of(found.verdict()))
 
 
@@ -93,19 +85,19 @@ _SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius",
 def design(
     out: Output,
     *,
-    fit: FitOption,
-    lift: float = quantity(..., "--lift", "N", "FORCE", 'The load, such as "900 N".'),
+    fit: options.FitOption,
+    lift: float = quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
     solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
-    wheel_radius: float | None = quantity(None, "--wheel-radius", "m", "LENGTH", "R_w, unless looked for."),
-    wrap: float | None = quantity(None, "--wrap", "rad", "ANGLE", "φ, unless looked for."),
-    end_tension: float | None = quantity(None, "--end-tension", "N", "FORCE", "F_B, unless looked for."),
-    rope_diameter: float | None = ROPE_DIAMETER,
+    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, unless looked for."),
+    wrap: Number = quantity("--wrap", "rad", "φ, unless looked for."),
+    end_tension: Number = quantity("--end-tension", "N", "F_B, unless looked for."),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
     probability: float = Option(
         0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
     ),
-    on_average: bool = Option(False, "--on-average", help="Ask only that the mean law lifts the load."),
-    chart: Path | None = folder_option(
-        None, "--chart", help="Draw the lift force over wheel radius and wrap at this end tension there."
+    on_average: bool = flag("--on-average", "Ask only that the mean law lifts the load."),
+    chart: Path | None = out_folder(
+        "Draw the lift force over wheel radius and wrap at this end tension there.", names=("--chart",)
     ),
     force: Force = False,
 ) -> Answer:
@@ -113,16 +105,14 @@ def design(
 
     Exits with 4 when there is none, or the law is not supported by its fit.
     """
-    from ropefric.fitting.design import design as find_design  # noqa: PLC0415  (quick start-up)
-
-    stored = read_fit(fit, out)
-    names = figure_names("design_chart")
+    stored = options.read_fit(fit, out)
+    names = options.figure_names("design_chart")
     # Before the work, so that a folder that cannot be used costs nothing.
-    with open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
-        found = find_design(
+    with options.open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
+        found = designs.design(
             stored,
             lift_N=lift,
-            rope_radius_m=rope_radius(stored, rope_diameter),
+            rope_radius_m=options.rope_radius(stored, rope_diameter),
             solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
             probability=None if on_average else probability,
             wheel_radius_m=wheel_radius,
@@ -132,45 +122,28 @@ def design(
         reached = bool(found.reached[0])
         files: tuple[Path, ...] = ()
         if target is not None and reached:
-            files = _write_chart(stored, found, target, probability)
-            publish(out, target, "chart", files)
+            from ropefric.plotting import design_chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+
+            # At the design's end tension.
+            wheel = conditions.one_condition(
+                *(float(getattr(found, name)[0]) for name in conditions.SETTINGS)
+            )
+            chart_of_it = evidence.chart_of_design(stored, wheel, probability)
+            drawn = design_chart.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
+            files = figure.save_figure(drawn, target, "design_chart")
+            options.publish(out, target, "chart", files)
     return Answer(
         found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
         [_section(found)],
-        exit_code_of(stored.verdict) if reached else NOT_TRUSTED,
+        exit_code_of(reached and stored.verdict.supported),
     )
 
 
-def _write_chart(fit: "FitResult", found: "Design", folder: "Folder", probability: float) -> tuple[Path, ...]:
-    """Draw the wheels and wraps that were tested, and some way beyond, at the design's end tension."""
-    import numpy as np  # noqa: PLC0415  (these: quick start-up)
-
-    from ropefric.fitting.design import design_chart  # noqa: PLC0415
-    from ropefric.plotting.design_chart import draw_design_chart  # noqa: PLC0415
-    from ropefric.plotting.figure import save_figure  # noqa: PLC0415
-
-    (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
-    radii_m = np.unique(np.append(np.linspace(small_m, large_m, 4), found.wheel_radius_m[0]))
-    farthest_rad = 1.2 * max(most_rad, float(found.wrap_angle_rad[0]))
-    chart = design_chart(
-        fit,
-        radii_m,
-        np.linspace(farthest_rad / 80, farthest_rad, 80),
-        float(found.end_tension_N[0]),
-        rope_radius_m=float(found.rope_radius_m[0]),
-        probability=probability,
-    )
-    drawn = draw_design_chart(chart, required_N=float(found.required_N[0]))
-    return save_figure(drawn, folder, "design_chart")
-
-
-def _section(found: "Design") -> "Section":
-    from ropefric.report.section import Section  # noqa: PLC0415
-
+def _section(found: "designs.Design") -> "section.Section":
     title = f"A design for {found.required_N[0]:.4g} N"
     if not found.reached[0]:
-        return Section(title=title, lines=(found.explain(),))
+        return section.Section(title=title, lines=(found.explain(),))
     name, factor, unit = _SHOWN[found.solve_for]
     wrap_deg, average_N = math.degrees(found.wrap_angle_rad[0]), found.lift_force_N[0]
     where = f"R_w = {1e3 * found.wheel_radius_m[0]:.4g} mm, wrap {wrap_deg:.4g} deg"
@@ -184,7 +157,7 @@ def _section(found: "Design") -> "Section":
     if found.status[0] != 0:
         lines.append(found.explain())
     notes = ("the design lies outside what was tested",) if found.extrapolated[0] else ()
-    return Section(title=title, lines=tuple(lines), notes=notes)
+    return section.Section(title=title, lines=tuple(lines), notes=notes)
 
 
 @command(
@@ -199,35 +172,29 @@ def plan_tests(
     wheels: str = Option(..., metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".'),
     wraps: str = Option(..., metavar="ANGLES", help='A list, or a range: "90 deg .. 1080 deg".'),
     end_tensions: str = Option(..., metavar="FORCES", help='A list, or a range: "5 N .. 200 N".'),
-    max_force: float = quantity(..., "--max-force", "N", "FORCE", "The largest F_A the cell takes."),
-    wheel_radius: float = quantity(..., "--wheel-radius", "m", "LENGTH", "R_w of the wanted wheel."),
-    wrap: float = quantity(..., "--wrap", "rad", "ANGLE", "φ of the wanted wheel."),
-    end_tension: float = quantity(..., "--end-tension", "N", "FORCE", "F_B of the wanted wheel."),
+    max_force: float = quantity("--max-force", "N", "The largest F_A the cell takes.", needed=True),
+    wheel_radius: float = quantity("--wheel-radius", "m", "R_w of the wanted wheel.", needed=True),
+    wrap: float = quantity("--wrap", "rad", "φ of the wanted wheel.", needed=True),
+    end_tension: float = quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
     fit: Path | None = Option(None, metavar="FIT.json", help="What is known already."),
     law: str = Option("", help="Without a fit: the law."),
-    guess: list[str] | None = Option(None, metavar="NAME=VALUE", help="Its parameters, guessed; repeatable."),
-    hold: list[str] | None = Option(
-        None, metavar="NAME", help="A guessed parameter taken as known; repeatable."
-    ),
-    rope_diameter: float | None = quantity(
-        None, "--rope-diameter", "m", "LENGTH", "Needed with --law.", factor=0.5
-    ),
-    conditions: int = Option(12, min=1, help="Conditions to plan."),
+    guess: Words = listed("NAME=VALUE", "Its parameters, guessed"),
+    hold: Words = listed("NAME", "A guessed parameter taken as known"),
+    rope_diameter: Number = options.diameter("--rope-diameter", "Needed with --law."),
+    n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
     criterion: str = Option(
         "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
     ),
-    scatter_within: float | None = quantity(
-        None, "--scatter-within", "", "PART", 'Between repeats, such as "1.7 %".'
-    ),
-    scatter_between: float | None = quantity(None, "--scatter-between", "", "PART", "Between conditions."),
-    u_force: float | None = quantity(None, "--u-force", "N", "FORCE", "Of a force, by the measuring chain."),
+    scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
+    scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
+    u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
     levels: int = Option(12, min=2, help="Settings a range is divided into."),
-    level: Level = 0.95,
+    level: options.Level = 0.95,
     starts: int = Option(10, min=1, help="Starts of the search."),
     seed: int = Option(0, min=0, help="Of those drawn at random."),
     file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
-    force: bool = Option(False, "--force", help="Write over a file that holds anything else than this plan."),
+    force: bool = flag("--force", "Write over a file that holds anything else than this plan."),
 ) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
@@ -246,40 +213,34 @@ def plan_tests(
     radii_m = read_levels(wheels, "m", "--wheels", levels)
     wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
     loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
-    from ropefric.fitting.next_tests import MeanScatter, RigLimits, planned_fit, planned_guess  # noqa: PLC0415
-    from ropefric.fitting.next_tests import plan_tests as find_plan  # noqa: PLC0415
-    from ropefric.friction.condition import one_condition  # noqa: PLC0415
-    from ropefric.friction.laws import ALL_LAWS  # noqa: PLC0415
-    from ropefric.report.parts import plan_sections  # noqa: PLC0415
-
     exit_code, rope_m = 0, rope_diameter
     known: dict[str, object] = {}
     scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
     if fit is not None:
-        stored = read_fit(fit, out)
-        rope_m, exit_code = rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
-        planned = planned_fit(stored, **scatter)
+        stored = options.read_fit(fit, out)
+        rope_m, exit_code = options.rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
+        planned = next_tests.planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
         if scatter_within is None:
             text = 'how far do repeats scatter? Write it like "1.7 %"'
             raise BadParameter(text, param_hint="--scatter-within")
-        repeats_scatter = MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
-        at = parse_assignments(guess or [], option="--guess")
-        planned = planned_guess(ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
+        repeats_scatter = next_tests.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+        at = options.parse_assignments(guess or [], option="--guess")
+        planned = next_tests.planned_guess(laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
-    found = find_plan(
+    found = next_tests.plan_tests(
         planned,
-        RigLimits(
+        next_tests.RigLimits(
             wheel_radius_m=radii_m,
             wrap_angle_rad=wraps_rad,
             end_tension_N=loads_N,
             rope_radius_m=rope_m,
             largest_force_N=max_force,
         ),
-        one_condition(wheel_radius, rope_m, wrap, end_tension),
-        n_conditions=conditions,
+        conditions.one_condition(wheel_radius, rope_m, wrap, end_tension),
+        n_conditions=n_conditions,
         repeats=repeats,
         criterion=criterion,  # type: ignore[arg-type]  # the library says what it may be
         level=level,
@@ -291,7 +252,7 @@ def plan_tests(
             raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
-    return Answer(found.to_dict() | known | {"written": file}, plan_sections(found), exit_code)
+    return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
 
 
 def _taken(path: Path) -> InputError:
@@ -316,13 +277,11 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     """
     if ".." not in text:
         parts = [part.strip() for part in text.replace(";", ",").split(",")]
-        return tuple(read_quantity(part, unit, option) for part in parts if part)
+        return tuple(options.read_quantity(part, unit, option) for part in parts if part)
     low, _, high = text.partition("..")
-    ends = [read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
-    from ropefric.fitting.next_tests import geometric_levels, linear_levels  # noqa: PLC0415  (quick start-up)
-
+    ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
-        return geometric_levels(ends[0], ends[1], n)
+        return next_tests.geometric_levels(ends[0], ends[1], n)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
     step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
-    return tuple(math.radians(degrees) for degrees in linear_levels(first, last, n, step=step))
+    return tuple(math.radians(degrees) for degrees in next_tests.linear_levels(first, last, n, step=step))

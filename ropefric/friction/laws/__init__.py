@@ -1,26 +1,13 @@
 """Every friction law by name; one file declares one law."""
 
 from ropefric.friction.law import FrictionLaw
-from ropefric.friction.laws import (
-    bending,
-    constant,
-    constant_offset,
-    coupled,
-    groove,
-    howell,
-    size_exponential,
-    size_power,
-    thickness,
-    wrap_exponential,
-    wrap_power,
-)
-from ropefric.registry import Registry
+from ropefric.registry import Registry, declared_in
 
 _IN_ORDER = (
-    constant, constant_offset, size_power, size_exponential, wrap_exponential, wrap_power, coupled, thickness, bending,
-    howell, groove,
+    "constant", "constant_offset", "size_power", "size_exponential", "wrap_exponential", "wrap_power", "coupled",
+    "thickness", "bending", "howell", "groove",
 )  # fmt: skip
-LAWS: Registry[FrictionLaw] = Registry("friction law", [module.LAW for module in _IN_ORDER])
+LAWS: Registry[FrictionLaw] = Registry("friction law", declared_in(__name__, _IN_ORDER, "LAW"))
 """The laws that a comparison fits."""
 
 ALL_LAWS: Registry[FrictionLaw] = Registry(

@@ -7,7 +7,16 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes, combinations
+from ropefric.friction.law import (
+    Columns,
+    FrictionLaw,
+    Parameter,
+    Refusal,
+    Sheet,
+    Slopes,
+    combinations,
+    negative,
+)
 from ropefric.friction.laws.constant import LAW as CONSTANT
 
 _MAX_STEPS = 100
@@ -40,23 +49,13 @@ class Bending:
         by_radius = -2.0 * by_log_E / slope / conditions.centreline_radius_m
         return by_radius, columns[0] / slope, by_tension / slope
 
-    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
-        """Return d ln F/dφ = μ (1 − E/F), zero where the rope has not touched yet."""
-        mu, e = columns[0], _ratio(columns, conditions)
-        since_contact = wrap_rad - lifted_arc_rad(e)
-        # F/E − 1 grows as e^{μφ} from (1 − e)/e
-        local = mu * (1.0 - e) / (1.0 - e + e * np.exp(-mu * np.maximum(since_contact, 0.0)))
-        return np.where(since_contact >= 0.0, local, 0.0)
-
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where the tension cannot bend the rope round the wheel, or the rope never touches it."""
         mu, rigidity = columns
-        yield Refusal(mu < 0.0, mu, "the coefficient is {value}, negative", "keep it at zero or more")
+        yield negative(mu, "the coefficient is {value}, negative")
         yield Refusal(mu > 3.0, mu, "the coefficient is {value}; above 3 the lifted arc has several solutions",
                      "keep it at 3 or below")  # fmt: skip
-        yield Refusal(
-            rigidity < 0.0, rigidity, "the bending rigidity is {value} N m2, negative", "give it positive"
-        )
+        yield negative(rigidity, "the bending rigidity is {value} N m2, negative", "give it positive")
         e = _ratio(columns, conditions)
         yield Refusal(e >= 1.0, e * conditions.end_tension_N, "EI/(2 R^2) = {value} N is not below F_B: the end"
                      " tension cannot bend the rope round the wheel", "raise F_B or the wheel radius")  # fmt: skip
@@ -144,15 +143,9 @@ LAW = FrictionLaw(
     "phi_c = phi - arccos(1 - E/F_A) - arccos(1 - E/F_B)",
     source="after Stuart 1961, Br. J. Appl. Phys. 12:559",
     parameters=(
-        Parameter("mu", "-", start=0.2, lower=0.0, upper=3.0, meaning="friction coefficient"),
-        Parameter(
-            "rigidity_N_m2",
-            "N m2",
-            start=1e-4,
-            lower=1e-9,
-            upper=10.0,
-            meaning="bending rigidity EI of the rope; every F_B must exceed EI/(2 (R_w + R_r)^2)",
-        ),
+        Parameter("mu", "-", 0.2, 0.0, 3.0, "friction coefficient"),
+        Parameter("rigidity_N_m2", "N m2", 1e-4, 1e-9, 10.0,
+                  "bending rigidity EI of the rope; every F_B must exceed EI/(2 (R_w + R_r)^2)"),
     ),
     coefficient="local",
     effects=frozenset({"size", "end-tension", "bending-stiffness"}),
@@ -160,4 +153,4 @@ LAW = FrictionLaw(
     candidates=_candidates,
     special_cases=(CONSTANT,),
     arithmetic=_by_hand,
-)
+)  # fmt: skip

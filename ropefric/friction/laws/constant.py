@@ -6,7 +6,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes, negative
 
 
 class Uniform:
@@ -44,15 +44,11 @@ class Uniform:
         by_radius = self.mu_by_radius(columns, conditions) * conditions.wrap_angle_rad
         return by_radius, self.mu(columns, conditions), np.array(1.0)
 
-    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
-        """Return μ, wherever on the wrap."""
-        return self.mu(columns, conditions) + 0.0 * wrap_rad
-
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where μ is negative."""
-        mu = self.mu(columns, conditions)
         what = f"the coefficient is {{value}}, negative: {self.why_negative}"
-        yield Refusal(mu < 0.0, mu, what, "change the parameters, or leave out these conditions")
+        fix = "change the parameters, or leave out these conditions"
+        yield negative(self.mu(columns, conditions), what, fix)
 
 
 def mu_times_wrap(sheet: Sheet) -> float:
@@ -68,7 +64,7 @@ LAW = FrictionLaw(
     name="constant",
     equation="F_A = F_B exp(mu phi)",
     source="Euler's capstan equation; PRTH friction and lift-force model, eq. (2)",
-    parameters=(Parameter("mu", "-", start=0.2, lower=0.0, upper=5.0, meaning="friction coefficient"),),
+    parameters=(Parameter("mu", "-", 0.2, 0.0, 5.0, "friction coefficient"),),
     coefficient="average",
     effects=frozenset(),
     physics=Uniform(),

@@ -25,11 +25,11 @@ class Offset(Uniform):
         return self.rise(columns, conditions), (conditions.wrap_angle_rad, np.array(1.0))
 
 
-def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
-    return np.array([[mu, 0.0]])
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> list[list[float]]:
+    return [[mu, 0.0]]
 
 
-def _by_hand(sheet: Sheet) -> float:
+def _arithmetic(sheet: Sheet) -> float:
     return sheet.line("mu phi + k", "mu * phi + k")
 
 
@@ -38,20 +38,14 @@ LAW = FrictionLaw(
     equation="F_A = F_B exp(mu phi + k)",
     source="eq. (2) with a constant in ln F",
     parameters=(
-        Parameter("mu", "-", start=0.2, lower=0.0, upper=5.0, meaning="friction coefficient; local"),
-        Parameter(
-            "k",
-            "-",
-            start=0.0,
-            lower=-5.0,
-            upper=5.0,
-            meaning="offset of ln F_A: bearing friction or a gain error, the same at every wrap",
-        ),
+        Parameter("mu", "-", 0.2, 0.0, 5.0, "friction coefficient; local"),
+        Parameter("k", "-", 0.0, -5.0, 5.0,
+                  "offset of ln F_A: bearing friction or a gain error, the same at every wrap"),
     ),
     coefficient="local",
     effects=frozenset({"offset"}),
     physics=Offset(),
     candidates=_candidates,
     special_cases=(CONSTANT,),
-    arithmetic=_by_hand,
-)
+    arithmetic=_arithmetic,
+)  # fmt: skip

@@ -5,30 +5,22 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw, Sheet, combinations, with_variant
+from ropefric.friction.laws import size_exponential, wrap_power
 from ropefric.friction.laws.constant import LAW as CONSTANT
-from ropefric.friction.laws.size_exponential import LAW as SIZE_EXPONENTIAL
-from ropefric.friction.laws.size_exponential import (
-    SIZE_PARAMETERS,
-    ExponentialSize,
-    coefficient_by_hand,
-    size_candidates,
-)
-from ropefric.friction.laws.wrap_power import LAW as WRAP_POWER
-from ropefric.friction.laws.wrap_power import PowerWrap, exponent_parameter, plateau_parameter, power_by_hand
 
 
 def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
     return combinations(
         mu * np.array([1.0, 2.0, 4.0]),
-        *size_candidates(conditions),
+        *size_exponential.size_candidates(conditions),
         [-0.75, -0.4, -0.1],
         mu * np.array([0.1, 0.6]),
     )
 
 
 def _by_hand(sheet: Sheet) -> float:
-    coefficient_by_hand(sheet, "mu_R")
-    return power_by_hand(sheet, "mu_R", "c", "d")
+    size_exponential.coefficient_by_hand(sheet, "mu_R")
+    return wrap_power.power_by_hand(sheet, "mu_R", "c", "d")
 
 
 LAW = with_variant(
@@ -37,12 +29,16 @@ LAW = with_variant(
         equation="mu(phi) = mu_R phi^c + d, mu_R = mu_inf (1 - exp(a R_w/R_r + b)); "
         "F_A = F_B exp(integral of mu from phi0 to phi0 + phi)",
         source="PRTH friction and lift-force model, eqs. (16), (17), in the bracket of eq. (4)",
-        parameters=(*SIZE_PARAMETERS, exponent_parameter("c"), plateau_parameter("d")),
+        parameters=(
+            *size_exponential.SIZE_PARAMETERS,
+            wrap_power.exponent_parameter("c"),
+            wrap_power.plateau_parameter("d"),
+        ),
         coefficient="local",
         effects=frozenset({"size", "wrap-dependence", "end-tension"}),
-        physics=PowerWrap(strength=ExponentialSize(), equivalence=True),
+        physics=wrap_power.PowerWrap(strength=size_exponential.ExponentialSize(), equivalence=True),
         candidates=_candidates,
-        special_cases=(CONSTANT, SIZE_EXPONENTIAL, WRAP_POWER),
+        special_cases=(CONSTANT, size_exponential.LAW, wrap_power.LAW),
         arithmetic=_by_hand,
     )
 )

@@ -25,13 +25,13 @@ class Groove(Uniform):
         return 1.0 / sine, -mu * np.cos(half_angle) / sine**2
 
 
-def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
-    return np.array([[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]])
-
-
 def _by_hand(sheet: Sheet) -> float:
     sheet.line("mu/sin(half angle)", "mu/sin(half_angle)", "mu")
     return mu_times_wrap(sheet)
+
+
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> list[list[float]]:
+    return [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]]
 
 
 LAW = FrictionLaw(
@@ -39,22 +39,14 @@ LAW = FrictionLaw(
     equation="F_A = F_B exp(mu phi/sin(half_angle))",
     source="V-groove form of Euler's equation",
     parameters=(
-        Parameter(
-            "mu", "-", start=0.07, lower=0.0, upper=5.0, meaning="coefficient at the flanks of the groove"
-        ),
-        Parameter(
-            "half_angle",
-            "rad",
-            start=_HALF_ANGLE_RAD,
-            lower=0.02,
-            upper=float(np.pi / 2),
-            meaning="half the groove's angle; only mu/sin(half_angle) is seen, so measure it and hold it fixed",
-            fixed=True,
-        ),
+        Parameter("mu", "-", 0.07, 0.0, 5.0, "coefficient at the flanks of the groove"),
+        Parameter("half_angle", "rad", _HALF_ANGLE_RAD, 0.02, float(np.pi / 2),
+                  "half the groove's angle; only mu/sin(half_angle) is seen, so measure it and hold it fixed",
+                  fixed=True),
     ),
     coefficient="average",
     effects=frozenset({"groove"}),
     physics=Groove(),
     candidates=_candidates,
     arithmetic=_by_hand,
-)
+)  # fmt: skip

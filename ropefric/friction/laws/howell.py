@@ -20,13 +20,13 @@ class Howell:
 
     def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
         """Return K φ log1p(z)/z."""
-        K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
+        K, z = _scales(columns, conditions)
         return K * conditions.wrap_angle_rad * log1prel(z)
 
     def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and ∂ by A and n."""
         A, _n = columns
-        K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
+        K, z = _scales(columns, conditions)
         grown = K * conditions.wrap_angle_rad
         by_log_K = grown / (1.0 + z)
         by_q = by_log_K * _log_lever(conditions) + grown**2 * log1prel_slope(z)
@@ -34,21 +34,16 @@ class Howell:
 
     def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B."""
-        K, z = _scales(columns, conditions, conditions.wrap_angle_rad)
+        K, z = _scales(columns, conditions)
         local = K / (1.0 + z)
         by_radius = (1.0 - columns[1]) * local * conditions.wrap_angle_rad / conditions.centreline_radius_m
         return by_radius, local, 1.0 / (1.0 + z)
-
-    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
-        """Return A (R/T)^{1−n} where the tension is T."""
-        K, z = _scales(columns, conditions, wrap_rad)
-        return K / (1.0 + z)
 
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where A is not positive or the tension would grow beyond all bounds."""
         A, n = columns
         yield Refusal(A <= 0.0, A, "A is {value}; friction needs it positive", "give a positive A")
-        _K, z = _scales((np.maximum(A, 1e-300), n), conditions, conditions.wrap_angle_rad)
+        _K, z = _scales((np.maximum(A, 1e-300), n), conditions)
         yield Refusal(z <= -1.0, z, "for n > 1 the tension is infinite before the wrap ends:"
                      " (1 - n) A (R/F_B)^(1-n) phi = {value} <= -1", "use n <= 1")  # fmt: skip
 
@@ -58,11 +53,11 @@ def _log_lever(conditions: Conditions) -> FloatArray:
     return np.log(conditions.centreline_radius_m) - conditions.log_end_tension
 
 
-def _scales(columns: Columns, conditions: Conditions, wrap_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _scales(columns: Columns, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
+    """Return K and z."""
     A, n = columns
-    q = 1.0 - n
-    K = A * np.exp(q * _log_lever(conditions))
-    return K, q * K * wrap_rad
+    K = A * np.exp((1.0 - n) * _log_lever(conditions))
+    return K, (1.0 - n) * K * conditions.wrap_angle_rad
 
 
 def _candidates(mu: float, conditions: Conditions, log_lift: FloatArray) -> FloatArray:
@@ -86,22 +81,8 @@ LAW = FrictionLaw(
     equation="F_A^(1-n) = F_B^(1-n) + (1 - n) A R^(1-n) phi, R = R_w + R_r; local mu = A (R/T)^(1-n)",
     source="Howell 1953, friction per length f = A N^n",
     parameters=(
-        Parameter(
-            "A",
-            "(N/m)^(1-n)",
-            start=0.5,
-            lower=1e-6,
-            upper=1e5,
-            meaning="friction per length at a contact force of 1 N/m",
-        ),
-        Parameter(
-            "n",
-            "-",
-            start=0.9,
-            lower=0.0,
-            upper=1.0,
-            meaning="exponent of the contact force per length; 1 is Euler's equation",
-        ),
+        Parameter("A", "(N/m)^(1-n)", 0.5, 1e-6, 1e5, "friction per length at a contact force of 1 N/m"),
+        Parameter("n", "-", 0.9, 0.0, 1.0, "exponent of the contact force per length; 1 is Euler's equation"),
     ),
     coefficient="local",
     effects=frozenset({"size", "wrap-dependence", "end-tension"}),

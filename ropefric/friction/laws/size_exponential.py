@@ -9,19 +9,11 @@ from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform, mu_times_wrap
 
 SIZE_PARAMETERS = (
-    Parameter("mu_inf", "-", start=0.2, lower=0.0, upper=5.0, meaning="coefficient of a very large wheel"),
-    Parameter(
-        "a", "-", start=-0.2, lower=-20.0, upper=0.0, meaning="rate of the size effect per unit of R_w/R_r"
-    ),
-    Parameter(
-        "b",
-        "-",
-        start=-0.3,
-        lower=-20.0,
-        upper=0.0,
-        meaning="strength of the size effect as ln: 0 no friction on a vanishing wheel, very negative none",
-    ),
-)
+    Parameter("mu_inf", "-", 0.2, 0.0, 5.0, "coefficient of a very large wheel"),
+    Parameter("a", "-", -0.2, -20.0, 0.0, "rate of the size effect per unit of R_w/R_r"),
+    Parameter("b", "-", -0.3, -20.0, 0.0,
+              "strength of the size effect as ln: 0 no friction on a vanishing wheel, very negative none"),
+)  # fmt: skip
 """μ∞, a and b of eq. (4); at b <= 0 no wheel is too small to have a coefficient."""
 
 

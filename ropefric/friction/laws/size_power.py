@@ -55,18 +55,10 @@ LAW = FrictionLaw(
     equation="mu = mu_inf (R_w/(R_w + R_r))^a + b; F_A = F_B exp(mu phi)",
     source="PRTH friction and lift-force model, eq. (3)",
     parameters=(
-        Parameter(
-            "mu_inf",
-            "-",
-            start=0.2,
-            lower=0.0,
-            upper=5.0,
-            meaning="part of μ that grows with the wheel; only mu_inf + b and mu_inf a are seen for large wheels",
-        ),
-        Parameter("a", "-", start=1.0, lower=0.0, upper=50.0, meaning="exponent of the size effect"),
-        Parameter(
-            "b", "-", start=0.02, lower=0.0, upper=5.0, meaning="part of μ that the wheel leaves alone"
-        ),
+        Parameter("mu_inf", "-", 0.2, 0.0, 5.0,
+                  "part of μ that grows with the wheel; only mu_inf + b and mu_inf a are seen for large wheels"),
+        Parameter("a", "-", 1.0, 0.0, 50.0, "exponent of the size effect"),
+        Parameter("b", "-", 0.02, 0.0, 5.0, "part of μ that the wheel leaves alone"),
     ),
     coefficient="average",
     effects=frozenset({"size"}),
@@ -74,4 +66,4 @@ LAW = FrictionLaw(
     candidates=_candidates,
     special_cases=(CONSTANT,),
     arithmetic=_by_hand,
-)
+)  # fmt: skip

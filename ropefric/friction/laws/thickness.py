@@ -36,10 +36,6 @@ class Thickness(Uniform):
         return -by_share * A / conditions.centreline_radius_m
 
 
-def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
-    return mu * np.array([[1.0], [1.2], [1.6]])
-
-
 def _by_hand(sheet: Sheet) -> float:
     if sheet["mu"] > 0.0:
         sheet.line("A", "R_r/(R_w + R_r)")
@@ -49,23 +45,21 @@ def _by_hand(sheet: Sheet) -> float:
     return mu_times_wrap(sheet)
 
 
+def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
+    return mu * np.array([[1.0], [1.2], [1.6]])
+
+
 LAW = FrictionLaw(
     name="thickness",
     equation="lambda = (-1 + sqrt(1 + 4 A mu^2 (1 - A)))/(2 A mu), A = R_r/(R_w + R_r); F_A = F_B exp(lambda phi)",
     source="moment balance of a rope of finite thickness about the axle",
     parameters=(
-        Parameter(
-            "mu",
-            "-",
-            start=0.2,
-            lower=0.0,
-            upper=5.0,
-            meaning="coefficient at the contact; the exponent per radian lambda is smaller",
-        ),
+        Parameter("mu", "-", 0.2, 0.0, 5.0,
+                  "coefficient at the contact; the exponent per radian lambda is smaller"),
     ),
     coefficient="average",
     effects=frozenset({"size"}),
     physics=Thickness(),
     candidates=_candidates,
     arithmetic=_by_hand,
-)
+)  # fmt: skip

@@ -6,19 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction import law
 from ropefric.friction.condition import Conditions
-from ropefric.friction.integral import PowerSpan, power_log_start, power_span
-from ropefric.friction.law import (
-    Columns,
-    FrictionLaw,
-    Parameter,
-    Refusal,
-    Sheet,
-    Slopes,
-    below_reference,
-    combinations,
-    with_variant,
-)
+from ropefric.friction.integral import PowerSpan, power_log_start
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
 from ropefric.friction.laws.constant import LAW as CONSTANT
 from ropefric.friction.laws.constant import Uniform
 
@@ -28,16 +19,12 @@ _TINY_RAD = 1e-90
 
 def exponent_parameter(name: str) -> Parameter:
     """Return the exponent of φ as a parameter; its bounds stay clear of −1, where ∫ φ^k from 0 diverges."""
-    return Parameter(
-        name, "-", start=-0.4, lower=-0.999, upper=0.0, meaning="exponent of the wrap angle in rad"
-    )
+    return Parameter(name, "-", -0.4, -0.999, 0.0, "exponent of the wrap angle in rad")
 
 
 def plateau_parameter(name: str, *, lower: float = 0.0) -> Parameter:
     """Return the constant part of the local coefficient as a parameter."""
-    return Parameter(
-        name, "-", start=0.05, lower=lower, upper=5.0, meaning="local coefficient after very many turns"
-    )
+    return Parameter(name, "-", 0.05, lower, 5.0, "local coefficient after very many turns")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,13 +39,12 @@ class PowerWrap:
 
     def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
         """Return ∫ μ over the wrap."""
-        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
-        return m * self._span(m, k, d, conditions).integral() * (phi > 0.0) + d * phi
+        m, _, d, phi, span = self._parts(columns, conditions)
+        return m * span.integral() * (phi > 0.0) + d * phi
 
     def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
         """Return the rise and ∂ by each parameter: that of the wrap itself and that of the shift of φ0."""
-        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
-        span = self._span(m, k, d, conditions)
+        m, k, d, phi, span = self._parts(columns, conditions)
         some = phi > 0.0
         integral = span.integral()
         rise = m * integral * some + d * phi
@@ -74,8 +60,7 @@ class PowerWrap:
 
     def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B; the last is μ(φ0 + φ)/μ(φ0)."""
-        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
-        span = self._span(m, k, d, conditions)
+        m, k, d, phi, span = self._parts(columns, conditions)
         some = phi > 0.0
         by_m, by_tension = span.integral() * some, np.ones_like(phi + m)
         if self.equivalence:
@@ -85,26 +70,21 @@ class PowerWrap:
             by_m = by_m + shift * np.exp(span.s * u) / span.s
             # Not 1 − shift, which loses its digits for F_B → F_0, where μ(φ0) is very large.
             by_tension = np.where(some, _plateau_share(m, k, d, u) + np.exp(k * span.length) * share, 1.0)
-        at = self._log_angle(m, k, d, conditions, phi)
+        with np.errstate(divide="ignore"):
+            at = np.logaddexp(self._log_start(m, k, d, conditions), np.log(phi))
         return self.strength.mu_by_radius(columns, conditions) * by_m, _local(m, k, d, at), by_tension
-
-    def local_mu(self, columns: Columns, wrap_rad: FloatArray, conditions: Conditions) -> FloatArray:
-        """Return μ at φ0 + wrap."""
-        m, (k, d) = self.strength.mu(columns, conditions), columns[-2:]
-        return _local(m, k, d, self._log_angle(m, k, d, conditions, wrap_rad))
 
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where ∫ μ has no value or μ is negative."""
         m, (k, d) = self.strength.mu(columns, conditions), columns[-2:]
         yield Refusal(k <= -1.0, k, "the exponent of φ is {value}, and ∫ φ^k from 0 diverges for k <= -1;"
                      " there is no such wrap", "keep the exponent above -1")  # fmt: skip
-        yield Refusal(m < 0.0, m, f"the coefficient of φ^k is {{value}}, negative: {self.strength.why_negative}",
-                     "change the parameters, or leave out wheels this small")  # fmt: skip
-        yield Refusal(d < 0.0, d, "the constant part of μ is {value}, negative: μ turns negative at a large wrap",
-                     "keep it at zero or more")  # fmt: skip
+        yield law.negative(m, f"the coefficient of φ^k is {{value}}, negative: {self.strength.why_negative}",
+                       "change the parameters, or leave out wheels this small")  # fmt: skip
+        yield law.negative(d, "the constant part of μ is {value}, negative: μ turns negative at a large wrap")
         if self.equivalence:
             y = conditions.log_end_tension
-            yield below_reference(conditions)
+            yield law.below_reference(conditions)
             yield Refusal((m + d <= 0.0) & (y > 0.0), m + 0.0 * y,
                          "μ is zero everywhere, so no wrap angle stands for the end tension",
                          "give a positive coefficient")  # fmt: skip
@@ -114,15 +94,13 @@ class PowerWrap:
             return np.array(-np.inf)
         return power_log_start(conditions.log_end_tension, m, k, d)
 
-    def _span(self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions) -> PowerSpan:
-        phi = conditions.wrap_angle_rad
-        return power_span(self._log_start(m, k, d, conditions), np.where(phi > 0.0, phi, 1.0), k)
-
-    def _log_angle(
-        self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions, wrap_rad: FloatArray
-    ) -> FloatArray:
-        with np.errstate(divide="ignore"):
-            return np.logaddexp(self._log_start(m, k, d, conditions), np.log(wrap_rad))
+    def _parts(
+        self, columns: Columns, conditions: Conditions
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, PowerSpan]:
+        """Return m, k, d, the wrap and its span."""
+        m, (k, d), phi = self.strength.mu(columns, conditions), columns[-2:], conditions.wrap_angle_rad
+        start = self._log_start(m, k, d, conditions)
+        return m, k, d, phi, PowerSpan(start, np.where(phi > 0.0, phi, 1.0), k)
 
 
 def _local(m: FloatArray, k: FloatArray, d: FloatArray, log_angle: FloatArray) -> FloatArray:
@@ -151,7 +129,7 @@ class _First(Uniform):
 
 
 def _candidates(mu: float, _conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
-    return combinations(
+    return law.combinations(
         mu * np.array([0.3, 1.0, 3.0]), [-0.9, -0.6, -0.3, -0.1], mu * np.array([0.05, 0.4, 0.8])
     )
 
@@ -189,20 +167,13 @@ def _by_hand(sheet: Sheet) -> float:
     return power_by_hand(sheet, "a", "b", "c")
 
 
-LAW = with_variant(
+LAW = law.with_variant(
     FrictionLaw(
         name="wrap-power",
         equation="mu(phi) = a phi^b + c; F_A = F_B exp(integral of mu from phi0 to phi0 + phi)",
         source="PRTH friction and lift-force model, eqs. (15), (17)",
         parameters=(
-            Parameter(
-                "a",
-                "-",
-                start=0.2,
-                lower=0.0,
-                upper=5.0,
-                meaning="part of the local μ at 1 rad that falls with the wrap",
-            ),
+            Parameter("a", "-", 0.2, 0.0, 5.0, "part of the local μ at 1 rad that falls with the wrap"),
             exponent_parameter("b"),
             plateau_parameter("c"),
         ),

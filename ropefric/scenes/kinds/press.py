@@ -9,26 +9,7 @@ from pydantic import Field, PlainValidator
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
-from ropefric.scenes.kind import (
-    Becomes,
-    Failure,
-    Figure,
-    FrictionTable,
-    Kind,
-    Part,
-    Quantity,
-    SceneTable,
-    Table,
-    arrays,
-    by_name,
-    cells,
-    finite,
-    given,
-    in_words,
-    key,
-    number,
-    positive,
-)
+from ropefric.scenes import kind
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.answer import PressAnswer, PressProblem
 from ropefric.systems.press.critical import slip_margins
@@ -56,28 +37,28 @@ def _names(value: object) -> tuple[str, ...]:
     return tuple(value)
 
 
-class TensionerTable(Table):
+class TensionerTable(kind.Table):
     """`[rollers.NAME.tensioner]`."""
 
-    spring: Annotated[float, key("N/m", "20 N/mm", "spring_N_m", above=None)] = 0.0
-    travel: Annotated[float, key("m", "30 mm", "travel_m", above=None)] = 0.0
-    force: Annotated[float | None, key("N", "2000 N", "force_N")] = None
-    mass: Annotated[float | None, key("kg", "121 kg", "mass_kg")] = None
-    damping: Annotated[float, key("N*s/m", "500 N*s/m", "damping_N_s_m", above=None)] = 0.0
-    upstream_angle: Annotated[float, key("rad", "56.7 deg", "upstream_angle_rad", above=None)] = 0.0
-    downstream_angle: Annotated[float, key("rad", "19.9 deg", "downstream_angle_rad", above=None)] = 0.0
+    spring: Annotated[float, kind.key("N/m", "20 N/mm", "spring_N_m", above=None)] = 0.0
+    travel: Annotated[float, kind.key("m", "30 mm", "travel_m", above=None)] = 0.0
+    force: Annotated[float | None, kind.key("N", "2000 N", "force_N")] = None
+    mass: Annotated[float | None, kind.key("kg", "121 kg", "mass_kg")] = None
+    damping: Annotated[float, kind.key("N*s/m", "500 N*s/m", "damping_N_s_m", above=None)] = 0.0
+    upstream_angle: Annotated[float, kind.key("rad", "56.7 deg", "upstream_angle_rad", above=None)] = 0.0
+    downstream_angle: Annotated[float, kind.key("rad", "19.9 deg", "downstream_angle_rad", above=None)] = 0.0
 
 
-class RollerTable(Table):
+class RollerTable(kind.Table):
     """`[rollers.NAME]`."""
 
-    radius: Annotated[float, key("m", "75 mm", "radius_m")]
-    wrap: Annotated[float, key("rad", "163.3 deg", "wrap_angle_rad")]
-    role: Annotated[str, PlainValidator(choice(lambda: _ROLES)), Becomes("role")] = "driven"
-    inertia: Annotated[float | None, key("kg*m^2", "2.5 kg*m^2", "inertia_kg_m2")] = None
-    gravity_torque: Annotated[float, key("N*m", "26.2 N*m", "gravity_torque_N_m", above=None)] = 0.0
-    squeeze_torque: Annotated[float, key("N*m", "33.6 N*m", "squeeze_torque_N_m", above=None)] = 0.0
-    overspeed: Annotated[float | None, PlainValidator(number), Becomes("overspeed")] = None
+    radius: Annotated[float, kind.key("m", "75 mm", "radius_m")]
+    wrap: Annotated[float, kind.key("rad", "163.3 deg", "wrap_angle_rad")]
+    role: Annotated[str, PlainValidator(choice(lambda: _ROLES)), kind.Becomes("role")] = "driven"
+    inertia: Annotated[float | None, kind.key("kg*m^2", "2.5 kg*m^2", "inertia_kg_m2")] = None
+    gravity_torque: Annotated[float, kind.key("N*m", "26.2 N*m", "gravity_torque_N_m", above=None)] = 0.0
+    squeeze_torque: Annotated[float, kind.key("N*m", "33.6 N*m", "squeeze_torque_N_m", above=None)] = 0.0
+    overspeed: Annotated[float | None, PlainValidator(kind.number), kind.Becomes("overspeed")] = None
     tensioner: TensionerTable | None = None
 
     def _check(self) -> None:
@@ -90,32 +71,32 @@ class RollerTable(Table):
             )
 
 
-class BeltTable(Table):
+class BeltTable(kind.Table):
     """`[belts.NAME]`."""
 
-    loop: Annotated[tuple[str, ...], PlainValidator(_names), Becomes("loop")]
-    width: Annotated[float, key("m", "2 m", "width_m")]
-    thickness: Annotated[float, key("m", "5 mm", "thickness_m")]
-    density: Annotated[float | None, key("kg/m^3", "1500 kg/m^3")] = None
-    linear_density: Annotated[float | None, key("kg/m", "15 kg/m", "linear_density_kg_m")] = None
-    axial_stiffness: Annotated[float | None, key("N", "2000 kN", "axial_stiffness_N")] = None
-    damping: Annotated[float, key("s", "1 ms", "damping_s", above=None)] = 0.0
-    span_lengths: Annotated[list[Annotated[float, key("m", "1.2 m")]] | None, Becomes("span_lengths_m")] = (
-        None
-    )
+    loop: Annotated[tuple[str, ...], PlainValidator(_names), kind.Becomes("loop")]
+    width: Annotated[float, kind.key("m", "2 m", "width_m")]
+    thickness: Annotated[float, kind.key("m", "5 mm", "thickness_m")]
+    density: Annotated[float | None, kind.key("kg/m^3", "1500 kg/m^3")] = None
+    linear_density: Annotated[float | None, kind.key("kg/m", "15 kg/m", "linear_density_kg_m")] = None
+    axial_stiffness: Annotated[float | None, kind.key("N", "2000 kN", "axial_stiffness_N")] = None
+    damping: Annotated[float, kind.key("s", "1 ms", "damping_s", above=None)] = 0.0
+    span_lengths: Annotated[
+        list[Annotated[float, kind.key("m", "1.2 m")]] | None, kind.Becomes("span_lengths_m")
+    ] = None
 
     def _check(self) -> None:
         if (self.density is None) == (self.linear_density is None):
             reject("RF121", "give either density or linear_density", fix='add density = "1500 kg/m^3"')
 
 
-class MachineTable(Table):
+class MachineTable(kind.Table):
     """`[press]`."""
 
-    speed: Annotated[float | None, key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None
-    rotation: Annotated[float | None, key("rad/s", "50 rpm", above=None)] = None
-    preload: Annotated[float | None, key("N", "2000 N", "preload_N")] = None
-    load_factor: Annotated[float, PlainValidator(number), Becomes("load_factor")] = 1.0
+    speed: Annotated[float | None, kind.key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None
+    rotation: Annotated[float | None, kind.key("rad/s", "50 rpm", above=None)] = None
+    preload: Annotated[float | None, kind.key("N", "2000 N", "preload_N")] = None
+    load_factor: Annotated[float, PlainValidator(kind.number), kind.Becomes("load_factor")] = 1.0
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))] = "share"
 
     def _check(self) -> None:
@@ -131,48 +112,48 @@ class MachineTable(Table):
                 reject("RF110", f"{name} is negative", fix="give it zero or more", key=name)
 
 
-class GravityTable(Table):
+class GravityTable(kind.Table):
     """`[sludge.gravity]`, eqs. (5), (6)."""
 
-    friction: Annotated[float, PlainValidator(positive), Becomes("sludge_friction")]
-    height: Annotated[float, key("m", "60 mm", "sludge_height_m")]
-    density: Annotated[float, key("kg/m^3", "1000 kg/m^3", "sludge_density_kg_m3")]
-    width: Annotated[float, key("m", "2 m", "belt_width_m")]
-    zones: Annotated[dict[str, float], by_name(quantity("m", "1.2 m", above=0), '"2" = "1.2 m"')]
+    friction: Annotated[float, PlainValidator(kind.positive), kind.Becomes("sludge_friction")]
+    height: Annotated[float, kind.key("m", "60 mm", "sludge_height_m")]
+    density: Annotated[float, kind.key("kg/m^3", "1000 kg/m^3", "sludge_density_kg_m3")]
+    width: Annotated[float, kind.key("m", "2 m", "belt_width_m")]
+    zones: Annotated[dict[str, float], kind.by_name(quantity("m", "1.2 m", above=0), '"2" = "1.2 m"')]
 
 
-class SqueezeTable(Table):
+class SqueezeTable(kind.Table):
     """`[sludge.squeeze]`, eqs. (7)-(9)."""
 
-    width: Annotated[float, key("m", "2 m", "belt_width_m")]
-    compression: Annotated[float, key("m", "10 mm", "compression_m")]
-    strength: Annotated[float, key("Pa", "30 kPa", "strength_Pa")]
-    poisson_ratio: Annotated[float, PlainValidator(number), Becomes("poisson_ratio")]
-    youngs_modulus: Annotated[float, key("Pa", "300 kPa", "youngs_modulus_Pa")]
-    units: Annotated[dict[str, float], by_name(positive, '"5" = 2, "6" = 1')]
+    width: Annotated[float, kind.key("m", "2 m", "belt_width_m")]
+    compression: Annotated[float, kind.key("m", "10 mm", "compression_m")]
+    strength: Annotated[float, kind.key("Pa", "30 kPa", "strength_Pa")]
+    poisson_ratio: Annotated[float, PlainValidator(kind.number), kind.Becomes("poisson_ratio")]
+    youngs_modulus: Annotated[float, kind.key("Pa", "300 kPa", "youngs_modulus_Pa")]
+    units: Annotated[dict[str, float], kind.by_name(kind.positive, '"5" = 2, "6" = 1')]
 
 
-class SludgeTable(Table):
+class SludgeTable(kind.Table):
     """`[sludge]`: loads from the sludge, in place of torques."""
 
     gravity: GravityTable | None = None
     squeeze: SqueezeTable | None = None
 
 
-class StartUpTable(Table):
+class StartUpTable(kind.Table):
     """`[start_up]`."""
 
     law: Annotated[str, PlainValidator(choice(lambda: DRIVE_LAWS))] = "s-curve"
-    duration: Annotated[float | None, key("s", "5 s")] = None
-    times: list[Annotated[float, key("s", "1 s", above=None)]] | None = None
-    speeds: list[Annotated[float, key("m/s", "0.5 m/s", above=None)]] | None = None
-    simulate: Annotated[float, key("s", "20 s")]
+    duration: Annotated[float | None, kind.key("s", "5 s")] = None
+    times: list[Annotated[float, kind.key("s", "1 s", above=None)]] | None = None
+    speeds: list[Annotated[float, kind.key("m/s", "0.5 m/s", above=None)]] | None = None
+    simulate: Annotated[float, kind.key("s", "20 s")]
     points: Annotated[int, PlainValidator(whole_number(2, 200_000))] = 2001
     slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
     integrator: Annotated[str, PlainValidator(choice(lambda: INTEGRATORS))] = "exact"
-    step: Annotated[float | None, key("s", "1 ms")] = None
-    tolerance: Annotated[float, PlainValidator(positive)] = 1e-6
+    step: Annotated[float | None, kind.key("s", "1 ms")] = None
+    tolerance: Annotated[float, PlainValidator(kind.positive)] = 1e-6
 
     def _check(self) -> None:
         if self.slip and self.integrator != "exact":
@@ -192,13 +173,13 @@ class StartUpTable(Table):
             )
 
 
-class PressScene(SceneTable):
+class PressScene(kind.SceneTable):
     """A scene with `system = "press"`."""
 
     press: MachineTable
     rollers: dict[str, RollerTable]
     belts: dict[str, BeltTable]
-    friction: FrictionTable
+    friction: kind.FrictionTable
     sludge: SludgeTable = Field(default_factory=SludgeTable)
     start_up: StartUpTable | None = None
 
@@ -242,31 +223,31 @@ def _problem(table: PressScene, friction: WrapFriction) -> PressProblem:
         closure=table.press.closure,
         friction=friction,
         start_up=None if table.start_up is None else _task(table.start_up, speed_m_s),
-        **{"speed_m_s": np.array([speed_m_s])} | arrays(table.press),
+        **{"speed_m_s": np.array([speed_m_s])} | kind.arrays(table.press),
     )
 
 
 def _roller(table: PressScene, name: str, one: RollerTable) -> Roller:
     """Return a roller, with the torques that the sludge puts on it."""
-    parts = given(one)
+    parts = kind.given(one)
     if one.tensioner is not None:
         # A force of its own comes before the one preload of all tensioners.
         force = {"force_N": table.press.preload or 0.0}
-        parts["tensioner"] = Tensioner(**force | given(one.tensioner))
+        parts["tensioner"] = Tensioner(**force | kind.given(one.tensioner))
     gravity, squeeze = table.sludge.gravity, table.sludge.squeeze
     if gravity is not None and name in gravity.zones:
         zone = {"zone_length_m": gravity.zones[name], "radius_m": one.radius}
-        parts["gravity_torque_N_m"] = float(gravity_torque_N_m(**given(gravity), **zone))
+        parts["gravity_torque_N_m"] = float(gravity_torque_N_m(**kind.given(gravity), **zone))
     if squeeze is not None and name in squeeze.units:
         squeezed = {"units": squeeze.units[name], "radius_m": one.radius}
-        parts["squeeze_torque_N_m"] = float(squeeze_torque_N_m(**given(squeeze), **squeezed))
+        parts["squeeze_torque_N_m"] = float(squeeze_torque_N_m(**kind.given(squeeze), **squeezed))
     return Roller(name=name, **parts)
 
 
 def _belt(name: str, one: BeltTable) -> Belt:
     mass = {"linear_density_kg_m": (one.density or 0.0) * one.width * one.thickness}
     lengths = {} if one.span_lengths is None else {"span_lengths_m": tuple(one.span_lengths)}
-    return Belt(name=name, **mass | given(one) | lengths)
+    return Belt(name=name, **mass | kind.given(one) | lengths)
 
 
 def _task(table: StartUpTable, speed_m_s: float) -> dict[str, Any]:
@@ -318,30 +299,30 @@ def _answerable(problem: PressProblem) -> BoolArray:
     return np.asarray(~still.slack)
 
 
-def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[Quantity, ...]:
+def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]:
     slip, tensions_N = answer.slip, answer.state.effective_tension_N
     return (
-        Quantity("largest_utilisation", slip.utilisation.max(axis=-1)),
-        Quantity("power_W", drive_power_W(answer.state)),
+        kind.Quantity("largest_utilisation", slip.utilisation.max(axis=-1)),
+        kind.Quantity("power_W", drive_power_W(answer.state)),
         *(
-            Quantity(f"slip.{name}.{measure}", getattr(slip, measure)[..., place])
+            kind.Quantity(f"slip.{name}.{measure}", getattr(slip, measure)[..., place])
             for measure in ("utilisation", "as_plotted", "as_printed")
             for place, name in enumerate(slip.rollers)
         ),
         *(
-            Quantity(f"effective_tension_N.{span.name}", tensions_N[..., place])
+            kind.Quantity(f"effective_tension_N.{span.name}", tensions_N[..., place])
             for place, span in enumerate(answer.model.press.spans)
         ),
     )
 
 
-def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[Failure, ...]:
+def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure, ...]:
     """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer."""
     if problem.start_up is not None:
         return ()
     largest = answer.slip.utilisation.max(axis=-1)
     words = "a roller slips, so the belts cannot be pulled like this"
-    return (Failure(words, "largest utilisation", largest, largest > 1.0),)
+    return (kind.Failure(words, "largest utilisation", largest, largest > 1.0),)
 
 
 def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
@@ -355,7 +336,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         "tension_N": _by_name(spans, answer.at_rest_N),
         "effective_tension_N": _by_name(spans, answer.state.effective_tension_N),
         "slip": {
-            roller: {measure: finite(slip.of(roller, measure)[0]) for measure in MEASURES}
+            roller: {measure: kind.finite(slip.of(roller, measure)[0]) for measure in MEASURES}
             for roller in slip.rollers
         },
         "closure": answer.statics.closure,
@@ -400,41 +381,41 @@ _LAST = {
 """What leads to the first slip; what ends the last one, and what to say where nothing of the kind does."""
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     uncertain = any("utilisation_std" in one for one in tree["slip"].values())
     columns = {"utilisation": ("utilisation", ".4g")} | (
         {"± std": ("utilisation_std", ".2g")} if uncertain else {}
     )
     columns |= {
-        key.replace("_", " "): (key, ".4g") for key in ("log", "mu_required", "as_printed", "as_plotted")
+        one.replace("_", " "): (one, ".4g") for one in ("log", "mu_required", "as_printed", "as_plotted")
     }
-    spans = Part(
+    spans = kind.Part(
         "Tensions",
         headings=("span", "T at rest [N]", "T' at speed [N]"),
         rows=tuple(
-            (name, in_words(tension, ".1f"), in_words(tree["effective_tension_N"][name], ".1f"))
+            (name, kind.in_words(tension, ".1f"), kind.in_words(tree["effective_tension_N"][name], ".1f"))
             for name, tension in tree["tension_N"].items()
         ),
         notes=tuple(tree["undetermined"]),
     )
-    slip = Part(
+    slip = kind.Part(
         "Slip",
         lines=_slip_lines(tree),
         headings=("roller", *columns),
-        rows=tuple((name, *cells(one, columns.values())) for name, one in tree["slip"].items()),
+        rows=tuple((name, *kind.cells(one, columns.values())) for name, one in tree["slip"].items()),
     )
     creep = [_creep(tree)] if tree["creep"]["power_lost_W"] else []
     return (spans, slip, *creep, *([_start_up(tree)] if "start_up" in tree else []))
 
 
-def _creep(tree: Mapping[str, Any]) -> Part:
+def _creep(tree: Mapping[str, Any]) -> kind.Part:
     rim_m_s, lost_W = tree["creep"]["rim_speed_m_s"], tree["creep"]["power_lost_W"]
-    return Part(
+    return kind.Part(
         "Creep",
         lines=(f"the belts' stretch takes {lost_W:.4g} W of the drivers' power",),
         headings=("roller", "rim [m/s]", "slower by [%]"),
         rows=tuple(
-            (name, in_words(one, ".6g"), in_words(100.0 * (1.0 - one / tree["speed_m_s"]), ".3g"))
+            (name, kind.in_words(one, ".6g"), kind.in_words(100.0 * (1.0 - one / tree["speed_m_s"]), ".3g"))
             for name, one in rim_m_s.items()
         ),
     )
@@ -466,12 +447,12 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _start_up(tree: Mapping[str, Any]) -> Part:
+def _start_up(tree: Mapping[str, Any]) -> kind.Part:
     found = tree["start_up"]
     highest_N, lowest_N = found["peak_tension_N"], min(found["lowest_tension_N"].values())
     peak = max(highest_N, key=highest_N.__getitem__)
     columns = ("peak_utilisation", "first_slip_s", "slipping_s")
-    return Part(
+    return kind.Part(
         "Start-up",
         lines=(
             f"highest tension: {highest_N[peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
@@ -479,7 +460,9 @@ def _start_up(tree: Mapping[str, Any]) -> Part:
             f"the energy balance closes to {abs(found['energy_residual']):.1g}",
         ),
         headings=("roller", "peak utilisation", "first slip [s]", "slips for [s]"),
-        rows=tuple((name, *(in_words(found[one].get(name)) for one in columns)) for name in tree["slip"]),
+        rows=tuple(
+            (name, *(kind.in_words(found[one].get(name)) for one in columns)) for name in tree["slip"]
+        ),
     )
 
 
@@ -503,7 +486,7 @@ def _start_up_columns(answer: PressAnswer) -> dict[str, FloatArray] | None:
     return columns
 
 
-KIND = Kind(
+KIND = kind.Kind(
     name="press",
     schema=PressScene,
     system=SYSTEM,
@@ -520,6 +503,6 @@ KIND = Kind(
     sections=_sections,
     histories={"start_up.csv": _start_up_columns},
     figures={
-        "start_up_figure": Figure(lambda answer, problem: answer.start_up, "press.draw_press_start_up")  # noqa: ARG005
+        "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "press.draw_press_start_up")  # noqa: ARG005
     },
 )

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import InputError
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.measured import Measurement
@@ -87,7 +88,7 @@ class SawModel(Model[SawProblem]):
             "preload_N": problem.preload_N,
             "pull_N": side.sign * self.part("tension-difference", problem.pull_N),
         }
-        if side is Side.SLACK:
+        if side is Side.SLACK and "tension-difference" in self.effects:
             Span(**static)  # refuses a side that is slack before the wheels' inertia helps it
         return Span(
             **static,
@@ -139,21 +140,21 @@ def solve_saw(model: SawModel, *, accuracy: float = 1e-10) -> SawAnswer:
         )
         for side, span in model.spans.items()
     }
-    return SawAnswer(model, sides, grip_utilisation(model))
+    tight, slack = model.spans[Side.TIGHT], model.spans[Side.SLACK]
+    # The difference of two large tensions loses a small pull, and what the wheels add is the same on both sides.
+    return SawAnswer(
+        model, sides, grip_utilisation(problem, tight.pull_N - slack.pull_N, slack.net_tension_N)
+    )
 
 
-def grip_utilisation(model: SawModel) -> FloatArray | None:
+def grip_utilisation(problem: SawProblem, needed_N: FloatArray, pressing_N: FloatArray) -> FloatArray | None:
     """Return required over available friction pull of the driving wheel, shape (n,) [-]; 1 at gross slip.
 
     U = (F_tight − F_slack) / ((F_slack − ρAv²)(e^M − 1)): what keeps the blade on its circle presses nothing. None
     where the scene does not say what friction there is.
     """
-    problem = model.problem
     if problem.friction is None or problem.wheel_radius_m is None or problem.section is None:
         return None
-    # The difference of two large tensions loses a small pull, and what the wheels add is the same on both sides.
-    needed_N = model.spans[Side.TIGHT].pull_N - model.spans[Side.SLACK].pull_N
-    pressing_N = model.spans[Side.SLACK].net_tension_N
     touching = pressing_N > 0.0
     if not touching.any():
         return np.where(needed_N > 0.0, np.inf, 0.0)
@@ -216,20 +217,36 @@ def answerable(problem: SawProblem) -> BoolArray:
 
 
 _ROUNDING = 1e-11
-_OF_A_STRING = ("tension-difference", "wheel-inertia-tension", "travel")
 
 
 @lru_cache(maxsize=2)
 def _string_changes(problem: SawProblem) -> dict[str, float]:
-    """Return what every effect but the stiffness is worth on a string.
+    """Return what every effect but the stiffness is worth on a string, by ln f = ln(F − ρA v²) − ½ ln F + const.
 
     A stiff blade is less sensitive to tension and speed, as part of its restoring force depends on neither; in the
     wheel's grip the stiffness has no part.
     """
+    pulls_N, presses_N, inertia_N = problem.pull_N, problem.wheels_N, problem.inertia_N
+
+    def logs(effects: frozenset[str]) -> FloatArray:
+        model = SawModel(problem=problem, effects=effects)
+        pull_N, wheels_N = (
+            model.part("tension-difference", pulls_N),
+            model.part("wheel-inertia-tension", presses_N),
+        )
+        static_N = problem.preload_N + np.stack([pull_N, -pull_N])
+        tension_N = static_N + wheels_N
+        net_N = tension_N - model.part("travel", inertia_N)
+        if not ((static_N > 0.0) & (net_N > 0.0)).all():
+            raise InputError("a blade that is slack or too fast has no frequency", key="preload_N")
+        found, use = (
+            np.log(net_N) - 0.5 * np.log(tension_N),
+            grip_utilisation(problem, 2.0 * pull_N, net_N[1]),
+        )
+        return found if use is None else np.concatenate([found, np.log(use)[np.newaxis]])
+
     return largest_changes(
-        _OF_A_STRING,
-        lambda effects: solve_saw(SawModel(problem=problem, effects=effects)).logs,
-        rounding=_ROUNDING,
+        ("tension-difference", "wheel-inertia-tension", "travel"), logs, rounding=_ROUNDING
     )
 
 
@@ -243,11 +260,12 @@ def bending_bound(problem: SawProblem) -> FloatArray:
     the least of Rayleigh's quotients, for the others by trial. Both terms are exact as e → 0.
     """
     stiffness, worst = problem.product("bending_stiffness_N_m2"), np.zeros(problem.n)
+    pull_N, wheels_N, inertia_N = problem.pull_N, problem.wheels_N, problem.inertia_N
     for pull, wheels, travels in product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)):
-        tension_N = problem.preload_N + pull * problem.pull_N + wheels * problem.wheels_N
+        tension_N = problem.preload_N + pull * pull_N + wheels * wheels_N
         e, V2 = (
             np.sqrt(stiffness / (tension_N * problem.free_span_m**2)),
-            travels * problem.inertia_N / tension_N,
+            travels * inertia_N / tension_N,
         )
         layers = 0.0 * e if problem.ends.turns else 2.0 * e / np.sqrt(1.0 - V2)
         kappa = problem.n_modes * math.pi / (1.0 - layers)

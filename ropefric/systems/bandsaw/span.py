@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse, refuse_out_of_scale
+from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, in_scale, refuse
 
 _PI_SQUARED = (9.869604401089358, 6.265295508739711e-16)
 
@@ -154,7 +154,7 @@ class Span(Cases):
             preload_N=self.preload_N,
             pull_N=self.pull_N,
         )
-        refuse_out_of_scale("tension_N", self.tension_N, may_vanish=False)
+        in_scale("tension_N", self.tension_N)
 
     @cached_property
     def tension_N(self) -> FloatArray:

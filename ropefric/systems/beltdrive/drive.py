@@ -8,7 +8,6 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.creep import speed_ratio
 from ropefric.systems.effect import Method, Model, System, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 from ropefric.systems.subsets import closed_form_system, law_rows
@@ -114,7 +113,7 @@ class DriveAnswer:
     def speed_ratio(self) -> FloatArray:
         """Return the rim speed of the driven pulley over that of the driving one, (1 + T2/EA)/(1 + T1/EA)."""
         tight, slack = self.strain
-        return speed_ratio(slack, tight)
+        return np.asarray((1.0 + slack) / (1.0 + tight))
 
     @cached_property
     def slip_arc_rad(self) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.systems.checks import Rule, side_by_side
+from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, told_by
 from ropefric.systems.press.machine import Press, Roller
@@ -19,31 +19,24 @@ from ropefric.systems.press.steady import SteadyState, TakeUp, rim_speed_ratios,
 from ropefric.systems.press.transient.start_up import StartUp, start_up
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PressProblem:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PressProblem(Cases):
     """A press at n operating points; scalars are spread. A start-up is given by what `start_up` is to be told of it."""
 
     press: Press
     closure: str
     friction: WrapFriction
-    speed_m_s: FloatArray
-    preload_N: FloatArray | None = None
-    load_factor: FloatArray
+    speed_m_s: ZeroOrMore
+    preload_N: ZeroOrMore | None = None
+    load_factor: ZeroOrMore
     start_up: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        rules: dict[str, Rule] = dict.fromkeys(("speed_m_s", "preload_N", "load_factor"), "zero or more")
-        for name, array in side_by_side({name: getattr(self, name) for name in rules}, rules).items():
-            object.__setattr__(self, name, array)
+        Cases.__post_init__(self)
         if self.start_up is not None and self.n > 1:
             raise InputError(
                 "a start-up is simulated for one operating point", fix="give one speed and preload"
             )
-
-    @property
-    def n(self) -> int:
-        """Return how many operating points there are."""
-        return self.speed_m_s.size
 
 
 def operated(

@@ -28,7 +28,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -36,7 +36,7 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.registry import did_you_mean
-from ropefric.systems.checks import Rule, checked, refuse_out_of_scale
+from ropefric.systems.checks import checked, in_scale, rules_of
 
 Role = Literal["driver", "driven", "tensioner"]
 Positive = Annotated[float, "positive"]
@@ -93,7 +93,7 @@ class Belt:
     width_m: Positive
     axial_stiffness_N: Positive | None = None
     damping_s: NotNegative = 0.0
-    span_lengths_m: tuple[Positive, ...] | None = None
+    span_lengths_m: Annotated[tuple[float, ...], "positive"] | None = None
 
     @property
     def steps(self) -> tuple[tuple[str, str], ...]:
@@ -232,23 +232,6 @@ def refuse_missing(what: str, keys: Sequence[str], *, fix: str) -> None:
         )
 
 
-def _rule(hint: Any) -> Rule | None:
-    """Return the rule for the numbers of a field, if it has any."""
-    if get_origin(hint) is Annotated:
-        return get_args(hint)[1]  # type: ignore[no-any-return]
-    return next(filter(None, map(_rule, get_args(hint))), None)
-
-
-_RULES = {
-    kind: {
-        name: rule
-        for name, hint in get_type_hints(kind, include_extras=True).items()
-        if (rule := _rule(hint)) is not None
-    }
-    for kind in (Press, Roller, Tensioner, Belt)
-}
-
-
 class _Problems(list[Problem]):
     """What is wrong with a press."""
 
@@ -256,12 +239,11 @@ class _Problems(list[Problem]):
         self.append(Problem(code="RF520", message=message, key=key, fix=fix))
 
     def add_numbers(self, where: str, part: Press | Roller | Tensioner | Belt) -> None:
-        for name, rule in _RULES[type(part)].items():
+        for name, rule in rules_of(type(part)).items():  # type: ignore[arg-type]  # a class is hashable
             value, key = getattr(part, name), f"{where}{name}"
             for one in value if isinstance(value, tuple) else [] if value is None else [value]:
                 try:
-                    checked(key, one, rule)
-                    refuse_out_of_scale(key, one, may_vanish=rule != "positive")
+                    in_scale(key, one, rule)
                 except InputError as error:
                     self.add(key, error.problem.message, fix=error.problem.fix)
 

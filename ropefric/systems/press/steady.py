@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
-from ropefric.systems.checks import checked, refuse_out_of_scale
+from ropefric.systems.checks import in_scale
 from ropefric.systems.press.machine import Press, refuse_missing
 from ropefric.systems.press.statics import Statics, belts_alone, tension_row
 
@@ -93,9 +93,7 @@ def steady_state(
         "load_factor": load_factor,
         "preload_N": 0.0 if preload_N is None else preload_N,
     }
-    for name, values in asked.items():
-        refuse_out_of_scale(name, checked(name, values, "zero or more"), may_vanish=True)
-    speed, load, preload = (np.asarray(values, dtype=np.float64) for values in asked.values())
+    speed, load, preload = (in_scale(name, values, "zero or more") for name, values in asked.items())
     shape = np.broadcast_shapes(speed.shape, load.shape, preload.shape)
     base_N = statics.given_N + (statics.by_preload @ own_N if preload_N is None else 0.0)
     shares = [

@@ -118,55 +118,30 @@ def _inspect_ends(source: Source, profile: ImportProfile) -> Inspection:
     while not found.n_rows and size < WHOLE_BYTES:  # pragma: no cover - a head of megabytes
         size *= 2
         found = _inspect_text(replace(source, most_bytes=size), profile)
+    n_about = found.n_rows if source.is_packed else round(found.n_rows * source.file.size / size)
     parts = "first megabyte was" if source.is_packed else "first and last megabytes were"
     doubts = [f"only the {parts} read: numbers of rows and ranges are at least these; --all reads everything"]
-    n_about = 0
-    if not source.is_packed:
-        n_about = round(found.n_rows * source.file.size / size)
-        if found.encoding in _TAIL_ENCODINGS:
-            try:
-                found = _with_end(found, source)
-            except DataError as error:
-                doubts.append(f"near the end of the file: {error.problem.message}")
-    return replace(found, n_rows_about=n_about or found.n_rows, doubts=(*found.doubts, *doubts))
+    if not source.is_packed and found.encoding in _TAIL_ENCODINGS:
+        try:
+            found = _inspect_text(replace(source, most_bytes=size), profile, _end_of(found, source))
+        except DataError as error:
+            doubts.append(f"near the end of the file: {error.problem.message}")
+    return replace(found, n_rows_about=n_about, doubts=(*found.doubts, *doubts))
 
 
-def _with_end(found: Inspection, source: Source) -> Inspection:
-    """Return the inspection with what the last lines add to ranges and counts."""
-    profile = replace(
-        found.profile,
-        format="delimited",
-        channels={},
-        header_row=0,
-        units_row=0,
-        block_names_row=0,
-        data_row=2,  # the first line is cut
-        decimal=found.decimal,
-    )
-    (table, *_) = find_reader(source.path, profile).tables(replace(source, most_bytes=-PART_BYTES), profile)
-    last = _summarise(Inspection(file=found.file, format=found.format, profile=profile), [table])
-    if len(last.columns) != len(found.columns):
-        raise source.error(f"there are {len(last.columns)} columns, not {len(found.columns)}")
-    columns = tuple(_joined(one, other) for one, other in zip(found.columns, last.columns, strict=True))
-    hints = dict.fromkeys((*found.saturation, *last.saturation))
-    return replace(found, columns=columns, n_rows=found.n_rows + last.n_rows, saturation=tuple(hints))
+def _end_of(found: Inspection, source: Source) -> list[FloatArray | None]:
+    """Return the columns of the last lines."""
+    known = replace(found.profile, format="delimited", channels={}, decimal=found.decimal)
+    known = replace(known, header_row=0, units_row=0, block_names_row=0, data_row=2)  # the first line is cut
+    (table, *_) = find_reader(source.path, known).tables(replace(source, most_bytes=-PART_BYTES), known)
+    if len(table.names) != len(found.columns):
+        raise source.error(f"there are {len(table.names)} columns, not {len(found.columns)}")
+    return _load(table)[0]
 
 
-def _joined(one: ColumnSummary, other: ColumnSummary) -> ColumnSummary:
-    low = [limit for limit in (one.minimum, other.minimum) if limit is not None]
-    high = [limit for limit in (one.maximum, other.maximum) if limit is not None]
-    is_numeric = one.is_numeric and other.is_numeric
-    return replace(
-        one,
-        minimum=min(low) if low and is_numeric else None,
-        maximum=max(high) if high and is_numeric else None,
-        n_missing=one.n_missing + other.n_missing,
-        is_numeric=is_numeric,
-        is_integer=one.is_integer and other.is_integer,
-    )
-
-
-def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
+def _inspect_text(
+    source: Source, profile: ImportProfile, end: Sequence[FloatArray | None] = ()
+) -> Inspection:
     doubts = []
     decimal_is_open = False
     try:
@@ -209,7 +184,7 @@ def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
         ),
         doubts=tuple(doubts),
     )
-    return _summarise(found, tables)
+    return _summarise(found, tables, end)
 
 
 def _find_blocks(text: Text, dialect: Dialect, profile: ImportProfile) -> ImportProfile | None:
@@ -249,20 +224,22 @@ def _find_blocks(text: Text, dialect: Dialect, profile: ImportProfile) -> Import
     )
 
 
-def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
-    """Return an inspection completed by what the columns of the first recording hold."""
+def _summarise(
+    found: Inspection, tables: Sequence[Table], end: Sequence[FloatArray | None] = ()
+) -> Inspection:
+    """Return an inspection completed by what the columns of the first recording hold, and by those of its end."""
     table = tables[0]
     values, wrong_stamps = _load(table)
-    columns = tuple(_column(table, index, array) for index, array in enumerate(values))
+    pairs = zip(values, end, strict=True) if end else ((array, np.empty(0)) for array in values)
+    whole = [None if a is None or b is None else np.append(a, b) for a, b in pairs]
+    columns = tuple(_column(table, index, array) for index, array in enumerate(whole))
     channels, doubts = _channels(found, table, values)
     rate_Hz, is_uniform, clock_doubts = _clock(table, values, channels)
-    hints = [
-        hint for column, array in zip(columns, values, strict=True) for hint in _at_limits(column, array)
-    ]
+    hints = [hint for column, array in zip(columns, whole, strict=True) for hint in _at_limits(column, array)]
     return replace(
         found,
         columns=columns,
-        n_rows=max((array.size for array in values if array is not None), default=0),
+        n_rows=max((array.size for array in whole if array is not None), default=0),
         samples=tuple(table.sample for table in tables if table.sample),
         sampling_rate_Hz=rate_Hz,
         is_uniform=is_uniform,

@@ -30,10 +30,9 @@ _Tags = Mapping[str, Sequence[str]]
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the file's recordings; a block that goes on where the one before ended belongs to the same."""
-    text = load_text(source, profile.encoding)
-    data = b"".join(block.data for block in text.blocks())
-    data = _SPECIAL.sub(lambda found: b"\n" * found[0].count(b"\n"), data)
-    text = replace(text, data=data, is_whole=True)
+    text = load_text(source, profile.encoding).whole()
+    data = _SPECIAL.sub(lambda found: b"\n" * found[0].count(b"\n"), text.data)
+    text = replace(text, data=data)
     ends = [found.end() for found in _END.finditer(data)]
     fix = 'describe the file, with [import] format = "delimited"'
     if len(ends) < 2:

@@ -184,7 +184,7 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
     picks = {}
     for name, channel in channels.items():
         index = table.find(channel.column, source, f"[import.channels] {name}")
-        unit = "" if name == "counts" else channel.unit or table.unit(index)
+        unit = "" if name in {"counts", "end_tension_counts"} else channel.unit or table.unit(index)
         picks[name] = (index, "s" if index in table.stamps else unit)
     return picks
 

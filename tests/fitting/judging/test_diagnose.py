@@ -66,6 +66,15 @@ def test_obedient_rope_is_left_alone(campaign):
     assert "describes the trials" in found.summary
 
 
+def test_effects_that_many_conditions_do_not_show_are_not_there(campaign):
+    """Neither a better law nor a trend speaks for them, and no other effect has to explain that away."""
+    found = diagnose(campaign("constant", [0.2], radii=(0.02, 0.04, 0.08), repeats=3, seed=4))
+    for effect in ("offset", "load dependence", "size effect"):
+        assert found[effect].supported == "no", effect
+        assert found[effect].numbers["p_value"] >= 0.05
+        assert found[effect].numbers["gain_on_constant"] < 2.0
+
+
 def test_one_wrap_cannot_tell_an_offset(campaign):
     found = diagnose(campaign("constant", [0.18], wraps_deg=(180,), repeats=3))
     assert found["offset"].supported == "cannot-tell"

@@ -6,6 +6,7 @@ import math
 import operator
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from scipy import stats
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import linear_std, new_rope_std, predict
+from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
@@ -63,6 +65,22 @@ def test_disagreement_is_told(wrap_fit):
     assert not found.linear_agrees.all()
     assert "the interval depends on how the parameters' uncertainty is carried over" in found.notes(0)[-1]
     assert predict(vague, pulls([30.0]), check=False).linear_agrees is None
+
+
+def test_a_fifth_of_the_interval_is_no_chance_of_two_thousand_draws():
+    """Of the stored fit the upper end moves by 14, 24 and 42 % of the half width when the uncertainty is drawn."""
+    fit = load_fit(Path(__file__).parents[3] / "fits" / "prth-coupled.json")
+    wheels = Conditions(
+        wheel_radius_m=0.04,
+        rope_radius_m=fit.only_rope_radius_m(),
+        wrap_angle_rad=np.radians([180.0, 540.0, 1080.0]),
+        end_tension_N=20.0,
+    )
+    linear, drawn = predict(fit, wheels), predict(fit, wheels, method="monte-carlo", n=50_000)
+    ends, drawn_ends = np.log(linear.interval_N), np.log(drawn.interval_N)
+    moved = np.abs(drawn_ends - ends)[:, 1] / (0.5 * np.diff(ends, axis=1)[:, 0])
+    np.testing.assert_allclose(moved, [0.14, 0.24, 0.42], atol=0.04)
+    assert linear.linear_agrees.tolist() == [True, False, False]
 
 
 @pytest.mark.parametrize("speed", [0.0, 10.0])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError
+from ropefric.files import text as texts
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import find_reader, read_recordings
 from ropefric.traces.readers.inspection import inspect_file
@@ -202,3 +203,12 @@ def test_a_last_number_that_is_cut_is_left_out_and_a_footer_told(write):
     (trace,) = read(write(text.rstrip() + "\r\nEnd of test\r\n", "run.lvm"))
     assert trace.force_N.tolist() == [10.5, 11.5, 12.5]
     assert any("End of test" in note for note in trace.notes)
+
+
+def test_a_long_file_that_ends_within_a_number(write, monkeypatch):
+    monkeypatch.setattr(texts, "WHOLE_BYTES", 2**16)
+    rows = [["", f"{100 + i % 800}.25"] for i in range(20_000)]
+    whole = general() + block(["X_Value", "Force", "Comment"], rows)
+    (trace,) = read(write(whole[: whole.rindex("25")], "run.lvm"))
+    assert trace.force_N.size == 19_999
+    assert trace.force_N[-1] == 100 + 19_998 % 800 + 0.25

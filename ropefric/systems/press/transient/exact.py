@@ -48,7 +48,9 @@ class Propagator:
 
     def lift(self, y: FloatArray, tau_s: float) -> FloatArray:
         """Return z at the time `tau_s` after the start of the piece."""
-        powers = np.cumprod([1.0, *(tau_s / j for j in range(1, self.taylor.shape[1]))])
+        powers = [1.0]
+        for j in range(1, self.taylor.shape[1]):
+            powers.append(powers[-1] * tau_s / j)
         return np.concatenate([y, powers[::-1]])
 
     @cached_property
@@ -229,27 +231,23 @@ class _Phase(Propagator):
 
 def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
     """Return which guards dip below zero inside a step that they begin and end above it, and where the first does."""
-    n = len(phase.guards)
-    before_values, after_values = phase.watch @ z, phase.watch @ after
-    g0, s0, g1, s1 = before_values[:n], before_values[n:], after_values[:n], after_values[n:]
-    fired = np.zeros(n, dtype=np.bool_)
-    first = length
-    for i in np.flatnonzero((s0 < 0.0) & (s1 > 0.0)):
-        # The cubic through both values and rates, lowest where its slope vanishes.
-        a, b, rise = length * s0[i], length * s1[i], g1[i] - g0[i]
-        slope = np.array([3.0 * (a + b - 2.0 * rise), 2.0 * (3.0 * rise - 2.0 * a - b), a])
-        for root in np.roots(slope):
-            place = float(root.real)
-            if abs(root.imag) > 1e-9 or not 0.0 < place < 1.0:
-                continue
-            cubic = g0[i] + place * (a + place * (0.5 * slope[1] + place * slope[0] / 3.0))
-            if cubic >= -phase.tolerances[i]:
-                continue
-            value = float(phase.watch[i] @ (phase.step(place * length) @ z))
-            if value < -phase.tolerances[i] and place * length <= first:
-                fired[:] = False
-                fired[i], first = True, place * length
-    return (fired, first) if fired.any() else (g1 < -phase.tolerances, length)
+    n, begun, ended = len(phase.guards), phase.watch @ z, phase.watch @ after
+    g0, s0, g1, s1 = begun[:n], begun[n:], ended[:n], ended[n:]
+    turning = np.flatnonzero((s0 < 0.0) & (s1 > 0.0))
+    if not turning.size:
+        return g1 < -phase.tolerances, length
+    # The cubic through both values and rates is lowest where its slope a x² + b x + c turns from falling to rising.
+    c, rise = length * s0[turning], (g1 - g0)[turning]
+    a = 3.0 * (c + length * s1[turning] - 2.0 * rise)
+    b = length * s1[turning] - c - a
+    root = np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0))
+    x = np.minimum(-2.0 * c / np.maximum(b + root, 1e-300), 1.0)
+    lowest = g0[turning] + x * (c + x * (0.5 * b + x * a / 3.0))
+    for k in np.argsort(x):
+        i, place = turning[k], float(x[k]) * length
+        if lowest[k] < -phase.tolerances[i] and phase.watch[i] @ phase.step(place) @ z < -phase.tolerances[i]:
+            return np.arange(n) == i, place
+    return g1 < -phase.tolerances, length
 
 
 def _first_to_fall(phase: _Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:

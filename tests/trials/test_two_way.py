@@ -1,0 +1,168 @@
+"""Raised and lowered over one wheel: μ = ln(T_raise/T_lower)/(2φ), whatever the weight and the scale of the sensor."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import ropefric as rf
+from ropefric.cli.app import main
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.protocols import PROTOCOLS
+from ropefric.traces.trace import ForceTrace
+from ropefric.trials.campaign import check_campaign
+
+WEIGHT_N = 30.0
+PROTOCOL = '[protocol]\nname = "two-way"\n'
+
+
+def recording(
+    mu, wrap_rad, *, seed=0, weight_N=WEIGHT_N, teeth=0.0, drift=0.0, noise_N=0.1, scale=1.0, hung=False
+):
+    """Idle, a ramp and a static peak, raising for 2 s, a reversal, lowering for 2 s, let down."""
+    rng = np.random.default_rng(seed)
+    time_s = np.arange(6000) / 1000
+    high_N, low_N = weight_N * math.exp(mu * wrap_rad), weight_N * math.exp(-mu * wrap_rad)
+    first_N = weight_N if hung else 0.0
+    knots = {
+        0.3: first_N,
+        1.0: 1.15 * high_N,
+        1.01: high_N,
+        3.0: high_N * (1 + drift),
+        3.3: low_N,
+        5.3: low_N,
+    }
+    force_N = np.interp(time_s, [*knots, 5.4], [*knots.values(), first_N])
+    moving = (time_s > 1.01) & (time_s < 3.0) | (time_s > 3.3) & (time_s < 5.3)
+    force_N += moving * teeth * force_N * ((time_s / 0.1) % 1.0 - 0.5)
+    return time_s, scale * (force_N + noise_N * rng.standard_normal(time_s.size))
+
+
+def pick(*args, **kwargs):
+    time_s, force_N = recording(*args, **kwargs)
+    (found,) = PROTOCOLS["two-way"].pick(ForceTrace(time_s=time_s, force_N=force_N), PickSettings())
+    return found
+
+
+def coefficient(found, wrap_rad):
+    return math.log(found.peak_N / found.trough_N) / (2 * wrap_rad)
+
+
+@pytest.mark.parametrize("wrap_rad", [math.pi / 2, math.pi, 2 * math.pi])
+@pytest.mark.parametrize("mu", [0.05, 0.15, 0.3])
+@pytest.mark.parametrize(
+    "how", [{}, {"teeth": 0.1}, {"drift": 0.005}, {"scale": 1.1}, {"hung": True}, {"noise_N": 0.5}]
+)
+def test_the_coefficient_is_found(mu, wrap_rad, how):
+    found = pick(mu, wrap_rad, **how)
+    assert found.status is Status.OK
+    assert coefficient(found, wrap_rad) == pytest.approx(mu, rel=0.01, abs=1e-3)
+    scale = how.get("scale", 1.0)
+    assert found.end_tension_N == pytest.approx(scale * WEIGHT_N, rel=0.01)
+    assert math.log(found.peak_N / found.end_tension_N) == pytest.approx(
+        coefficient(found, wrap_rad) * wrap_rad
+    )
+
+
+@pytest.mark.parametrize("how", [{}, {"teeth": 0.1}])
+def test_its_uncertainty_covers(how):
+    wrap_rad, mu = math.pi, 0.2
+    pulls = [pick(mu, wrap_rad, seed=seed, noise_N=0.5, **how) for seed in range(40)]
+    z = [(coefficient(one, wrap_rad) - mu) * wrap_rad / (one.peak_std_N / one.peak_N) for one in pulls]
+    assert np.abs(np.mean(z)) < 1.0
+    assert 0.3 < np.sqrt(np.mean(np.square(z))) < 1.6
+
+
+def test_a_recording_that_is_never_lowered_has_no_pair():
+    time_s, force_N = recording(0.2, math.pi)
+    up = time_s < 2.9
+    (found,) = PROTOCOLS["two-way"].pick(ForceTrace(time_s=time_s[up], force_N=force_N[up]), PickSettings())
+    assert found.status is Status.NO_BREAKAWAY
+    assert "no steady force of raising" in found.detail
+
+
+def test_lowered_and_then_raised_is_no_pair_either():
+    time_s, force_N = recording(0.2, math.pi)
+    (found,) = PROTOCOLS["two-way"].pick(ForceTrace(time_s=time_s, force_N=force_N[::-1]), PickSettings())
+    assert found.status is Status.NO_BREAKAWAY
+
+
+@pytest.fixture
+def two_way(lab):
+    """Return a campaign of three wraps, four recordings each, made with a coefficient of 0.18."""
+
+    def two_way(mu=0.18, scale=1.0, **cells):
+        rows = []
+        for i in range(12):
+            wrap_deg = (90, 180, 360)[i // 4]
+            columns = recording(mu * (1 + 0.004 * (i % 4 - 1.5)), math.radians(wrap_deg), seed=i, scale=scale)
+            lines = (
+                f"{t:.4f},{force:.5f}" for t, force in zip(*map(np.ndarray.tolist, columns), strict=True)
+            )
+            (lab.folder / f"p{i:02}.csv").write_text(
+                "\n".join(["time_s,force_N", *lines, ""]), encoding="utf-8"
+            )
+            row = lab.row(f"p{i:02}.csv", wrap_angle_deg=wrap_deg, **cells)
+            rows.append({key: value for key, value in row.items() if value != ""})
+        return lab.write(rows, PROTOCOL)
+
+    return two_way
+
+
+@pytest.mark.parametrize("hung_N", ["", WEIGHT_N])
+def test_pairs_are_trials_that_a_law_fits(two_way, hung_N):
+    lab = two_way(end_tension_N=hung_N)
+    assert not [problem for problem in check_campaign(lab.path) if problem.severity == "error"]
+    extraction = lab.extract()
+    assert [trial.trial for trial in extraction.trials][:2] == ["p00", "p01"]
+    assert [trial.mu for trial in extraction.trials] == pytest.approx([0.18] * 12, rel=0.015)
+    assert [trial.end_tension_N for trial in extraction.trials] == pytest.approx([WEIGHT_N] * 12, rel=0.01)
+    fit = rf.fit(extraction, "constant")
+    assert fit["mu"].value == pytest.approx(0.18, rel=3e-3)
+    assert fit.statistics.n_conditions == (3 if hung_N else fit.statistics.n_conditions)
+    assert {problem.code for problem in extraction.problems if problem.severity == "warning"} <= {
+        "RF310",
+        "RF311",
+    }
+
+
+def test_a_scale_of_the_sensor_cancels_and_a_weight_that_is_not_there_is_told(two_way):
+    extraction = two_way(scale=1.2, end_tension_N=WEIGHT_N).extract()
+    assert [trial.mu for trial in extraction.trials] == pytest.approx([0.18] * 12, rel=0.015)
+    (*told,) = (problem for problem in extraction.problems if problem.code == "RF243")
+    assert len(told) == 12
+    assert "is 36 N, the weight of the list 30 N" in told[-1].message
+
+
+def test_the_uncertainty_of_the_pair_is_half_that_of_each_force_and_holds_the_chain(two_way):
+    settings = PROTOCOL + '[cells.K1]\nfull_scale = "200 N"\n[adc]\nbits = 16\nhigh = "5 V"\n'
+    settings += '[import.channels]\ntime = { column = "time_s", unit = "s" }\ncounts = "force_N"\n'
+    lab = two_way()
+    rows = []
+    for path in sorted(lab.folder.glob("p*.csv")):
+        head, *lines = path.read_text(encoding="utf-8").splitlines()
+        cells = (line.split(",") for line in lines)
+        text = "\n".join(
+            [head, *(f"{t},{max(0, round(float(force) * 65535 / 200))}" for t, force in cells), ""]
+        )
+        path.write_text(text, encoding="utf-8")
+        rows.append(lab.row(path.name, cell="K1"))
+    trial = lab.write(rows, settings).extract().trials[0]
+    chain_N = 200.0 * math.hypot(*[2e-4 / math.sqrt(3)] * 3, 1e-3 / math.sqrt(3))
+    ratio = trial.peak_N / trial.breakaway.trough_N
+    expected_N = math.hypot(trial.breakaway.peak_std_N, 0.5 * chain_N, 0.5 * ratio * chain_N)
+    assert trial.peak_std_N == pytest.approx(expected_N, rel=0.01)
+    assert trial.end_tension_std_N == 0.0
+    assert trial.mu_std == pytest.approx(trial.peak_std_N / trial.peak_N / trial.wrap_angle_rad)
+
+
+def test_the_commands_extract_and_fit_pairs(two_way, monkeypatch, capsys):
+    lab = two_way(end_tension_N=WEIGHT_N)
+    monkeypatch.chdir(lab.folder)
+    assert main(["extract", ".", "--out", "out", "--no-figures", "--json"]) == 0
+    trials = json.loads(capsys.readouterr().out)["trials"]
+    assert [trial["mu"] for trial in trials] == pytest.approx([0.18] * 12, rel=0.015)
+    assert all(trial["kept"] for trial in trials)
+    main(["fit", "out/trials.csv", "--law", "constant", "--json"])
+    assert json.loads(capsys.readouterr().out)["parameters"]["mu"]["value"] == pytest.approx(0.18, rel=3e-3)

@@ -67,10 +67,11 @@ FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
 FULL = 0.25
 """A slip by which the force falls by more than this part of itself is no partial one."""
-AGAIN, LITTLE = 0.05, 0.1
+AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
 SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
 """Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
 LARGEST = 1.5
+SMALL_GROWTH = 0.03
 CLEAR = 0.1
 LARGER = 1.2
 TALL = 0.1
@@ -141,7 +142,11 @@ def smallest_drop_N(prepared: Prepared, settings: PickSettings) -> float:
 
 def _least_fall_N(prepared: Prepared, settings: PickSettings) -> float:
     force_N = prepared.blocks.force_N
-    return max(smallest_drop_N(prepared, settings), _RANGE * float(force_N.max() - force_N.min()))
+    # So far apart are the largest and the smallest of many values that are noise alone.
+    noise_N = (2.0 * np.sqrt(2.0 * np.log(force_N.size)) + 1.0) * prepared.blocks.noise_N
+    return max(
+        smallest_drop_N(prepared, settings), float(noise_N), _RANGE * float(force_N.max() - force_N.min())
+    )
 
 
 def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
@@ -336,6 +341,17 @@ def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Can
         growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N)
         if _goes_on(force_N[fall.top : end + 1], fall, pull.base_N, rate):
             continue
+        # Hung weights bounce and come to rest, and later the motor loads on.
+        if growth > LITTLE and _rests(force_N[fall.bottom : top], fall, pull):
+            continue
+        # Or without a rest, to a slip that is larger.
+        if (
+            growth > GROWTH
+            and higher is not None
+            and _slides_or_reloads(pull, falls[higher])
+            and (falls[higher].drop_N >= fall.drop_N)
+        ):
+            continue
         # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
         passed = top - int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1]) - fall.top
         if passed > FEW_BLOCKS and above_N < SLIDES * rate * passed:
@@ -349,7 +365,12 @@ def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Can
             continue
         rival = falls[higher]
         slipped = _slides_or_reloads(pull, rival)
-        largest_N = max((g.drop_N for g in falls[higher:] if _slides_or_reloads(pull, g)), default=0.0)
+        # Where the force hardly grows, a fall after which it is not loaded again may be the end of the pull.
+        ends = growth > SMALL_GROWTH
+        largest_N = max(
+            (g.drop_N for g in falls[higher:] if g.reloads or (ends and _slides_or_reloads(pull, g))),
+            default=0.0,
+        )
         reload_N = float(force_N[top]) - fall.bottom_N
         if reload_N < STICKS * rate * (top - fall.bottom):
             return [this]
@@ -361,10 +382,18 @@ def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Can
         if len(alike) >= 2:
             return [this]
         # Sliding, or teeth of another kind, follow the higher one: the rope would not have stuck again after sliding.
-        if slipped and fall.drop_N < LARGER * rival.drop_N:
+        if slipped and (ends or rival.reloads) and fall.drop_N < LARGER * rival.drop_N:
             continue
         return [this, Candidate(pull, rival, rate, falls[higher + 1 :])]
     return []
+
+
+def _rests(force_N: FloatArray, fall: Fall, pull: Pull) -> bool:
+    """Return whether the force stands still for a while after a fall, as under hung weights, and then climbs."""
+    band_N = STILL * (fall.top_N - pull.base_N)
+    settled_N = float(np.median(force_N[: max(1, force_N.size // 4)]))
+    still = np.count_nonzero(np.abs(force_N - settled_N) < band_N)
+    return still > max(FEW_BLOCKS, 0.15 * force_N.size) and float(force_N[-1]) > settled_N + 10.0 * band_N
 
 
 def _goes_on(force_N: FloatArray, fall: Fall, base_N: float, rate: float) -> bool:
@@ -473,7 +502,8 @@ def _assessed(
             f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
         )
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    sharp = flat != "held" and (brief or bends_to_its_level(force_N, fall, blocks.noise_N))
+    bends = bends_to_its_level(force_N, fall, blocks.noise_N)
+    sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
     if share >= LEAST_SHARE and (sharp or flat == "rounded"):
         said += ": a break-away, unless the motor was let back at that moment"
         return measured(replace(prepared, notes=(*prepared.notes, said)), settings, candidate, sliding)
@@ -550,7 +580,8 @@ def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidi
     if is_sudden(force_N, fall, noise_N):
         return fall.drop_N > LEAST_PEAK * height_N
     teeth = [g for g in candidate.later if g.reloads]
-    largest_N = max((g.drop_N for g in teeth), default=0.0)
+    before = [g for g in candidate.pull.falls if g.top < fall.top and g.top_N > 0.9 * fall.top_N]
+    largest_N = max((g.drop_N for g in (*teeth, *before)), default=0.0)
     fast = fall.drop_N > FAST * candidate.rate * _fall_blocks(force_N, fall)
     if fast and (
         fall.drop_N > LARGEST * largest_N or (fall.drop_N > CLEAR * height_N and _loads_again(candidate))
@@ -614,13 +645,13 @@ def _quiet_N(prepared: Prepared, start: int, top: int) -> float:
 
 def _hidden(trace: ForceTrace, prepared: Prepared, block: int | None, fallen: int) -> Breakaway | None:
     """Say why the converter did not show the peak; None if it did, or nothing broke away."""
-    saturated = _saturation_detail(trace, prepared, block) or _clipped_detail(prepared, block)
-    if saturated:
+    if saturated := _saturation_detail(trace, prepared, block):
         return without_force(Status.SATURATED, saturated, prepared)
-    if block is None:
-        return None
-    stuck = _stuck_detail(prepared, block, fallen)
-    return without_force(Status.NO_PEAK, stuck, prepared) if stuck else None
+    if block is not None and (stuck := _stuck_detail(prepared, block, fallen)):
+        return without_force(Status.NO_PEAK, stuck, prepared)
+    if clipped := _clipped_detail(prepared, block):
+        return without_force(Status.SATURATED, clipped, prepared)
+    return None
 
 
 def _saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:

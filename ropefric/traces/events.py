@@ -14,6 +14,7 @@ from ropefric.arrays import FloatArray, median
 
 SETTLED = 0.3
 """A fall has ended where in as much time again it falls by less than this part of what it fell so far."""
+DOWN = 0.1
 UNLOADED = 0.2
 """A pull ends where the force has come back to below this part of what it was loaded to."""
 STICKS, SLIDES = 0.5, 0.25
@@ -167,6 +168,11 @@ def _fall(
             if reloads and settled + length > bottom
             else median(force_N[settled : min(settled + max(4, length), last)])
         )
+        # The steps grow: where it was really down again is seen on the way.
+        down = force_N[top : min(settled + length, force_N.size - 1) + 1] <= level_N + DOWN * (
+            top_N - level_N
+        )
+        settled = top + max(1, int(np.argmax(down))) if down.any() else settled
     return Fall(start, top, settled, bottom, top_N, level_N, float(force_N[bottom]), has_settled, reloads)
 
 
@@ -199,15 +205,20 @@ def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
     if rise_N >= 0.5 * fall.drop_N and abs(back_N) < 0.3 * fall.drop_N:
         return True
     # Or it was loaded from a rest, by a jog of the motor or a snag, and let down to that rest again.
-    from_N = float(force_N[fall.start])
-    rise_N = fall.top_N - from_N
-    low = np.flatnonzero(force_N[fall.start : fall.top] <= from_N + REST * rise_N)
-    begins = fall.start + int(low[-1]) if low.size else fall.start
+    rest_N = fall.level_N
+    rise_N = fall.top_N - rest_N
+    low = np.flatnonzero(force_N[: fall.top] <= rest_N + REST * rise_N)
+    if not low.size:
+        return False
+    begins = int(low[-1])
     climb = max(SHORTEST_REST, fall.top - begins)
-    before, after = force_N[max(0, begins - climb) : begins], force_N[fall.settled : fall.settled + climb]
+    before, after = (
+        force_N[max(0, begins - 2 * climb) : begins],
+        force_N[fall.settled : fall.settled + climb],
+    )
     return all(
-        rest.size >= min(climb, SHORTEST_REST) and float(np.abs(rest - from_N).max()) < REST * rise_N
-        for rest in (before[-SHORTEST_REST:], after)
+        rest.size >= SHORTEST_REST and float(np.abs(rest - rest_N).max()) < REST * rise_N
+        for rest in (before, after)
     )
 
 
@@ -288,12 +299,12 @@ def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
     held, at = _least_squares(np.stack([ones, before, beyond], axis=2), values)
     lasts = float((t2 - t1)[at, 0]) * (n - 1) * size
     even, _ = _least_squares(np.stack([ones, before + inside - half, half + beyond], axis=2), values)
-    since = t - grid[:, None]
+    since = t - np.linspace(0.05, 0.95, 3 * _KNOTS)[:, None]
     corners = np.stack([np.ones_like(since), np.minimum(since, 0), np.maximum(since, 0)], axis=2)
     corner, _ = _least_squares(corners, values)
     floor = n * (noise_N**2 / size) + 1e-12 * height_N**2
     if corner < 1.5 * min(held, even) + 10.0 * floor / n:
-        return "sharp"
+        return "unclear" if lasts >= SHORTEST_HOLD and held + floor < 0.7 * (corner + floor) else "sharp"
     if held + floor < 0.7 * (even + floor) and lasts >= SHORTEST_HOLD:
         return "held"
     return "rounded" if even + floor < 0.7 * (held + floor) else "unclear"

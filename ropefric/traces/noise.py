@@ -8,6 +8,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 
 MAX_SAMPLES_FOR_NOISE = 4096
 MAX_SPIKE_SAMPLES = 5
+MAX_LAST_SAMPLES = 2
 MAX_DROPOUT_SAMPLES = 40
 SPIKE_SIGMAS = 8.0
 REJOINS = 0.4
@@ -147,7 +148,7 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
         stop = start + length
         if stop >= values.size:
             # A last sample that jumps away cannot be told from the first one of something new: leave it out.
-            return int(stop) if stop == values.size and length <= MAX_SPIKE_SAMPLES else 0
+            return int(stop) if stop == values.size and length <= MAX_LAST_SAMPLES else 0
         back = float(steps[stop - 1])
         # A peak is climbed in steps of its own size; what comes after it may be flat.
         nearby = (

@@ -136,7 +136,10 @@ def measure_peak(
     if window_s is None:
         climb_s = float(time_s[top] - time_s[min(where.loading, top)])
         longest_s = choose_window(
-            top_rate_N_s, noise_std_N, step_s, longest_s=max(LONGEST_WINDOW_S, LONGEST_WINDOW * climb_s)
+            top_rate_N_s,
+            noise_std_N,
+            step_s,
+            longest_s=min(max(LONGEST_WINDOW_S, LONGEST_WINDOW * climb_s), max(climb_s, step_s)),
         )
         longest, rise_N = window_samples(longest_s, step_s), top_rate_N_s * step_s
         n_window = _window_that_keeps_the_peak(force_N, where, longest, rise_N, noise_std_N)

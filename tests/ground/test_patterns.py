@@ -67,6 +67,7 @@ class Automaton:
     """
 
     def __init__(self, pattern, flags, *, searching):
+        pattern = pattern.decode("latin-1") if isinstance(pattern, bytes) else pattern
         tree = _parser.parse(pattern, flags)
         self.flags = tree.state.flags
         self.alphabet = sorted(set(OTHERS) | {c for c in pattern if c.isprintable()})

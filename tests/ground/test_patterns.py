@@ -67,7 +67,6 @@ class Automaton:
     """
 
     def __init__(self, pattern, flags, *, searching):
-        pattern = pattern.decode("latin-1") if isinstance(pattern, bytes) else pattern
         tree = _parser.parse(pattern, flags)
         self.flags = tree.state.flags
         self.alphabet = sorted(set(OTHERS) | {c for c in pattern if c.isprintable()})
@@ -190,6 +189,7 @@ def never_fails_after(automaton, q):
 
 def fault(pattern, flags, methods):
     """Return what makes a pattern slow, or nothing."""
+    pattern = pattern.decode("latin-1") if isinstance(pattern, bytes) else pattern
     found = Automaton(pattern, flags, searching=False).ambiguous()
     if found:
         return f"states {found} read the same text"

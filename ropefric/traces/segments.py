@@ -12,6 +12,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Phase, PickSettings
+from ropefric.traces.hum import without_hum
 from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution
 from ropefric.traces.trace import ForceTrace
 
@@ -137,6 +138,9 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     if len(stuck):
         noise_N = noise_std(np.delete(force_N, np.concatenate([np.arange(*run) for run in stuck])))
     cleaned = remove_spikes(force_N, noise_N)
+    step_N = resolution(cleaned.values) if cleaned.bad.size else step_N
+    hum = without_hum(time_s, cleaned.values)
+    noise_N = noise_std(hum.force_N, step_N) if hum.amplitude_N else noise_N
     notes = [
         *trace.notes,
         *(
@@ -151,13 +155,13 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
         places = ", ".join(f"{time_s[i]:.4g} s" for i in cleaned.bad[:3])
         more = ", …" if cleaned.bad.size > 3 else ""
         notes.append(f"{cleaned.bad.size} samples left out as spikes or dropouts (at {places}{more})")
+    if hum.amplitude_N:
+        notes.append(f"hum of {hum.amplitude_N:.2g} N at {hum.frequency_Hz:.4g} Hz was taken out")
     return Prepared(
         time_s=time_s,
-        force_N=cleaned.values,
+        force_N=hum.force_N,
         noise_N=noise_N,
-        blocks=_block_means(
-            time_s, cleaned.values, resolution(cleaned.values) if cleaned.bad.size else step_N
-        ),
+        blocks=_block_means(time_s, hum.force_N, step_N),
         notes=tuple(notes),
         stuck=stuck,
     )

@@ -11,9 +11,11 @@ from ropefric.traces.noise import noise_std
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     DROP_SIGMAS,
+    FAST_BLOCKS,
     MIN_SAMPLES,
     PIECE_BLOCKS,
     SLIP_SIGMAS,
+    Blocks,
     Prepared,
     Sliding,
     climb_to,
@@ -33,6 +35,8 @@ from ropefric.traces.trace import ForceTrace
 
 SATURATED_SAMPLES = 3
 """A run at the converter's limit longer than any spike."""
+SAME_KIND = 0.3
+"""A fall smaller than this part of the first slip is no tooth but the creep of one."""
 RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 FLAT_BLOCKS = 8
@@ -141,8 +145,9 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
 
 
 def _measured(prepared: Prepared, block: int, sliding: Sliding | None, settings: PickSettings) -> Breakaway:
-    force_N = prepared.blocks.force_N
-    return peak_result(
+    blocks = prepared.blocks
+    force_N = blocks.force_N
+    result = peak_result(
         prepared,
         settings,
         climb=climb_to(force_N, block).start,
@@ -151,6 +156,26 @@ def _measured(prepared: Prepared, block: int, sliding: Sliding | None, settings:
         sliding=sliding,
         phases=phases_of(prepared, block, sliding),
     )
+    if sliding is None or not is_slip(blocks, block):
+        return result
+    stretch = force_N[sliding.first : sliding.stop + FAST_BLOCKS]
+    falls = slips(stretch, blocks.noise_N, most=stretch.size)
+    typical_N = float(np.median([fall_N for _, fall_N in falls])) if falls else 0.0
+    # Small against the typical one, a fall is the creep of a tooth; the first slip is no measure of those that follow.
+    found = sorted(sliding.first + tooth for tooth, fall_N in falls if fall_N >= SAME_KIND * typical_N)
+    teeth = [block, *found]
+    apart_s = np.diff(blocks.time_s[teeth])
+    return replace(
+        result, n_slips=len(teeth), recurrence_s=float(np.median(apart_s)) if apart_s.size else np.nan
+    )
+
+
+def teeth_of(blocks: Blocks, block: int, sliding: Sliding, settings: PickSettings) -> list[int]:
+    """Return the blocks of the sudden falls of a sliding force that are of the kind of the first, in order."""
+    smallest_N = max(SAME_KIND * fast_drop_N(blocks.force_N, block), settings.min_step_N or 0.0)
+    stretch = blocks.force_N[sliding.first : sliding.stop + FAST_BLOCKS]
+    found = slips(stretch, blocks.noise_N, most=stretch.size)
+    return sorted(sliding.first + tooth for tooth, fall_N in found if fall_N >= smallest_N)
 
 
 def _hidden(

@@ -7,8 +7,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 
 MAX_SAMPLES_FOR_NOISE = 4096
-MAX_SPIKE_SAMPLES = 5
-MAX_LAST_SAMPLES = 2
+MAX_SPIKE_SAMPLES = 2
 MAX_DROPOUT_SAMPLES = 40
 SPIKE_SIGMAS = 8.0
 REJOINS = 0.4
@@ -85,9 +84,9 @@ class Cleaned(NamedTuple):
 
 
 def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
-    """Return a signal without spikes of one to five samples and without short dropouts.
+    """Return a signal without spikes of one or two samples and without short dropouts.
 
-    A spike leaves the signal in one step, stays away for at most five samples and comes back to where the signal
+    A spike leaves the signal in one step, stays away for at most two samples and comes back to where the signal
     went on; its step is larger than eight times the noise and larger than four times any step before it.
     A narrow static peak, climbed in several steps, is none. A dropout is a stretch of up to 40 identical samples that
     leaves and rejoins the signal the same way.
@@ -144,7 +143,7 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
         stop = start + length
         if stop >= values.size:
             # A last sample that jumps away cannot be told from the first one of something new: leave it out.
-            return int(stop) if stop == values.size and length <= MAX_LAST_SAMPLES else 0
+            return int(stop) if stop == values.size and length <= MAX_SPIKE_SAMPLES else 0
         back = float(steps[stop - 1])
         # A peak is climbed in steps of its own size; what comes after it may be flat.
         nearby = (

@@ -12,22 +12,24 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
-from ropefric.traces.decision import pick_breakaway, pick_prepared, smallest_drop_N, too_short, without_force
+from ropefric.traces.decision import (
+    pick_breakaway,
+    pick_prepared,
+    smallest_drop_N,
+    teeth_of,
+    too_short,
+    without_force,
+)
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     FAST_BLOCKS,
     Prepared,
-    fast_drop_N,
     first_static_break,
     prepare,
     sliding_after,
-    slips,
 )
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.two_way import pick_two_way
-
-SAME_KIND = 0.3
-"""A fall smaller than this part of the first slip is no tooth but the creep of one."""
 
 LOADED = 0.5
 UNLOADED = 0.25
@@ -75,13 +77,7 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     sliding = None if block is None else sliding_after(blocks, block)
     if block is None or sliding is None:
         return (first,)
-    smallest_N = max(SAME_KIND * fast_drop_N(blocks.force_N, block), settings.min_step_N or 0.0)
-    stretch = blocks.force_N[sliding.first : sliding.stop + FAST_BLOCKS]
-    found = sorted(
-        sliding.first + tooth
-        for tooth, fall_N in slips(stretch, blocks.noise_N, most=stretch.size)
-        if fall_N >= smallest_N
-    )
+    found = teeth_of(blocks, block, sliding, settings)
     teeth = [first]
     bottom = sliding.first
     for tooth in found:

@@ -69,16 +69,3 @@ def test_teeth_of_stick_slip_are_no_hum(tooth_Hz):
     time_s, force_N = pull(2000.0)
     teeth = np.where(time_s > 2.51, 4.0 * ((time_s * tooth_Hz) % 1.0 - 0.5), 0.0)
     assert without_hum(time_s, force_N + teeth).amplitude_N == 0.0
-
-
-@pytest.mark.parametrize("n_samples", [1, 2, 3, 4, 5])
-def test_spikes_of_a_few_samples_are_left_out(n_samples):
-    for seed in range(5):
-        time_s, force_N = pull(1000.0, seed=seed)
-        at = 1200 + 200 * seed
-        spiked = force_N.copy()
-        spiked[at : at + n_samples] += 60.0
-        (picked,) = pick_breakaway(ForceTrace(time_s=time_s, force_N=spiked), PickSettings())
-        assert picked.status is Status.OK, (seed, picked.detail)
-        assert picked.peak_N == pytest.approx(PEAK_N, abs=0.5)
-        assert any("left out as spikes" in note for note in picked.notes)

@@ -13,6 +13,7 @@ from ropefric.errors import DataError, InputError
 ORDERS = {"ymd": "year, month, day", "dmy": "day, month, year", "mdy": "month, day, year"}
 """What the numbers of a date mean, by the key `date_order`."""
 
+_SEPARATORS = re.compile(r"[-/.]")
 _STAMP = re.compile(
     r"(?:(?P<date>\d{4}([-/.])\d{1,2}\2\d{1,2}|\d{1,2}([-/.])\d{1,2}\3(?:\d{4}|\d\d))(?:T|,?\s++|,))?"
     r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d|60)(?:[.,:](?P<part>\d{1,30}))?)?"
@@ -101,7 +102,7 @@ def _days(
     """Return the day number of every date, and the order of their numbers in words."""
     if not texts:
         return {}, ""
-    numbers = {text: [int(part) for part in re.split(r"[-/.]", text)] for text in texts}
+    numbers = {text: [int(part) for part in _SEPARATORS.split(text)] for text in texts}
     some = min(texts)
     line = next(line for line, text in rows if text.startswith(some))
     if all(text[:4].isdigit() for text in texts):

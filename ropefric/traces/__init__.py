@@ -6,6 +6,6 @@ readers/: file -> `RawRecording`, columns as they are in it. assemble.py: -> `Fo
 derived.py (channels computed by formula), clock.py (time stamps mended or refused) and calibration.py (counts ->
 newtons, tare). protocols.py: a way of measuring picks its break-aways; decision.py: whether there is one; decided.py:
 one that a person names; two_way.py: raised and lowered; segments.py: climbs, breaks, slips, sliding; peak.py: its
-height and uncertainty; noise.py: noise, spikes, stuck converters; smoothing.py: the moving average; breakaway.py: the
-result, and what a user decides. budget.py: uncertainty of a measured force.
+height and uncertainty; noise.py: noise, spikes, stuck converters; hum.py: mains hum; smoothing.py: the moving
+average; breakaway.py: the result, and what a user decides. budget.py: uncertainty of a measured force.
 """

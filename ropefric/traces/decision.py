@@ -57,6 +57,10 @@ LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
 LEAST_DROP = 0.04
 """The force of a rope that is held and creeps falls by some per cent."""
+STEPS = 3
+"""A fall of fewer steps of the converter has no shape."""
+LASTS = 0.25
+"""What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
@@ -442,6 +446,8 @@ def _assessed(
         ):
             why = "the recording ends before the force has settled"
             return _doubtful(prepared, [candidate], why)
+        if not sudden and fall.drop_N < LEAST_DROP * height_N and pull.stop == force_N.size:
+            return _levels_off(prepared, force_N[pull.start :])
         before = _levels_off(prepared, force_N[pull.start : fall.top + 1])
         again = [
             p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)
@@ -502,6 +508,10 @@ def _assessed(
             f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
         )
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
+    if fall.drop_N < STEPS * blocks.resolution_N:
+        return _doubtful(prepared, [candidate], said + ", in few steps of the converter")
+    if lasts < LASTS * (fall.top - pull.start):
+        return _doubtful(prepared, [candidate], said + " for a moment only")
     bends = bends_to_its_level(force_N, fall, blocks.noise_N)
     sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
     if share >= LEAST_SHARE and (sharp or flat == "rounded"):
@@ -526,16 +536,30 @@ def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:
 def measured(
     prepared: Prepared, settings: PickSettings, candidate: Candidate, sliding: Sliding | None
 ) -> Breakaway:
-    force_N, fall = prepared.blocks.force_N, candidate.fall
-    return peak_result(
+    """Return the result `ok` for a fall, with the slips that follow it."""
+    blocks, fall = prepared.blocks, candidate.fall
+    result = peak_result(
         prepared,
         settings,
-        climb=half_climb(force_N, fall.start, fall.top),
+        climb=half_climb(blocks.force_N, fall.start, fall.top),
         block=fall.top,
         fallen=fall.settled,
         sliding=sliding,
         phases=phases_of(prepared, fall.top, sliding),
     )
+    if sliding is None or not (fall.reloads or is_sudden(blocks.force_N, fall, blocks.noise_N)):
+        return result
+    teeth = [fall, *alike([g for g in candidate.later if g.reloads and g.top < sliding.stop])]
+    apart_s = np.diff([float(blocks.time_s[tooth.top]) for tooth in teeth])
+    return replace(
+        result, n_slips=len(teeth), recurrence_s=float(np.median(apart_s)) if apart_s.size else np.nan
+    )
+
+
+def alike(falls: list[Fall]) -> list[Fall]:
+    """Return the falls that are not small against the typical one, which are the creep of a tooth."""
+    typical_N = float(np.median([fall.drop_N for fall in falls])) if falls else 0.0
+    return [fall for fall in falls if fall.drop_N >= SAME_KIND * typical_N]
 
 
 def half_climb(force_N: FloatArray, start: int, top: int) -> int:

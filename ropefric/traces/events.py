@@ -163,10 +163,12 @@ def _fall(
         level_N = float(force_N[min(last, force_N.size) - 1])
     else:
         length = settled - top
+        # The steps grow, so that the first half of what follows may still be falling.
+        half = 0 if reloads else length // 2
         level_N = (
             float(force_N[settled])
             if reloads and settled + length > bottom
-            else median(force_N[settled : min(settled + max(4, length), last)])
+            else median(force_N[settled + half : min(settled + half + max(4, length), last)])
         )
         # The steps grow: where it was really down again is seen on the way.
         down = force_N[top : min(settled + length, force_N.size - 1) + 1] <= level_N + DOWN * (
@@ -248,6 +250,12 @@ def bends_to_its_level(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
     below = np.minimum.accumulate(tail)
     quarter, most = (int(np.argmax(below <= fall.top_N - part * fall.drop_N)) for part in (0.25, 0.75))
     arrives = most + 0.5 * (most - quarter)
+    if most - quarter >= SHORTEST_HOLD:
+        x = np.arange(quarter, most + 1) - 0.5 * (quarter + most)
+        middle_N = float(tail[quarter : most + 1].mean())
+        slope = float(x @ tail[quarter : most + 1]) / float(x @ x)
+        arrives = 0.5 * (quarter + most) + (fall.level_N - middle_N) / min(slope, -1e-300)
+        arrives = min(max(arrives, most), tail.size - 1)
     around = max(1, (most - quarter) // 10)
     left = tail[max(0, int(arrives) - around) : int(arrives) + around + 1]
     left_N = float(left.mean()) - fall.level_N if left.size else 0.0
@@ -299,15 +307,21 @@ def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
     held, at = _least_squares(np.stack([ones, before, beyond], axis=2), values)
     lasts = float((t2 - t1)[at, 0]) * (n - 1) * size
     even, _ = _least_squares(np.stack([ones, before + inside - half, half + beyond], axis=2), values)
-    since = t - np.linspace(0.05, 0.95, 3 * _KNOTS)[:, None]
-    corners = np.stack([np.ones_like(since), np.minimum(since, 0), np.maximum(since, 0)], axis=2)
-    corner, _ = _least_squares(corners, values)
+    at_t, apart = np.linspace(0.05, 0.95, 3 * _KNOTS), 0.9 / (3 * _KNOTS - 1)
+    for _ in range(2):
+        since = t - at_t[:, None]
+        corners = np.stack([np.ones_like(since), np.minimum(since, 0), np.maximum(since, 0)], axis=2)
+        corner, at = _least_squares(corners, values)
+        at_t = at_t[at] + np.linspace(-apart, apart, _KNOTS)
+    # No motor stops and goes back within less than the fall takes.
+    shortest = max(SHORTEST_HOLD, int(2.5 * (last - ends)))
     floor = n * (noise_N**2 / size) + 1e-12 * height_N**2
+    long = lasts >= shortest
     if corner < 1.5 * min(held, even) + 10.0 * floor / n:
-        return "unclear" if lasts >= SHORTEST_HOLD and held + floor < 0.7 * (corner + floor) else "sharp"
-    if held + floor < 0.7 * (even + floor) and lasts >= SHORTEST_HOLD:
+        return "unclear" if long and held + floor < 0.7 * (corner + floor) else "sharp"
+    if long and held + floor < 0.7 * (even + floor):
         return "held"
-    return "rounded" if even + floor < 0.7 * (held + floor) else "unclear"
+    return "rounded" if not long or even + floor < 0.7 * (held + floor) else "unclear"
 
 
 def _least_squares(columns: FloatArray, values: FloatArray) -> tuple[float, int]:

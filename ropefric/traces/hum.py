@@ -23,6 +23,7 @@ COHERENT = 0.7
 SIGMAS = 6.0
 STRONG = 1.3
 HARMONICS = 5
+FINE = 41
 
 
 class Hum(NamedTuple):
@@ -113,11 +114,13 @@ def _steady(
         return mains_Hz, 0j
     middle_s, found = t.mean(axis=1)[quiet], amplitudes[quiet]
     off_Hz = np.arange(-WANDER_HZ, WANDER_HZ, 0.2 / span_s)
-    sums = np.exp(-2j * np.pi * np.outer(off_Hz, middle_s)) @ found / found.size
-    k = int(np.argmax(np.abs(sums)))
-    steady = float(np.abs(sums[k]))
+    for _ in range(2):
+        sums = np.exp(-2j * np.pi * np.outer(off_Hz, middle_s)) @ found / found.size
+        k = int(np.argmax(np.abs(sums)))
+        step_Hz, best_Hz, steady = float(off_Hz[1] - off_Hz[0]), float(off_Hz[k]), float(np.abs(sums[k]))
+        off_Hz = best_Hz + np.linspace(-step_Hz, step_Hz, FINE)
     if steady < COHERENT * float(np.abs(found).mean()) or steady < SIGMAS * _noise(x, amplitudes, quiet):
         return mains_Hz, 0j
-    at_Hz = mains_Hz + float(off_Hz[k])
+    at_Hz = mains_Hz + best_Hz
     amplitudes = _amplitudes(t, u, x, at_Hz)
     return at_Hz, complex(amplitudes[_quiet(x, amplitudes)].mean())

@@ -75,6 +75,8 @@ def peak_result(
         n_rest=blocks.n_rest,
     )
     kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
+    trough_N = float(blocks.force_N[block : fallen + 2].min()) if sliding else nan
+    block_s = float(blocks.time_s[-1] - blocks.time_s[0]) / max(1, blocks.time_s.size - 1)
     notes = [*prepared.notes]
     std_N, two_line = peak.peak_std_N, settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N))
     if not two_line and settings.peak == "two-line":
@@ -100,6 +102,9 @@ def peak_result(
         bias_N=0.0 if two_line else peak.bias_N,
         kinetic_N=kinetic_N,
         kinetic_std_N=kinetic_std_N,
+        kinetic_s=(sliding.stop - sliding.first) * block_s if sliding else nan,
+        drop_N=(peak.two_line_N if two_line else peak.peak_N) - trough_N,
+        trough_N=trough_N,
         phases=phases,
         notes=tuple(notes),
     )

@@ -93,9 +93,9 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     if len(stuck):
         noise_N = noise_std(np.delete(force_N, np.concatenate([np.arange(*run) for run in stuck])))
     cleaned = remove_spikes(force_N, noise_N)
-    values, hum_Hz, hum_N = without_hum(time_s, cleaned.values)
-    if hum_N:
-        noise_N = noise_std(values)
+    step_N = resolution(cleaned.values) if cleaned.bad.size else step_N
+    hum = without_hum(time_s, cleaned.values)
+    noise_N = noise_std(hum.force_N, step_N) if hum.amplitude_N else noise_N
     notes = [
         *trace.notes,
         *(
@@ -110,13 +110,13 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
         places = ", ".join(f"{time_s[i]:.4g} s" for i in cleaned.bad[:3])
         more = ", …" if cleaned.bad.size > 3 else ""
         notes.append(f"{cleaned.bad.size} samples left out as spikes or dropouts (at {places}{more})")
-    if hum_N:
-        notes.append(f"hum of {hum_N:.2g} N at {hum_Hz:.4g} Hz was taken out")
+    if hum.amplitude_N:
+        notes.append(f"hum of {hum.amplitude_N:.2g} N at {hum.frequency_Hz:.4g} Hz was taken out")
     return Prepared(
         time_s=time_s,
-        force_N=values,
+        force_N=hum.force_N,
         noise_N=noise_N,
-        blocks=_block_means(time_s, values, resolution(cleaned.values) if cleaned.bad.size else step_N),
+        blocks=_block_means(time_s, hum.force_N, step_N),
         notes=tuple(notes),
         stuck=stuck,
     )

@@ -54,7 +54,14 @@ def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, 
     if pair is None:
         detail = "no steady force of raising with a lower steady force of lowering after it was found"
         return (without_force(Status.NO_BREAKAWAY, detail, prepared),)
-    return (_result(prepared, *((int(edges[first]), int(edges[stop])) for first, stop in pair)),)
+    raising, lowering = ((int(edges[first]), int(edges[stop])) for first, stop in pair)
+    fewest = min(_inner(prepared.force_N, samples).size for samples in (raising, lowering))
+    if fewest < 2 * PIECES:
+        detail = (
+            f"the steady forces of raising and lowering last {fewest} samples: too few to tell their scatter"
+        )
+        return (without_force(Status.TOO_SHORT, detail, prepared),)
+    return (_result(prepared, raising, lowering),)
 
 
 def _levels(force_N: FloatArray, band_N: float, loaded_N: float) -> list[tuple[int, int]]:

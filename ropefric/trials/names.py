@@ -14,6 +14,7 @@ from ropefric.glossary import counted
 from ropefric.trials.cells import CellTable, bind_columns
 from ropefric.trials.trial_list import QUANTITIES, TEXTS
 
+_DIGITS, _WILD = re.compile(r"([0-9]+)"), re.compile(r"[*?\[]")
 _GROUP = re.compile(r"\{(\w+)\}")
 _NUMBER = r"[+-]?\d+(?:[.,]\d+)?"
 _NEEDED = {
@@ -74,12 +75,12 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
 
 
 def _natural(path: str) -> tuple[list[tuple[int, str]], str]:
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"([0-9]+)", path)], path
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in _DIGITS.split(path)], path
 
 
 def _what_is_there(files: str) -> str:
     """Return what the folder holds that a glob pattern names."""
-    folder = Path(re.split(r"[*?\[]", files)[0])
+    folder = Path(_WILD.split(files)[0])
     folder = folder if folder.is_dir() else folder.parent
     names = sorted(path.name for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
     there = f"{folder.as_posix()} holds {counted(len(names), 'file')}"

@@ -189,6 +189,7 @@ def never_fails_after(automaton, q):
 
 def fault(pattern, flags, methods):
     """Return what makes a pattern slow, or nothing."""
+    pattern = pattern.decode("latin-1") if isinstance(pattern, bytes) else pattern
     found = Automaton(pattern, flags, searching=False).ambiguous()
     if found:
         return f"states {found} read the same text"

@@ -64,7 +64,7 @@ def test_picking_survives_it(name, window_s):
         if result.status == "ok":
             assert np.isfinite(result.peak_N)
             # What such a window costs stands in the uncertainty.
-            assert name == "held" or result.peak_std_N > 1000.0
+            assert name in {"held", "two-way"} or result.peak_std_N > 1000.0
         assert result.detail or result.status == "ok"
 
 

@@ -33,7 +33,7 @@ def check_promise(system, problems, examples, *, may_refuse=False, rounding=0.0)
                 raise
             assume(condition=False)
         difference = system.distance(system.solve(model, plan.method), everything)
-        assert difference <= min(accuracy, plan.error_bound) + rounding, plan
+        assert difference <= min(accuracy, plan.error_bound) + rounding, (difference, plan.error_bound, plan)
         assert plan.keeps_accuracy
         if accuracy == 0.05:
             counts["planned"] += 1

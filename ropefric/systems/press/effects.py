@@ -254,7 +254,8 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
     ones = (answer, reference)
     found = [
         _relative(*(one.state.effective_tension_N for one in ones)),
-        of_largest(*(one.slip.utilisation for one in ones)),
+        # Where nothing is driven, utilisation is what rounding leaves of zero, and no share of that means anything.
+        of_largest(*(np.round(one.slip.utilisation, 12) for one in ones)),
         of_largest(*(drive_power_W(one.state)[..., np.newaxis] for one in ones)),
         of_largest(*(one.rim_speed_m_s for one in ones)),
     ]

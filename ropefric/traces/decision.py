@@ -61,6 +61,7 @@ STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
+SWING, DAMPED = 2.0, 0.2
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
@@ -437,33 +438,7 @@ def _assessed(
     from_N, at_s = fall.top_N, float(blocks.time_s[fall.top])
     sudden = is_sudden(force_N, fall, blocks.noise_N)
     if not fall.reloads and (not fall.has_settled or share < UNLOADED):
-        held = flat_top(force_N, fall, blocks.noise_N) == "held"
-        if (
-            not held
-            and share >= LEAST_SHARE
-            and pull.stop == force_N.size
-            and fall.drop_N >= LEAST_DROP * height_N
-        ):
-            why = "the recording ends before the force has settled"
-            return _doubtful(prepared, [candidate], why)
-        if not sudden and fall.drop_N < LEAST_DROP * height_N and pull.stop == force_N.size:
-            return _levels_off(prepared, force_N[pull.start :])
-        before = _levels_off(prepared, force_N[pull.start : fall.top + 1])
-        again = [
-            p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)
-        ]
-        train = [p for p in again if abs(p.top_N - pull.top_N) <= GROWTH * height_N]
-        slower = [p for p in later if FAST * _rate_of(force_N, p) < candidate.rate]
-        if sudden and len(train) >= 2 and not slower:
-            return measured(prepared, settings, candidate, None)
-        level = force_N[pull.start : fall.top + 1] >= from_N - 0.1 * height_N
-        if before.status is Status.NO_PEAK and np.count_nonzero(level) >= LEVEL * level.size:
-            return before
-        detail = (
-            f"the force falls from {from_N:.4g} N at {at_s:.4g} s without a stretch of sliding: motor stopped, or "
-            'rope off. If these recordings end in a pull-off, set [protocol] ending = "separation".'
-        )
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
+        return _fell_away(prepared, settings, candidate, later)
     sliding = sliding_after(blocks, fall, pull.base_N)
     lasts = 0 if sliding is None else sliding.stop - sliding.first
     # A snag or an impact rises faster than the motor loads, and is over before anything slides.
@@ -486,7 +461,7 @@ def _assessed(
         return _no_peak(prepared, candidate, sliding, "no static peak stands out")
     if not _stands_out(blocks.noise_N, force_N, candidate, sliding):
         return _no_peak(prepared, candidate, sliding, "no static peak stands out")
-    if sudden or _loads_again(candidate):
+    if sudden or _loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     fall_blocks = _fall_blocks(force_N, fall)
     fall_s = fall_blocks * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
@@ -494,8 +469,12 @@ def _assessed(
     brief = fall_s <= LONGEST_FALL_S and fall_blocks <= BRIEF * climb
     said = f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, and stays at {share:.0%} of the peak"
     flat = flat_top(force_N, fall, blocks.noise_N)
-    rough = fall.reloads or not _is_quiet(prepared, candidate, sliding)
-    if rough and share >= UNLOADED:
+    if lasts < max(LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)):
+        return _doubtful(prepared, [candidate], said + " for a moment only")
+    quiet = _is_quiet(prepared, candidate, sliding)
+    if _swings(force_N, fall, sliding.level_N) and _dies_away(prepared, fall, sliding):
+        return _doubtful(prepared, [candidate], said + ", in a swing that dies away: a load that comes on, or a slip")
+    if (fall.reloads or not quiet) and share >= UNLOADED:
         return measured(prepared, settings, candidate, sliding)
     if flat == "held":
         detail = (
@@ -510,8 +489,6 @@ def _assessed(
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     if fall.drop_N < STEPS * blocks.resolution_N:
         return _doubtful(prepared, [candidate], said + ", in few steps of the converter")
-    if lasts < LASTS * (fall.top - pull.start):
-        return _doubtful(prepared, [candidate], said + " for a moment only")
     bends = bends_to_its_level(force_N, fall, blocks.noise_N)
     sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
     if share >= LEAST_SHARE and (sharp or flat == "rounded"):
@@ -520,6 +497,38 @@ def _assessed(
     return _doubtful(
         prepared, [candidate], said + ", without roughness: sliding, or a load that was let down"
     )
+
+
+def _fell_away(
+    prepared: Prepared, settings: PickSettings, candidate: Candidate, later: list[Pull]
+) -> Breakaway:
+    """Return what a fall is after which the force stands on no level: motor off, mostly."""
+    blocks = prepared.blocks
+    force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
+    height_N = fall.top_N - pull.base_N
+    sudden = is_sudden(force_N, fall, blocks.noise_N)
+    to_the_end = pull.stop == force_N.size
+    if to_the_end and not sudden and fall.drop_N < LEAST_DROP * height_N:
+        return _levels_off(prepared, force_N[pull.start :])
+    up = force_N[pull.start : fall.top + 1]
+    before = _levels_off(prepared, up)
+    stood = np.count_nonzero(up >= fall.top_N - 0.1 * height_N) >= LEVEL * up.size
+    if stood and (before.status is Status.NO_PEAK or not sudden):
+        return before
+    remains = (fall.level_N - pull.base_N) / height_N
+    if to_the_end and remains >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
+        return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
+    again = [p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)]
+    train = [p for p in again if abs(p.top_N - pull.top_N) <= GROWTH * height_N]
+    slower = [p for p in later if FAST * _rate_of(force_N, p) < candidate.rate]
+    if sudden and len(train) >= 2 and not slower:
+        return measured(prepared, settings, candidate, None)
+    at_s = float(blocks.time_s[fall.top])
+    detail = (
+        f"the force falls from {fall.top_N:.4g} N at {at_s:.4g} s without a stretch of sliding: motor stopped, or "
+        'rope off. If these recordings end in a pull-off, set [protocol] ending = "separation".'
+    )
+    return without_force(Status.NO_BREAKAWAY, detail, prepared)
 
 
 def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:
@@ -569,6 +578,26 @@ def half_climb(force_N: FloatArray, start: int, top: int) -> int:
     return start + min(int(below[-1]) + 1, top - start) if below.size else start
 
 
+def _swings(force_N: FloatArray, fall: Fall, level_N: float) -> bool:
+    """Return whether a force swings around a level, passing it as fast up as down: a load that comes on does."""
+    up = np.flatnonzero(force_N[: fall.top] <= level_N)
+    down = np.flatnonzero(force_N[fall.top :] <= level_N)
+    return (
+        bool(up.size and down.size)
+        and fall.reloads
+        and level_N - fall.bottom_N > DAMPED * (fall.top_N - level_N)
+        and fall.top - int(up[-1]) <= SWING * int(down[0])
+    )
+
+
+def _dies_away(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
+    """Return whether the force is quiet once it has swung twice, or the recording is over by then."""
+    after = prepared.blocks.force_N[fall.top + 4 * (fall.bottom - fall.top) : sliding.stop]
+    if after.size < PIECE_BLOCKS:
+        return True
+    return roughness_N(after[: 2 * PIECE_BLOCKS]) <= _quiet_N(prepared, fall.start, fall.top)
+
+
 def _fall_blocks(force_N: FloatArray, fall: Fall) -> float:
     """Return how many blocks a fall takes: twice its middle half."""
     tail = force_N[fall.top : fall.settled + 1]
@@ -577,13 +606,14 @@ def _fall_blocks(force_N: FloatArray, fall: Fall) -> float:
     return 2.0 * (low - (int(up[-1]) if up.size else 0))
 
 
-def _loads_again(candidate: Candidate) -> bool:
+def _loads_again(force_N: FloatArray, candidate: Candidate) -> bool:
     """Return whether the force is loaded again at the machine's rate after a fall, so that the motor still turned."""
     fall, later = candidate.fall, candidate.later
-    if not fall.reloads or not later:
-        return False
-    return _is_reload(fall, later[0], candidate.rate) and (
-        later[0].top_N - fall.bottom_N >= 0.15 * (fall.top_N - fall.bottom_N)
+    again = slice(fall.bottom, later[0].top + 1 if later else candidate.pull.stop)
+    top = fall.bottom + int(np.argmax(force_N[again]))
+    rise_N, lasting = float(force_N[top]) - fall.bottom_N, candidate.rate * (top - fall.bottom)
+    return fall.reloads and (
+        STICKS * lasting <= rise_N <= FAST * lasting and rise_N >= 0.15 * (fall.top_N - fall.bottom_N)
     )
 
 
@@ -608,7 +638,7 @@ def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidi
     largest_N = max((g.drop_N for g in (*teeth, *before)), default=0.0)
     fast = fall.drop_N > FAST * candidate.rate * _fall_blocks(force_N, fall)
     if fast and (
-        fall.drop_N > LARGEST * largest_N or (fall.drop_N > CLEAR * height_N and _loads_again(candidate))
+        fall.drop_N > LARGEST * largest_N or (fall.drop_N > CLEAR * height_N and _loads_again(force_N, candidate))
     ):
         return True
     return (

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.events import (
     FAST,
@@ -532,14 +532,21 @@ def _fell_away(
 
 
 def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:
-    """Return every fall after which the force is loaded again, and sudden ones, of a recording of stick-slip."""
+    """Return every fall after which the force is loaded again, and sudden ones, of a recording of stick-slip.
+
+    A small one to which the force rose faster than the machine loads is the echo of the slip before it.
+    """
     force_N = prepared.blocks.force_N
-    return [
+    found = [
         Candidate(pull, fall, loading_rate(force_N, fall.start, fall.top), [])
         for pull in pulls_of(force_N, _least_fall_N(prepared, settings))
         for fall in pull.falls
         if fall.reloads or is_sudden(force_N, fall, prepared.blocks.noise_N)
     ]
+    least_N = SAME_KIND * typical_drop_N([slip.fall for slip in found])
+    full = [slip for slip in found if slip.fall.drop_N >= least_N]
+    fastest = FAST * median(np.array([slip.rate for slip in full])) if full else 0.0
+    return [slip for slip in found if slip.fall.drop_N >= least_N or slip.rate <= fastest]
 
 
 def measured(
@@ -558,17 +565,22 @@ def measured(
     )
     if sliding is None or not (fall.reloads or is_sudden(blocks.force_N, fall, blocks.noise_N)):
         return result
-    teeth = [fall, *alike([g for g in candidate.later if g.reloads and g.top < sliding.stop])]
+    later = [g for g in candidate.later if g.reloads and g.top < sliding.stop]
+    least_N = SAME_KIND * typical_drop_N(later)
+    teeth = [fall, *(g for g in later if g.drop_N >= least_N)]
     apart_s = np.diff([float(blocks.time_s[tooth.top]) for tooth in teeth])
     return replace(
         result, n_slips=len(teeth), recurrence_s=float(np.median(apart_s)) if apart_s.size else np.nan
     )
 
 
-def alike(falls: list[Fall]) -> list[Fall]:
-    """Return the falls that are not small against the typical one, which are the creep of a tooth."""
-    typical_N = float(np.median([fall.drop_N for fall in falls])) if falls else 0.0
-    return [fall for fall in falls if fall.drop_N >= SAME_KIND * typical_N]
+def typical_drop_N(falls: list[Fall]) -> float:
+    """Return the drop that the falls reach which make up half of all that the force fell; 0 for none.
+
+    The echoes of a slip may be as many as the slips themselves, but they are small.
+    """
+    drops_N = np.sort([fall.drop_N for fall in falls])
+    return float(drops_N[int(np.searchsorted(np.cumsum(drops_N), 0.5 * drops_N.sum()))]) if falls else 0.0
 
 
 def half_climb(force_N: FloatArray, start: int, top: int) -> int:

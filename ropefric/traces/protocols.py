@@ -18,6 +18,7 @@ from ropefric.traces.decision import (
     pick_prepared,
     slips_of,
     too_short,
+    typical_drop_N,
     without_force,
 )
 from ropefric.traces.segments import Prepared, prepare
@@ -75,7 +76,7 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     found = slips_of(prepared, settings)
     if first.status is not Status.OK and len(found) < FEWEST_TEETH:
         return (first,)
-    typical_N = float(np.median([tooth.fall.drop_N for tooth in found])) if found else 0.0
+    typical_N = typical_drop_N([tooth.fall for tooth in found])
     least_N = SAME_KIND * typical_N if settings.min_step_N is None else settings.min_step_N
     begins_s = first.peak_time_s if first.status is Status.OK else -inf
     block_s = 2 * float(np.median(np.diff(prepared.blocks.time_s)))

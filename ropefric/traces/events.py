@@ -99,10 +99,13 @@ def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
     lows, highs = turns[0::2], turns[1::2]
     pulls: list[Pull] = []
     # A force that swings below where it rests was not unloaded further.
-    rest_N = float(np.partition(force_N, force_N.size // 20)[force_N.size // 20])
+    rest_N, lowest_N = float(np.partition(force_N, force_N.size // 20)[force_N.size // 20]), float(force_N.min())
+    if rest_N > lowest_N + UNLOADED * (float(force_N.max()) - lowest_N):
+        rest_N = lowest_N
     first = 0
     while first < len(highs):
-        base_N, top_N = max(float(force_N[lows[first]]), rest_N), -np.inf
+        base_N, top_N = float(force_N[lows[first]]), -np.inf
+        base_N = max(base_N, rest_N)
         last = first
         for last in range(first, len(highs)):
             top_N = max(top_N, float(force_N[highs[last]]))

@@ -9,6 +9,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 MAX_SAMPLES_FOR_NOISE = 4096
 MAX_SPIKE_SAMPLES = 5
 MAX_LAST_SAMPLES = 2
+CLIMBS = 0.25
 MAX_DROPOUT_SAMPLES = 40
 SPIKE_SIGMAS = 8.0
 REJOINS = 0.4
@@ -89,9 +90,9 @@ class Cleaned(NamedTuple):
 
 
 def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
-    """Return a signal without spikes of one or two samples and without short dropouts.
+    """Return a signal without spikes of up to five samples and without short dropouts.
 
-    A spike leaves the signal in one step, stays away for at most two samples and comes back to where the signal
+    A spike leaves the signal in one step, stays away for a few samples and comes back to where the signal
     went on; its step is larger than eight times the noise and larger than four times any step before it.
     A narrow static peak, climbed in several steps, is none. A dropout is a stretch of up to 40 identical samples that
     leaves and rejoins the signal the same way.
@@ -138,6 +139,9 @@ def _candidates(values: FloatArray, steps: FloatArray, smallest: float) -> list[
 def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: float) -> int:
     """Return the first sample after an excursion that begins at `start`, or 0 if it is none."""
     out = float(steps[start - 1])
+    # A peak is climbed in several steps, a spike in one.
+    if np.all(steps[start - 1 : start + 2] * np.sign(out) > CLIMBS * abs(out)):
+        return 0
     frozen = start
     while frozen < values.size and values[frozen] == values[start] and frozen - start < MAX_DROPOUT_SAMPLES:
         frozen += 1

@@ -31,7 +31,7 @@ from ropefric.traces.events import (
     pulls_of,
 )
 from ropefric.traces.noise import drift_N, noise_std, runs_of
-from ropefric.traces.peak import peak_result
+from ropefric.traces.peak import WIDE_GAP, peak_result
 from ropefric.traces.segments import (
     DROP_SIGMAS,
     MIN_SAMPLES,
@@ -70,6 +70,7 @@ REGULAR = 0.2
 LEAST_PEAK = 0.01
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
+HIDDEN = 0.3
 FULL = 0.25
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
@@ -715,6 +716,8 @@ def _hidden(trace: ForceTrace, prepared: Prepared, block: int | None, fallen: in
         return without_force(Status.SATURATED, saturated, prepared)
     if block is not None and (stuck := _stuck_detail(prepared, block, fallen)):
         return without_force(Status.NO_PEAK, stuck, prepared)
+    if block is not None and (unseen := _unseen_detail(prepared, block)):
+        return without_force(Status.NO_PEAK, unseen, prepared)
     if clipped := _clipped_detail(prepared, block):
         return without_force(Status.SATURATED, clipped, prepared)
     return None
@@ -779,6 +782,23 @@ def _stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
                 "or the sensor stuck, and what the force did meanwhile is unknown"
             )
     return ""
+
+
+def _unseen_detail(prepared: Prepared, block: int) -> str:
+    """Return where a gap in the samples hides much of the upper half of the climb to a break; empty if nowhere."""
+    blocks, time_s, force_N = prepared.blocks, prepared.time_s, prepared.force_N
+    begin = max(0, blocks.first_sample(half_climb(blocks.force_N, 0, block)) - 1)
+    end = blocks.last_sample(block, force_N.size)
+    gaps_s, rises_N = np.diff(time_s[begin : end + 1]), np.diff(force_N[begin : end + 1])
+    height_N = float(force_N[begin : end + 1].max()) - float(force_N[: end + 1].min())
+    hidden = np.flatnonzero((gaps_s > WIDE_GAP * median(np.diff(time_s))) & (rises_N > HIDDEN * height_N))
+    if not hidden.size:
+        return ""
+    k = int(hidden[-1])
+    return (
+        f"the force rises by {rises_N[k]:.3g} N within a gap of {1000 * gaps_s[k]:.3g} ms in the samples from "
+        f"{time_s[begin + k]:.4g} s on: it may have been higher in it"
+    )
 
 
 def _climbed_on(prepared: Prepared, start: int, stop: int) -> bool:

@@ -61,7 +61,7 @@ STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
-SWING, DAMPED = 2.0, 0.2
+SWING, DAMPED, HALF_PERIODS = 2.0, 0.1, 3.0
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
@@ -71,6 +71,8 @@ LEAST_PEAK = 0.01
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
 HIDDEN = 0.3
+TOOTH = 0.3
+"""Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 FULL = 0.25
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
@@ -566,8 +568,8 @@ def measured(
     )
     if sliding is None or not (fall.reloads or is_sudden(blocks.force_N, fall, blocks.noise_N)):
         return result
-    later = [g for g in candidate.later if g.reloads and g.top < sliding.stop]
-    least_N = SAME_KIND * typical_drop_N(later)
+    later = [g for g in candidate.pull.falls if g.reloads and fall.top < g.top < sliding.stop]
+    least_N = TOOTH * typical_drop_N(later)
     teeth = [fall, *(g for g in later if g.drop_N >= least_N)]
     apart_s = np.diff([float(blocks.time_s[tooth.top]) for tooth in teeth])
     return replace(
@@ -592,20 +594,23 @@ def half_climb(force_N: FloatArray, start: int, top: int) -> int:
 
 
 def _swings(force_N: FloatArray, fall: Fall, level_N: float) -> bool:
-    """Return whether a force swings around a level, passing it as fast up as down: a load that comes on does."""
-    up = np.flatnonzero(force_N[: fall.top] <= level_N)
-    down = np.flatnonzero(force_N[fall.top :] <= level_N)
-    return (
-        bool(up.size and down.size)
-        and fall.reloads
-        and level_N - fall.bottom_N > DAMPED * (fall.top_N - level_N)
-        and fall.top - int(up[-1]) <= SWING * int(down[0])
-    )
+    """Return whether a force swings around a level, passing it as fast up as down: a load that comes on does.
+
+    Only a load that comes on within a period and a half of the swing makes it swing.
+    """
+    if not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - fall.bottom_N:
+        return False
+    climb, down = force_N[fall.start : fall.top + 1], force_N[fall.top : fall.bottom + 1]
+    rising = climb.size - 1 - int(np.argmax(climb > level_N))
+    falling = int(np.flatnonzero(down > level_N)[-1]) + 1
+    tenth_N = 0.1 * (fall.top_N - float(climb[0]))
+    lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))
+    return rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)
 
 
 def _dies_away(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
-    """Return whether the force is quiet once it has swung twice, or the recording is over by then."""
-    after = prepared.blocks.force_N[fall.top + 4 * (fall.bottom - fall.top) : sliding.stop]
+    """Return whether the force is quiet once it has swung, or the recording is over by then."""
+    after = prepared.blocks.force_N[fall.top + 3 * (fall.bottom - fall.top) : sliding.stop]
     if after.size < PIECE_BLOCKS:
         return True
     return roughness_N(after[: 2 * PIECE_BLOCKS]) <= _quiet_N(prepared, fall.start, fall.top)

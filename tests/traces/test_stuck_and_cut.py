@@ -34,7 +34,8 @@ def pull(noise_N, count_N, seed=0):
 
 
 def picked(force_N):
-    (found,) = pick_breakaway(ForceTrace(time_s=TIME_S, force_N=force_N), PickSettings())
+    # The rope is loaded with 10 N before the pull.
+    (found,) = pick_breakaway(ForceTrace(time_s=TIME_S, force_N=force_N), PickSettings(rest="pretension"))
     return found
 
 

@@ -61,7 +61,7 @@ STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
-SWING, DAMPED, HALF_PERIODS = 2.0, 0.1, 3.0
+SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
@@ -596,13 +596,13 @@ def half_climb(force_N: FloatArray, start: int, top: int) -> int:
 def _swings(force_N: FloatArray, fall: Fall, level_N: float) -> bool:
     """Return whether a force swings around a level, passing it as fast up as down: a load that comes on does.
 
-    Only a load that comes on within a period and a half of the swing makes it swing.
+    Only a load that comes on within a few periods of the swing makes it swing.
     """
     if not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - fall.bottom_N:
         return False
     climb, down = force_N[fall.start : fall.top + 1], force_N[fall.top : fall.bottom + 1]
-    rising = climb.size - 1 - int(np.argmax(climb > level_N))
-    falling = int(np.flatnonzero(down > level_N)[-1]) + 1
+    rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
+    falling = int(np.argmax(down <= level_N))
     tenth_N = 0.1 * (fall.top_N - float(climb[0]))
     lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))
     return rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)

@@ -215,7 +215,7 @@ def _with_its_zero(
     zero, which does not.
     """
     n = prepared.blocks.n_rest
-    if result.status is not Status.OK or not n:
+    if result.status is not Status.OK or not n or result.peak_N <= 0.0:
         return result
     time_s, rest_N = prepared.time_s[:n], prepared.force_N[:n]
     zero_N = float(rest_N.mean())
@@ -466,40 +466,53 @@ def _assessed(
         return _no_peak(prepared, candidate, sliding, "no static peak stands out")
     if sudden or _loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
+    return _of_slow_fall(prepared, settings, candidate, sliding)
+
+
+def _of_slow_fall(
+    prepared: Prepared, settings: PickSettings, candidate: Candidate, sliding: Sliding
+) -> Breakaway:
+    """Return what a fall is that a motor may have made: by its top, its shape and what follows."""
+    blocks = prepared.blocks
+    force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
+    height_N = fall.top_N - pull.base_N
+    share = (fall.level_N - pull.base_N) / height_N
     fall_blocks = _fall_blocks(force_N, fall)
     fall_s = fall_blocks * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
+    seen = (
+        f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, "
+        f"and stays at {share:.0%} of the peak"
+    )
+    flat = flat_top(force_N, fall, blocks.noise_N)
+    short = sliding.stop - sliding.first < max(
+        LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)
+    )
+    lively = fall.reloads or not _is_quiet(prepared, candidate, sliding)
+    if flat == "held" and (short or not (lively and share >= UNLOADED)):
+        held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
+        return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
+    if short:
+        return _doubtful(prepared, [candidate], f"{seen} for a moment only")
+    if _swings(force_N, fall, sliding.level_N) and _dies_away(prepared, fall, sliding):
+        return _doubtful(
+            prepared, [candidate], f"{seen}, in a swing that dies away: a load that comes on, or a slip"
+        )
+    if lively and share >= UNLOADED:
+        return measured(prepared, settings, candidate, sliding)
+    if fall.drop_N < LEAST_DROP * height_N:
+        held = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
+        return without_force(Status.NO_BREAKAWAY, held, prepared)
+    if fall.drop_N < STEPS * blocks.resolution_N:
+        return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and fall_blocks <= BRIEF * climb
-    said = f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, and stays at {share:.0%} of the peak"
-    flat = flat_top(force_N, fall, blocks.noise_N)
-    if lasts < max(LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)):
-        return _doubtful(prepared, [candidate], said + " for a moment only")
-    quiet = _is_quiet(prepared, candidate, sliding)
-    if _swings(force_N, fall, sliding.level_N) and _dies_away(prepared, fall, sliding):
-        return _doubtful(prepared, [candidate], said + ", in a swing that dies away: a load that comes on, or a slip")
-    if (fall.reloads or not quiet) and share >= UNLOADED:
-        return measured(prepared, settings, candidate, sliding)
-    if flat == "held":
-        detail = (
-            f"the force stays at {from_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N: "
-            "held, not slipping"
-        )
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    if fall.drop_N < LEAST_DROP * height_N:
-        detail = (
-            f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
-        )
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    if fall.drop_N < STEPS * blocks.resolution_N:
-        return _doubtful(prepared, [candidate], said + ", in few steps of the converter")
     bends = bends_to_its_level(force_N, fall, blocks.noise_N)
     sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
-    if share >= LEAST_SHARE and (sharp or flat == "rounded"):
-        said += ": a break-away, unless the motor was let back at that moment"
-        return measured(replace(prepared, notes=(*prepared.notes, said)), settings, candidate, sliding)
-    return _doubtful(
-        prepared, [candidate], said + ", without roughness: sliding, or a load that was let down"
-    )
+    if share < LEAST_SHARE or not (sharp or flat == "rounded"):
+        why = f"{seen}, without roughness: sliding, or a load that was let down"
+        return _doubtful(prepared, [candidate], why)
+    note = f"{seen}: a break-away, unless the motor was let back at that moment"
+    return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
 
 
 def _fell_away(

@@ -29,7 +29,7 @@ from ropefric.files.toml_model import (
     whole_number,
 )
 from ropefric.quantities import si_unit_of
-from ropefric.traces.breakaway import ENDINGS, PEAKS, SIDES
+from ropefric.traces.breakaway import ENDINGS, PEAKS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.trials.workers import Limits
@@ -114,6 +114,7 @@ class Protocol(StrictTable):
     )
     side: Annotated[str, PlainValidator(choice(lambda: SIDES))] = "slack"
     ending: Annotated[str, PlainValidator(choice(lambda: ENDINGS))] = "sliding"
+    rest: Annotated[str, PlainValidator(choice(lambda: RESTS))] = "unknown"
 
     @model_validator(mode="after")
     def _has_an_interval(self) -> Self:

@@ -107,7 +107,7 @@ def _extract_row(
 def _extract_raw(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str
 ) -> Sequence[TrialResult]:
-    of_campaign = {key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side")}
+    of_campaign = {key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side", "rest")}
     settings = PickSettings(
         window_s=campaign.smoothing.window_s,
         peak=campaign.smoothing.peak,

@@ -115,7 +115,7 @@ def test_time_stamps_and_places_do_not_matter(campaign, store, tmp_path):
     [
         ('window = "auto"', 'window = "20 ms"'),
         ('window = "auto"', 'window = "auto"\npeak = "two-line"'),
-        ('name = "breakaway"', 'name = "breakaway"\nmin_step = "3 N"'),
+        ('name = "breakaway"', 'name = "breakaway"\nmin_step = "60 N"'),
         ('interval = ["0 s", "0.25 s"]', 'interval = ["0 s", "0.2 s"]'),
         ('linearity = "0.02 %FS"', 'linearity = "0.03 %FS"'),
         ('full_scale = "1 kN"', 'full_scale = "1001 N"'),

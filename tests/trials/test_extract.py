@@ -222,7 +222,7 @@ def test_the_tare_is_taken_off_and_kept(lab, pull_csv):
     (lab.folder / "a.csv").write_text(f"time_s,force_N\n{shifted}")
     plain, tared = (
         lab.write([lab.row("a.csv")], settings).extract().trials[0]
-        for settings in ("", '[tare]\ninterval = ["0 s", "0.25 s"]')
+        for settings in ('[protocol]\nrest = "pretension"', '[tare]\ninterval = ["0 s", "0.25 s"]')
     )
     assert plain.peak_N - tared.peak_N == pytest.approx(7, abs=0.02)
     assert (plain.tare_N, tared.tare_N) == (0.0, pytest.approx(7, abs=0.02))

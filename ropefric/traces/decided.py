@@ -7,10 +7,11 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.traces.breakaway import Breakaway, PickSettings
-from ropefric.traces.decision import half_climb, smallest_drop_N, too_short
-from ropefric.traces.events import Fall
+from ropefric.traces.decision import too_short
+from ropefric.traces.events import Fall, half_climb
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import phases_of, prepare, sliding_after
+from ropefric.traces.slips import smallest_drop_N
 from ropefric.traces.trace import ForceTrace
 
 REACH_BLOCKS = 5

@@ -8,32 +8,32 @@ decides, the result is `doubtful`, with the candidates.
 """
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, median
+from ropefric.arrays import FloatArray
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.events import (
     FAST,
     GROWTH,
     SAME_KIND,
-    SLIDES,
     STICKS,
     UNLOADED,
     Fall,
     Pull,
     bends_to_its_level,
     flat_top,
+    half_climb,
     is_bump,
     is_sudden,
     loading_rate,
     pulls_of,
 )
-from ropefric.traces.noise import drift_N, noise_std, runs_of
-from ropefric.traces.peak import WIDE_GAP, peak_result
+from ropefric.traces.hidden import hidden
+from ropefric.traces.noise import drift_N, noise_std
+from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
-    DROP_SIGMAS,
     MIN_SAMPLES,
     PIECE_BLOCKS,
     Prepared,
@@ -44,12 +44,19 @@ from ropefric.traces.segments import (
     roughness_N,
     sliding_after,
 )
+from ropefric.traces.slips import (
+    FEW_BLOCKS,
+    FEWEST_TEETH,
+    TALL,
+    Candidate,
+    least_fall_N,
+    macroscopic,
+    rate_of,
+    smallest_drop_N,
+    typical_drop_N,
+)
 from ropefric.traces.trace import ForceTrace
 
-SATURATED_SAMPLES = 3
-"""A run at the converter's limit longer than any spike."""
-CLIPPED = 3
-"""A force that is cut off stays the same so many times longer than where it is not."""
 RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 FLAT_BLOCKS = 8
@@ -65,42 +72,18 @@ SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
-FEWEST_TEETH = 3
 REGULAR = 0.2
 LEAST_PEAK = 0.01
-FAR = 0.95
-"""A force that is loaded to about the double has not slipped before."""
-HIDDEN = 0.3
 TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
-FULL = 0.25
-"""A slip by which the force falls by more than this part of itself is no partial one."""
-AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
 SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
 """Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
 LARGEST = 1.5
-SMALL_GROWTH = 0.03
 CLEAR = 0.1
-LARGER = 1.2
-TALL = 0.1
-"""What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
-FEW_BLOCKS = 4
 EQUAL = 0.01
 """Two candidates that differ by less are no doubt about the force."""
-_LEAST_CLIMB = 30
-_LANDING = 5
-_RANGE = 0.004
-
-
-class Candidate(NamedTuple):
-    """A fall that may be the break-away, the pull it lies in, and the rate at which it was loaded [N per block]."""
-
-    pull: Pull
-    fall: Fall
-    rate: float
-    later: list[Fall]
 
 
 def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
@@ -143,26 +126,12 @@ def pick_prepared(trace: ForceTrace, prepared: Prepared, settings: PickSettings)
     return _before_sliding(trace, prepared, settings)
 
 
-def smallest_drop_N(prepared: Prepared, settings: PickSettings) -> float:
-    """Return the smallest drop of the block means that may be more than noise [N]."""
-    return max(DROP_SIGMAS * prepared.blocks.noise_N, 0.5 * (settings.min_step_N or 0.0))
-
-
-def _least_fall_N(prepared: Prepared, settings: PickSettings) -> float:
-    force_N = prepared.blocks.force_N
-    # So far apart are the largest and the smallest of many values that are noise alone.
-    noise_N = (2.0 * np.sqrt(2.0 * np.log(force_N.size)) + 1.0) * prepared.blocks.noise_N
-    return max(
-        smallest_drop_N(prepared, settings), float(noise_N), _RANGE * float(force_N.max() - force_N.min())
-    )
-
-
 def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
     """Find the highest force of a recording that ends with the rope or specimen coming off."""
     force_N = prepared.blocks.force_N
     block = int(np.argmax(force_N))
-    if hidden := _hidden(trace, prepared, block, block + 1):
-        return hidden
+    if unseen := hidden(trace, prepared, block, block + 1):
+        return without_force(*unseen, prepared)
     if float(force_N[block]) - float(force_N[block:].min()) <= smallest_drop_N(prepared, settings):
         return _levels_off(prepared, force_N)
     return peak_result(
@@ -179,7 +148,7 @@ def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSett
 def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
     """Find the static peak of a recording that goes on to slide."""
     force_N = prepared.blocks.force_N
-    pulls = pulls_of(force_N, _least_fall_N(prepared, settings))
+    pulls = pulls_of(force_N, least_fall_N(prepared, settings))
     tall_N = TALL * max(pull.top_N - pull.base_N for pull in pulls)
     pulls = [pull for pull in pulls if pull.top_N - pull.base_N >= tall_N]
     found: Breakaway | None = None
@@ -190,10 +159,10 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         found = found or result
         # What was loaded and unloaded without a slip is followed by a pull that goes at least as high, or is loaded as
         # the motor loads: a bump is faster.
-        rate = _rate_of(force_N, pull)
+        rate = rate_of(force_N, pull)
         if result.status is not Status.NO_BREAKAWAY or not any(
             other.top_N >= 0.98 * pull.top_N
-            or (other.top_N >= 0.5 * pull.top_N and FAST * _rate_of(force_N, other) < rate)
+            or (other.top_N >= 0.5 * pull.top_N and FAST * rate_of(force_N, other) < rate)
             for other in later
         ):
             found = result if result.status is not Status.NO_BREAKAWAY else found
@@ -269,10 +238,6 @@ def _without_decision(
     )
 
 
-def _rate_of(force_N: FloatArray, pull: Pull) -> float:
-    return loading_rate(force_N, pull.start, pull.start + int(np.argmax(force_N[pull.start : pull.stop])))
-
-
 def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> ForceEvent:
     time_s = prepared.blocks.time_s
     return ForceEvent(
@@ -293,15 +258,15 @@ def _of_pull(
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
     if (
-        _least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
+        least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
         and pull.start < FEW_BLOCKS
     ):
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
-    candidates = _macroscopic(force_N, pull, falls)
+    candidates = macroscopic(force_N, pull, falls)
     first = candidates[0].fall if candidates else None
-    if hidden := _hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
-        return hidden
+    if unseen := hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
+        return without_force(*unseen, prepared)
     if first is None:
         return _levels_off(prepared, force_N[pull.start : pull.stop])
     events = [
@@ -324,113 +289,7 @@ def _doubtful(prepared: Prepared, candidates: list[Candidate], why: str) -> Brea
     return without_force(Status.DOUBTFUL, f"{forces}: {why}", prepared, candidates=events)
 
 
-def _macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Candidate]:
-    """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are."""
-    end = pull.stop - 1
-    rate = _rate_of(force_N, pull)
-    for i, fall in enumerate(falls):
-        if fall.top_N - pull.base_N < TALL * (pull.top_N - pull.base_N):
-            continue
-        this = Candidate(pull, fall, rate, falls[i + 1 :])
-        higher = next((j for j in range(i + 1, len(falls)) if falls[j].top_N > fall.top_N), None)
-        last = pull.falls[-1].bottom
-        top = falls[higher].top if higher is not None else last + int(np.argmax(force_N[last : end + 1]))
-        above_N = float(force_N[top]) - fall.top_N
-        if above_N <= 0.0:
-            if i + 1 < len(falls) and _is_partial(pull, fall, falls[i + 1], rate):
-                continue
-            return [this]
-        # A snag or an impact rises faster than the motor loads later on, and comes back.
-        low = fall.top + int(np.argmin(force_N[fall.top : top + 1]))
-        comes_back = float(force_N[low]) - pull.base_N < 0.5 * (fall.top_N - pull.base_N)
-        faster = loading_rate(force_N, fall.start, fall.top) > FAST * loading_rate(force_N, low, top)
-        if comes_back and faster:
-            continue
-        growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N)
-        if _goes_on(force_N[fall.top : end + 1], fall, pull.base_N, rate):
-            continue
-        # Hung weights bounce and come to rest, and later the motor loads on.
-        if growth > LITTLE and _rests(force_N[fall.bottom : top], fall, pull):
-            continue
-        # Or without a rest, to a slip that is larger.
-        if (
-            growth > GROWTH
-            and higher is not None
-            and _slides_or_reloads(pull, falls[higher])
-            and (falls[higher].drop_N >= fall.drop_N)
-        ):
-            continue
-        # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
-        passed = top - int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1]) - fall.top
-        if passed > FEW_BLOCKS and above_N < SLIDES * rate * passed:
-            return [this]
-        # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
-        between = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
-        weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH)
-        if weaker or fall.drop_N > FULL * (fall.top_N - pull.base_N):
-            return [this]
-        if growth > GROWTH or higher is None:
-            continue
-        rival = falls[higher]
-        slipped = _slides_or_reloads(pull, rival)
-        # Where the force hardly grows, a fall after which it is not loaded again may be the end of the pull.
-        ends = growth > SMALL_GROWTH
-        largest_N = max(
-            (g.drop_N for g in falls[higher:] if g.reloads or (ends and _slides_or_reloads(pull, g))),
-            default=0.0,
-        )
-        reload_N = float(force_N[top]) - fall.bottom_N
-        if reload_N < STICKS * rate * (top - fall.bottom):
-            return [this]
-        if fall.drop_N < SAME_KIND * largest_N:
-            continue
-        alike = [
-            g for g in falls[higher:] if SAME_KIND <= g.drop_N / fall.drop_N <= 1.0 / SAME_KIND and g.reloads
-        ]
-        if len(alike) >= 2:
-            return [this]
-        # Sliding, or teeth of another kind, follow the higher one: the rope would not have stuck again after sliding.
-        if slipped and (ends or rival.reloads) and fall.drop_N < LARGER * rival.drop_N:
-            continue
-        return [this, Candidate(pull, rival, rate, falls[higher + 1 :])]
-    return []
-
-
-def _rests(force_N: FloatArray, fall: Fall, pull: Pull) -> bool:
-    """Return whether the force stands still for a while after a fall, as under hung weights, and then climbs."""
-    band_N = STILL * (fall.top_N - pull.base_N)
-    settled_N = float(np.median(force_N[: max(1, force_N.size // 4)]))
-    still = np.count_nonzero(np.abs(force_N - settled_N) < band_N)
-    return still > max(FEW_BLOCKS, 0.15 * force_N.size) and float(force_N[-1]) > settled_N + 10.0 * band_N
-
-
-def _goes_on(force_N: FloatArray, fall: Fall, base_N: float, rate: float) -> bool:
-    """Return whether the loading goes on, at the machine's rate, to a force that no train of stick-slip grows to."""
-    far = np.flatnonzero(force_N > fall.top_N + FAR * (fall.top_N - base_N))
-    if not far.size:
-        return False
-    passed = int(far[0]) - int(np.flatnonzero(force_N[: far[0]] <= fall.top_N)[-1])
-    return FAR * (fall.top_N - base_N) >= STICKS * rate * (passed - 1)
-
-
-def _slides_or_reloads(pull: Pull, fall: Fall) -> bool:
-    """Return whether the force stands on a level after a fall, or is loaded again: it was not unloaded."""
-    return fall.reloads or (
-        fall.has_settled and fall.level_N - pull.base_N > UNLOADED * (fall.top_N - pull.base_N)
-    )
-
-
-def _is_partial(pull: Pull, fall: Fall, after: Fall, rate: float) -> bool:
-    """Return whether a fall is small against the one that follows at nearly the same force."""
-    return (
-        fall.drop_N < SAME_KIND * after.drop_N
-        and after.top_N - pull.base_N > 0.9 * (fall.top_N - pull.base_N)
-        and _slides_or_reloads(pull, after)
-        and _is_reload(fall, after, rate)
-    )
-
-
-def _assessed(
+def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     prepared: Prepared, settings: PickSettings, candidate: Candidate, later: list[Pull]
 ) -> Breakaway:
     """Return what the first macroscopic fall of a pull is: a break-away, a load that is let down, or not clear."""
@@ -445,7 +304,7 @@ def _assessed(
     sliding = sliding_after(blocks, fall, pull.base_N)
     lasts = 0 if sliding is None else sliding.stop - sliding.first
     # A snag or an impact rises faster than the motor loads, and is over before anything slides.
-    if any(FAST * _rate_of(force_N, p) < candidate.rate and p.top_N >= 0.5 * pull.top_N for p in later) and (
+    if any(FAST * rate_of(force_N, p) < candidate.rate and p.top_N >= 0.5 * pull.top_N for p in later) and (
         lasts < fall.top - fall.start
     ):
         detail = (
@@ -469,7 +328,7 @@ def _assessed(
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
 
-def _of_slow_fall(
+def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     prepared: Prepared, settings: PickSettings, candidate: Candidate, sliding: Sliding
 ) -> Breakaway:
     """Return what a fall is that a motor may have made: by its top, its shape and what follows."""
@@ -536,7 +395,7 @@ def _fell_away(
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
     again = [p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)]
     train = [p for p in again if abs(p.top_N - pull.top_N) <= GROWTH * height_N]
-    slower = [p for p in later if FAST * _rate_of(force_N, p) < candidate.rate]
+    slower = [p for p in later if FAST * rate_of(force_N, p) < candidate.rate]
     if sudden and len(train) >= 2 and not slower:
         return measured(prepared, settings, candidate, None)
     at_s = float(blocks.time_s[fall.top])
@@ -545,24 +404,6 @@ def _fell_away(
         'rope off. If these recordings end in a pull-off, set [protocol] ending = "separation".'
     )
     return without_force(Status.NO_BREAKAWAY, detail, prepared)
-
-
-def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:
-    """Return every fall after which the force is loaded again, and sudden ones, of a recording of stick-slip.
-
-    A small one to which the force rose faster than the machine loads is the echo of the slip before it.
-    """
-    force_N = prepared.blocks.force_N
-    found = [
-        Candidate(pull, fall, loading_rate(force_N, fall.start, fall.top), [])
-        for pull in pulls_of(force_N, _least_fall_N(prepared, settings))
-        for fall in pull.falls
-        if fall.reloads or is_sudden(force_N, fall, prepared.blocks.noise_N)
-    ]
-    least_N = SAME_KIND * typical_drop_N([slip.fall for slip in found])
-    full = [slip for slip in found if slip.fall.drop_N >= least_N]
-    fastest = FAST * median(np.array([slip.rate for slip in full])) if full else 0.0
-    return [slip for slip in found if slip.fall.drop_N >= least_N or slip.rate <= fastest]
 
 
 def measured(
@@ -588,22 +429,6 @@ def measured(
     return replace(
         result, n_slips=len(teeth), recurrence_s=float(np.median(apart_s)) if apart_s.size else np.nan
     )
-
-
-def typical_drop_N(falls: list[Fall]) -> float:
-    """Return the drop that the falls reach which make up half of all that the force fell; 0 for none.
-
-    The echoes of a slip may be as many as the slips themselves, but they are small.
-    """
-    drops_N = np.sort([fall.drop_N for fall in falls])
-    return float(drops_N[int(np.searchsorted(np.cumsum(drops_N), 0.5 * drops_N.sum()))]) if falls else 0.0
-
-
-def half_climb(force_N: FloatArray, start: int, top: int) -> int:
-    """Return the first block of the upper half of a climb."""
-    before = force_N[start : top + 1]
-    below = np.flatnonzero(before < 0.5 * (float(before.min()) + float(force_N[top])))
-    return start + min(int(below[-1]) + 1, top - start) if below.size else start
 
 
 def _swings(force_N: FloatArray, fall: Fall, level_N: float) -> bool:
@@ -648,12 +473,6 @@ def _loads_again(force_N: FloatArray, candidate: Candidate) -> bool:
     )
 
 
-def _is_reload(fall: Fall, after: Fall, rate: float) -> bool:
-    """Return whether the force between two falls rises as the machine loads: neither as slowly as sliding nor faster."""
-    rise_N, lasting = after.top_N - fall.bottom_N, rate * (after.top - fall.bottom)
-    return STICKS * lasting <= rise_N <= FAST * lasting
-
-
 def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, sliding: Sliding) -> bool:
     """Return whether a fall is that of a static peak, not the highest wiggle of a force that merely levels off."""
     fall = candidate.fall
@@ -669,7 +488,8 @@ def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidi
     largest_N = max((g.drop_N for g in (*teeth, *before)), default=0.0)
     fast = fall.drop_N > FAST * candidate.rate * _fall_blocks(force_N, fall)
     if fast and (
-        fall.drop_N > LARGEST * largest_N or (fall.drop_N > CLEAR * height_N and _loads_again(force_N, candidate))
+        fall.drop_N > LARGEST * largest_N
+        or (fall.drop_N > CLEAR * height_N and _loads_again(force_N, candidate))
     ):
         return True
     return (
@@ -688,12 +508,16 @@ def _is_regular(teeth: list[Fall]) -> bool:
 
 def _no_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding, why: str) -> Breakaway:
     top_N = candidate.fall.top_N
-    if why.startswith("no static") and not is_sudden(
-        prepared.blocks.force_N, candidate.fall, prepared.blocks.noise_N
+    force_N, noise_N = prepared.blocks.force_N, prepared.blocks.noise_N
+    if (
+        why.startswith("no static")
+        and not (candidate.fall.reloads or is_sudden(force_N, candidate.fall, noise_N))
+        and _is_quiet(prepared, candidate, sliding)
     ):
-        if not candidate.fall.reloads and _is_quiet(prepared, candidate, sliding):
-            detail = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
-            return without_force(Status.NO_BREAKAWAY, detail, prepared)
+        detail = (
+            f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
+        )
+        return without_force(Status.NO_BREAKAWAY, detail, prepared)
     kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
     return without_force(
         Status.NO_PEAK,
@@ -726,108 +550,6 @@ def _quiet_N(prepared: Prepared, start: int, top: int) -> float:
     floor_N = blocks.resolution_N / np.sqrt(12.0 * blocks.size)
     noise_N = max(noise_std(force_N[:loading]), float(floor_N))
     return max(QUIET_SIGMAS * noise_N, 0.35 * blocks.resolution_N)
-
-
-def _hidden(trace: ForceTrace, prepared: Prepared, block: int | None, fallen: int) -> Breakaway | None:
-    """Say why the converter did not show the peak; None if it did, or nothing broke away."""
-    if saturated := _saturation_detail(trace, prepared, block):
-        return without_force(Status.SATURATED, saturated, prepared)
-    if block is not None and (stuck := _stuck_detail(prepared, block, fallen)):
-        return without_force(Status.NO_PEAK, stuck, prepared)
-    if block is not None and (unseen := _unseen_detail(prepared, block)):
-        return without_force(Status.NO_PEAK, unseen, prepared)
-    if clipped := _clipped_detail(prepared, block):
-        return without_force(Status.SATURATED, clipped, prepared)
-    return None
-
-
-def _saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
-    """Return where the converter sat at its ceiling up to the break; empty where it did not."""
-    if trace.saturation is None:
-        return ""
-    begin_s, end_s = prepared.time_s[0], prepared.time_s[-1]
-    if block is not None and block + 2 < prepared.blocks.time_s.size:
-        end_s = prepared.blocks.time_s[block + 2]
-    samples, longest_s = 0, 0.0
-    for start, stop in trace.saturation.high_runs:
-        first_s, last_s = trace.time_s[start], trace.time_s[stop - 1]
-        if stop - start >= SATURATED_SAMPLES and first_s <= end_s and last_s >= begin_s:
-            samples += stop - start
-            longest_s = max(longest_s, float(last_s - first_s))
-    if not samples:
-        return ""
-    ceiling_N = float(np.nanmax(trace.force_N))
-    return (
-        f"the converter is at its ceiling ({ceiling_N:.4g} N) for {samples} samples, "
-        f"{1000 * longest_s:.3g} ms at a time; the peak is at least {ceiling_N:.4g} N"
-    )
-
-
-def _clipped_detail(prepared: Prepared, block: int | None) -> str:
-    """Return where a force in newtons is cut off: it stays exactly at its largest, far longer than anywhere else."""
-    force_N = prepared.force_N
-    stop = force_N.size if block is None else prepared.blocks.last_sample(block + 2, force_N.size) + 1
-    top_N = float(force_N[:stop].max())
-    at_top = runs_of(force_N[:stop] == top_N)
-    longest = int((at_top[:, 1] - at_top[:, 0]).max())
-    if longest < SATURATED_SAMPLES or top_N < float(force_N.max()):
-        return ""
-    high = force_N[:stop] > 0.5 * (top_N + float(force_N[:stop].min()))
-    same = runs_of((np.diff(force_N[:stop], append=np.inf) == 0.0) & high & (force_N[:stop] < top_N))
-    usual = int((same[:, 1] - same[:, 0]).max(initial=0)) + 1
-    if longest < CLIPPED * usual:
-        return ""
-    return (
-        f"the force stays at exactly {top_N:.4g} N for {longest} samples, {usual} elsewhere: it is cut off there, and "
-        f"the peak is at least {top_N:.4g} N"
-    )
-
-
-def _stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
-    """Return where the converter stuck between half the climb to a break and the fall after it; empty if nowhere.
-
-    What the force did meanwhile nobody knows: the peak may lie in the stretch, and what is found be a later tooth.
-    """
-    blocks, n = prepared.blocks, prepared.force_N.size
-    begin = blocks.first_sample(half_climb(blocks.force_N, 0, block))
-    end = blocks.last_sample(fallen + 1, n)
-    for start, stop in prepared.stuck.tolist():
-        if stop > begin and start <= end and not _climbed_on(prepared, start, stop):
-            lasted_s = float(prepared.time_s[stop - 1] - prepared.time_s[start])
-            return (
-                f"the force reads exactly {prepared.force_N[start]:.4g} N for {lasted_s:.2g} s ({stop - start} "
-                f"samples) from {prepared.time_s[start]:.4g} s on, between loading and sliding: the converter "
-                "or the sensor stuck, and what the force did meanwhile is unknown"
-            )
-    return ""
-
-
-def _unseen_detail(prepared: Prepared, block: int) -> str:
-    """Return where a gap in the samples hides much of the upper half of the climb to a break; empty if nowhere."""
-    blocks, time_s, force_N = prepared.blocks, prepared.time_s, prepared.force_N
-    begin = max(0, blocks.first_sample(half_climb(blocks.force_N, 0, block)) - 1)
-    end = blocks.last_sample(block, force_N.size)
-    gaps_s, rises_N = np.diff(time_s[begin : end + 1]), np.diff(force_N[begin : end + 1])
-    height_N = float(force_N[begin : end + 1].max()) - float(force_N[: end + 1].min())
-    hidden = np.flatnonzero((gaps_s > WIDE_GAP * median(np.diff(time_s))) & (rises_N > HIDDEN * height_N))
-    if not hidden.size:
-        return ""
-    k = int(hidden[-1])
-    return (
-        f"the force rises by {rises_N[k]:.3g} N within a gap of {1000 * gaps_s[k]:.3g} ms in the samples from "
-        f"{time_s[begin + k]:.4g} s on: it may have been higher in it"
-    )
-
-
-def _climbed_on(prepared: Prepared, start: int, stop: int) -> bool:
-    """Return whether the force stands after a stretch where the climb before it leads to: no peak lies within."""
-    force_N, lasted = prepared.force_N, stop - start
-    before = force_N[max(0, start - max(lasted, _LEAST_CLIMB)) : start]
-    after = force_N[stop : stop + _LANDING]
-    if before.size < _LEAST_CLIMB or not after.size:
-        return False
-    rise_N = lasted * float(np.polyfit(np.arange(before.size), before, 1)[0])
-    return float(after.mean() - force_N[start]) >= 0.5 * rise_N - 2.0 * prepared.noise_N
 
 
 def _levels_off(prepared: Prepared, force_N: FloatArray) -> Breakaway:

@@ -30,8 +30,14 @@ SUDDEN = 0.65
 """Part of a slip that happens within two blocks; a release with a time constant of 20 ms does half of it."""
 REST, SHORTEST_REST = 0.15, 8
 """A rest stays within this part of the rise that follows, for so many blocks at least."""
+BENDS = 0.04
 SLIP_SIGMAS = 8.0
 """A fall of fewer noise standard deviations cannot be timed."""
+FLAT = 0.75
+"""Of the time near the top, the part that is spent at it: a half for a round one, a quarter for a corner."""
+SHORTEST_HOLD = 8
+_KNOTS = 20
+_POINTS = 96
 _SLOPES = 24  # pieces of a climb on which its rate is read
 
 
@@ -99,7 +105,10 @@ def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
     lows, highs = turns[0::2], turns[1::2]
     pulls: list[Pull] = []
     # A force that swings below where it rests was not unloaded further.
-    rest_N, lowest_N = float(np.partition(force_N, force_N.size // 20)[force_N.size // 20]), float(force_N.min())
+    rest_N, lowest_N = (
+        float(np.partition(force_N, force_N.size // 20)[force_N.size // 20]),
+        float(force_N.min()),
+    )
     if rest_N > lowest_N + UNLOADED * (float(force_N.max()) - lowest_N):
         rest_N = lowest_N
     first = 0
@@ -109,14 +118,15 @@ def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
         last = first
         for last in range(first, len(highs)):
             top_N = max(top_N, float(force_N[highs[last]]))
+            level_N = base_N + UNLOADED * (top_N - base_N)
             if last + 1 == len(lows) or _is_unloaded(
-                force_N, base_N, lows[first], highs[last], lows[last + 1], top_N
+                force_N, level_N, lows[first], highs[last], lows[last + 1]
             ):
                 break
         unloads = last + 1 < len(lows)
         stop = lows[last + 1] + 1 if unloads and last + 1 < len(highs) else force_N.size
         falls = [
-            _fall(force_N, sums, lows[k], highs[k], lows[k + 1], stop, least_N, reloads=k < last)
+            _fall(force_N, sums, (lows[k], highs[k], lows[k + 1]), stop, least_N, reloads=k < last)
             for k in range(first, last + 1)
             if k + 1 < len(lows)
         ]
@@ -125,9 +135,8 @@ def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
     return pulls
 
 
-def _is_unloaded(force_N: FloatArray, base_N: float, start: int, high: int, low: int, top_N: float) -> bool:
+def _is_unloaded(force_N: FloatArray, level_N: float, start: int, high: int, low: int) -> bool:
     """Return whether the force has come back to where the pull began and rests: a strong slip loads again at once."""
-    level_N = base_N + UNLOADED * (top_N - base_N)
     if force_N[low] > level_N:
         return False
     below = high + int(np.argmax(force_N[high:] <= level_N))
@@ -141,14 +150,14 @@ def _is_unloaded(force_N: FloatArray, base_N: float, start: int, high: int, low:
 def _fall(
     force_N: FloatArray,
     sums: FloatArray,
-    start: int,
-    top: int,
-    bottom: int,
+    turns: tuple[int, int, int],
     stop: int,
     least_N: float,
     *,
     reloads: bool,
 ) -> Fall:
+    """Return a fall from the turning points around it: the low before it, its top, the low after it."""
+    start, top, bottom = turns
     top_N = float(force_N[top])
     last = bottom if reloads else stop
     step, settled, has_settled = 1, bottom, reloads
@@ -193,6 +202,13 @@ def loading_rate(force_N: FloatArray, start: int, top: int) -> float:
     if up[-1] <= 0.0:
         return float(force_N[top] - force_N[start]) / max(1, top - start)
     return float(rise[int(np.searchsorted(up, 0.5 * up[-1]))]) / length
+
+
+def half_climb(force_N: FloatArray, start: int, top: int) -> int:
+    """Return the first block of the upper half of a climb."""
+    before = force_N[start : top + 1]
+    below = np.flatnonzero(before < 0.5 * (float(before.min()) + float(force_N[top])))
+    return start + min(int(below[-1]) + 1, top - start) if below.size else start
 
 
 def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
@@ -240,9 +256,6 @@ def is_sudden(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
     )
 
 
-BENDS = 0.04
-
-
 def bends_to_its_level(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
     """Return whether a fall slows down towards its level, as that of friction that weakens with the way slid.
 
@@ -263,13 +276,6 @@ def bends_to_its_level(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
     left = tail[max(0, int(arrives) - around) : int(arrives) + around + 1]
     left_N = float(left.mean()) - fall.level_N if left.size else 0.0
     return bool(left_N > BENDS * fall.drop_N + 3.0 * noise_N / np.sqrt(max(1, left.size)))
-
-
-FLAT = 0.75
-"""Of the time near the top, the part that is spent at it: a half for a round one, a quarter for a corner."""
-SHORTEST_HOLD = 8
-_KNOTS = 20
-_POINTS = 96
 
 
 def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
@@ -328,7 +334,7 @@ def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
 
 
 def _least_squares(columns: FloatArray, values: FloatArray) -> tuple[float, int]:
-    """Return the smallest sum of squares that any of several linear models leaves, and which; columns (model, point, term)."""
+    """Return the smallest sum of squares that linear models leave, and whose it is; columns (model, point, term)."""
     normal = np.einsum("kni,knj->kij", columns, columns)
     normal += 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(columns.shape[2])
     right = np.einsum("kni,n->ki", columns, values)

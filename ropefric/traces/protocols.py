@@ -16,19 +16,16 @@ from ropefric.traces.decision import (
     measured,
     pick_breakaway,
     pick_prepared,
-    slips_of,
     too_short,
-    typical_drop_N,
     without_force,
 )
 from ropefric.traces.segments import Prepared, prepare
+from ropefric.traces.slips import FEWEST_TEETH, slips_of, typical_drop_N
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.two_way import pick_two_way
 
 SAME_KIND = 0.15
 """A fall smaller than this part of the typical slip is no tooth but the creep of one."""
-FEWEST_TEETH = 3
-"""So many slips are a train of stick-slip wherever the recording begins."""
 
 LOADED = 0.5
 UNLOADED = 0.25

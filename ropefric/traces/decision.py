@@ -46,7 +46,6 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
-    FEWEST_TEETH,
     TALL,
     Candidate,
     least_fall_N,
@@ -72,7 +71,8 @@ SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
-REGULAR = 0.2
+LONG_TRAIN, REGULAR = 5, 0.2
+"""Fewer waves are alike by chance."""
 LEAST_PEAK = 0.01
 TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
@@ -319,11 +319,15 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     above_N = from_N - sliding.onset_N
     if settings.min_step_N is not None and max(above_N, fall.drop_N) < settings.min_step_N:
         return _no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
-    if not sudden and fall.drop_N < LEAST_PEAK * height_N:
+    low = not sudden and fall.drop_N < LEAST_PEAK * height_N
+    if low or not _stands_out(blocks.noise_N, force_N, candidate, sliding):
         return _no_peak(prepared, candidate, sliding, "no static peak stands out")
-    if not _stands_out(blocks.noise_N, force_N, candidate, sliding):
-        return _no_peak(prepared, candidate, sliding, "no static peak stands out")
-    if sudden or _loads_again(force_N, candidate):
+    if sudden:
+        return measured(prepared, settings, candidate, sliding)
+    if fall.drop_N >= LEAST_DROP * height_N and _swings(prepared, fall, sliding):
+        why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on, or a slip"
+        return _doubtful(prepared, [candidate], why)
+    if _loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
@@ -350,17 +354,13 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
-    if short:
-        return _doubtful(prepared, [candidate], f"{seen} for a moment only")
-    if _swings(force_N, fall, sliding.level_N) and _dies_away(prepared, fall, sliding):
-        return _doubtful(
-            prepared, [candidate], f"{seen}, in a swing that dies away: a load that comes on, or a slip"
-        )
-    if lively and share >= UNLOADED:
-        return measured(prepared, settings, candidate, sliding)
-    if fall.drop_N < LEAST_DROP * height_N:
+    if fall.drop_N < LEAST_DROP * height_N and not lively:
         held = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
         return without_force(Status.NO_BREAKAWAY, held, prepared)
+    if short:
+        return _doubtful(prepared, [candidate], f"{seen} for a moment only")
+    if lively and share >= UNLOADED:
+        return measured(prepared, settings, candidate, sliding)
     if fall.drop_N < STEPS * blocks.resolution_N:
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
@@ -431,27 +431,24 @@ def measured(
     )
 
 
-def _swings(force_N: FloatArray, fall: Fall, level_N: float) -> bool:
-    """Return whether a force swings around a level, passing it as fast up as down: a load that comes on does.
+def _swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
+    """Return whether a force swings around a level, passing it as fast up as down, until it is quiet or the end.
 
-    Only a load that comes on within a few periods of the swing makes it swing.
+    A load that comes on does, but only if it comes on within a few periods of the swing.
     """
-    if not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - fall.bottom_N:
-        return False
+    force_N, level_N = prepared.blocks.force_N, sliding.level_N
     climb, down = force_N[fall.start : fall.top + 1], force_N[fall.top : fall.bottom + 1]
+    if climb[0] > level_N or not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - fall.bottom_N:
+        return False
     rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
     falling = int(np.argmax(down <= level_N))
     tenth_N = 0.1 * (fall.top_N - float(climb[0]))
     lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))
-    return rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)
-
-
-def _dies_away(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
-    """Return whether the force is quiet once it has swung, or the recording is over by then."""
-    after = prepared.blocks.force_N[fall.top + 3 * (fall.bottom - fall.top) : sliding.stop]
-    if after.size < PIECE_BLOCKS:
-        return True
-    return roughness_N(after[: 2 * PIECE_BLOCKS]) <= _quiet_N(prepared, fall.start, fall.top)
+    after = force_N[fall.top + 3 * (fall.bottom - fall.top) : sliding.stop]
+    quiet = after.size < PIECE_BLOCKS or (
+        roughness_N(after[: 2 * PIECE_BLOCKS]) <= _quiet_N(prepared, fall.start, fall.top)
+    )
+    return quiet and rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)
 
 
 def _fall_blocks(force_N: FloatArray, fall: Fall) -> float:
@@ -464,8 +461,10 @@ def _fall_blocks(force_N: FloatArray, fall: Fall) -> float:
 
 def _loads_again(force_N: FloatArray, candidate: Candidate) -> bool:
     """Return whether the force is loaded again at the machine's rate after a fall, so that the motor still turned."""
-    fall, later = candidate.fall, candidate.later
-    again = slice(fall.bottom, later[0].top + 1 if later else candidate.pull.stop)
+    fall = candidate.fall
+    # The echo of a slip is not the next one.
+    later = next((g for g in candidate.later if g.drop_N >= TOOTH * fall.drop_N), None)
+    again = slice(fall.bottom, candidate.pull.stop if later is None else later.top + 1)
     top = fall.bottom + int(np.argmax(force_N[again]))
     rise_N, lasting = float(force_N[top]) - fall.bottom_N, candidate.rate * (top - fall.bottom)
     return fall.reloads and (
@@ -486,14 +485,14 @@ def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidi
     teeth = [g for g in candidate.later if g.reloads]
     before = [g for g in candidate.pull.falls if g.top < fall.top and g.top_N > 0.9 * fall.top_N]
     largest_N = max((g.drop_N for g in (*teeth, *before)), default=0.0)
-    fast = fall.drop_N > FAST * candidate.rate * _fall_blocks(force_N, fall)
+    fast = fall.drop_N > 1.5 * candidate.rate * _fall_blocks(force_N, fall)
     if fast and (
         fall.drop_N > LARGEST * largest_N
         or (fall.drop_N > CLEAR * height_N and _loads_again(force_N, candidate))
     ):
         return True
     return (
-        len(teeth) >= FEWEST_TEETH
+        len(teeth) >= LONG_TRAIN
         and fall.drop_N > max(LEAST_DROP * height_N, SAME_KIND * largest_N)
         and _is_regular(teeth)
     )

@@ -64,7 +64,7 @@ def _clipped_detail(prepared: Prepared, block: int | None) -> str:
     top_N = float(force_N[:stop].max())
     at_top = runs_of(force_N[:stop] == top_N)
     longest = int((at_top[:, 1] - at_top[:, 0]).max())
-    if longest < SATURATED_SAMPLES or top_N < float(force_N.max()):
+    if longest <= SATURATED_SAMPLES or top_N < float(force_N.max()):
         return ""
     high = force_N[:stop] > 0.5 * (top_N + float(force_N[:stop].min()))
     same = runs_of((np.diff(force_N[:stop], append=np.inf) == 0.0) & high & (force_N[:stop] < top_N))

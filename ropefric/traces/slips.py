@@ -133,6 +133,7 @@ def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, 
         and higher is not None
         and _slides_or_reloads(pull, falls[higher])
         and falls[higher].drop_N >= fall.drop_N
+        and fall.drop_N <= FULL * (fall.top_N - pull.base_N)
     )
 
 

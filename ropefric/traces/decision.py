@@ -327,7 +327,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     if fall.drop_N >= LEAST_DROP * height_N and _swings(prepared, fall, sliding):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on, or a slip"
         return _doubtful(prepared, [candidate], why)
-    if _loads_again(force_N, candidate):
+    if fall.drop_N >= LEAST_DROP * height_N and _loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 

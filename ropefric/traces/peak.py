@@ -213,7 +213,11 @@ def _without_outliers_at_the_top(
     """
     if where.first - where.loading < LONG_CLIMB:
         return force_N
-    climb = slice((where.loading + where.first) // 2, where.first)
+    # A rest on the way is no part of the line that leads to the top.
+    loading_N = force_N[where.loading : where.first]
+    low = np.flatnonzero(loading_N <= 0.5 * (float(loading_N[0]) + float(loading_N[-1])))
+    begin = where.loading + (int(low[-1]) if low.size else 0)
+    climb = slice(max((where.loading + where.first) // 2, min(begin, where.first - 2)), where.first)
     t0, f0, slope = _line(time_s[climb], force_N[climb])
     near = slice(where.first, where.stop)
     line_N = f0 + max(slope, 0.0) * (time_s[near] - t0)

@@ -30,6 +30,7 @@ FAR = 0.95
 FULL = 0.25
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
+SWINGS = 4
 SMALL_GROWTH = 0.03
 LARGER = 1.2
 _RANGE = 0.004
@@ -125,7 +126,8 @@ def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, 
     if _goes_on(force_N[fall.top : pull.stop], fall, pull.base_N, rate):
         return True
     # Hung weights bounce and come to rest, and later the motor loads on.
-    if growth > LITTLE and _rests(force_N[fall.bottom : top], fall, pull):
+    swings = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
+    if growth > LITTLE and len(swings) <= SWINGS and _rests(force_N[fall.bottom : top], fall, pull):
         return True
     # Or without a rest, to a slip that is larger.
     return (
@@ -145,7 +147,7 @@ def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: floa
     largest_N = max(
         (g.drop_N for g in higher if g.reloads or (ends and _slides_or_reloads(pull, g))), default=0.0
     )
-    if fall.drop_N < SAME_KIND * largest_N:
+    if fall.drop_N < SAME_KIND * largest_N or _is_small_for(fall, higher):
         return None
     alike = [g for g in higher if SAME_KIND <= g.drop_N / fall.drop_N <= 1.0 / SAME_KIND and g.reloads]
     if len(alike) >= 2:
@@ -154,6 +156,16 @@ def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: floa
     if _slides_or_reloads(pull, rival) and (ends or rival.reloads) and fall.drop_N < LARGER * rival.drop_N:
         return None
     return True
+
+
+def _is_small_for(fall: Fall, train: list[Fall]) -> bool:
+    """Return whether a fall is smaller than all those of a train of slips, by far more than they differ."""
+    drops_N = np.array([g.drop_N for g in train if g.reloads])
+    if drops_N.size < FEWEST_TEETH:
+        return False
+    typical_N = median(drops_N)
+    spread_N = 1.4826 * median(np.abs(drops_N - typical_N))
+    return fall.drop_N < min(0.75 * typical_N, typical_N - 4.0 * spread_N)
 
 
 def _rests(force_N: FloatArray, fall: Fall, pull: Pull) -> bool:

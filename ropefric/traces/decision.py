@@ -8,6 +8,7 @@ decides, the result is `doubtful`, with the candidates.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
+    FEWEST_TEETH,
     TALL,
     Candidate,
     least_fall_N,
@@ -71,6 +73,7 @@ SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
+SLOWEST, FASTEST = 0.4, 1.25
 LONG_TRAIN, REGULAR = 5, 0.2
 """Fewer waves are alike by chance."""
 LEAST_PEAK = 0.01
@@ -491,11 +494,19 @@ def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidi
         or (fall.drop_N > CLEAR * height_N and _loads_again(force_N, candidate))
     ):
         return True
-    return (
-        len(teeth) >= LONG_TRAIN
-        and fall.drop_N > max(LEAST_DROP * height_N, SAME_KIND * largest_N)
-        and _is_regular(teeth)
-    )
+    if fall.drop_N <= max(LEAST_DROP * height_N, SAME_KIND * largest_N):
+        return False
+    return (len(teeth) >= LONG_TRAIN and _is_regular(teeth)) or _is_loaded_by_the_machine(candidate, teeth)
+
+
+def _is_loaded_by_the_machine(candidate: Candidate, teeth: list[Fall]) -> bool:
+    """Return whether all rises between slips are as a machine loads: a force that only wanders rises at any rate."""
+    falls = [candidate.fall, *(g for g in teeth if g.drop_N >= TOOTH * candidate.fall.drop_N)]
+    rates = [
+        (after.top_N - fall.bottom_N) / (candidate.rate * max(1, after.top - fall.bottom))
+        for fall, after in pairwise(falls)
+    ]
+    return len(rates) >= 2 and min(rates[:FEWEST_TEETH]) >= SLOWEST and max(rates) <= FASTEST
 
 
 def _is_regular(teeth: list[Fall]) -> bool:

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.collections import LineCollection
 
 from ropefric.errors import InputError
-from ropefric.plotting.conditions import (
+from ropefric.plotting.campaign import (
     conditions_of,
     draw_condition,
     start_condition_figures,

@@ -7,7 +7,7 @@ import pytest
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.compare import Comparison, ComparisonEntry, compare_laws
-from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
+from ropefric.plotting.design import draw_budget, draw_ladder, draw_tornado
 
 NAN = math.nan
 BUDGET = [("gain", 0.3), ("wrap", -1.2), ("tare", 0.4), ("humidity", NAN)]

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ropefric.plotting.conditions import start_condition_figures
+from ropefric.plotting.campaign import start_condition_figures
 from ropefric.trials import cache as cache_module
 from ropefric.trials.cache import ResultCache
 from ropefric.trials.campaign import load_campaign

@@ -108,7 +108,7 @@ def start_figures(
     extraction: "result.Extraction", folder: "folders.Folder", out: Output, executor: "Executor | None"
 ) -> Callable[[], None]:
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
-    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
+    from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
     write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
 

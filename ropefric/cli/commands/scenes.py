@@ -83,10 +83,10 @@ def _solved_names() -> tuple[str, ...]:
 def _write(
     out: Output, solution: "solving.Solution", tree: dict[str, Any], folder: "folders.Folder"
 ) -> Sequence[Path]:
-    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+    from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
     files = [*folder.write({"answer.json": json_text(tree)})]
-    for stem, drawn in chart.scene_figures(solution):
+    for stem, drawn in machines.scene_figures(solution):
         files += figure.save_figure(drawn, folder, stem)
     for name, history in solution.scene.kind.histories.items():
         columns = history(solution.answer)
@@ -96,11 +96,11 @@ def _write(
 
 
 def _write_sweep(out: Output, found: "sweeping.Sweep", folder: "folders.Folder", plot: str) -> Sequence[Path]:
-    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+    from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
     files = [sweeping.write_sweep(found, folder, "sweep.csv")]
     if len(found.axes) <= 2:
-        files += figure.save_figure(chart.draw_sweep(found, quantity=plot), folder, "sweep_figure")
+        files += figure.save_figure(machines.draw_sweep(found, quantity=plot), folder, "sweep_figure")
     return options.publish(out, folder, "answer", files)
 
 

@@ -122,14 +122,14 @@ def design(
         reached = bool(found.reached[0])
         files: tuple[Path, ...] = ()
         if target is not None and reached:
-            from ropefric.plotting import design_chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+            from ropefric.plotting import design as charts, figure  # noqa: PLC0415  (its package loads matplotlib)
 
             # At the design's end tension.
             wheel = conditions.one_condition(
                 *(float(getattr(found, name)[0]) for name in conditions.SETTINGS)
             )
             chart_of_it = evidence.chart_of_design(stored, wheel, probability)
-            drawn = design_chart.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
+            drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
             files = figure.save_figure(drawn, target, "design_chart")
             options.publish(out, target, "chart", files)
     return Answer(

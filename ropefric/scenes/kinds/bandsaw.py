@@ -457,5 +457,5 @@ KIND = kind.Kind(
         "travel_speed_m_s": "wheel.speed",
     },
     sections=_sections,
-    figures={"campbell": kind.Figure(_campbell, "saw_chart.draw_saw_chart")},
+    figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

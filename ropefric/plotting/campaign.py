@@ -59,10 +59,6 @@ def _saturation(trial: TrialResult) -> str:
     return FLAG if trial.saturated_samples > 0 else OK
 
 
-def _warned(trial: TrialResult) -> str:
-    return FLAG if trial.breakaway.status is Status.OK and trial.problems else OK
-
-
 CHECKS: dict[str, tuple[str, Callable[[TrialResult], str]]] = {
     "file could be read": ("unreadable", _status(Status.UNREADABLE)),
     "long enough": ("too short", _status(Status.TOO_SHORT)),
@@ -70,7 +66,7 @@ CHECKS: dict[str, tuple[str, Callable[[TrialResult], str]]] = {
     "rope slipped": ("without a slip", _status(Status.NO_BREAKAWAY)),
     "static peak found": ("without a static peak", _status(Status.NO_PEAK)),
     "one force stands out": ("doubtful", _status(Status.DOUBTFUL)),
-    "no warning": ("with a warning", _warned),
+    "no warning": ("with a warning", lambda trial: FLAG if _is_usable(trial) and trial.problems else OK),
     "not excluded by the user": ("excluded by the user", lambda trial: FLAG if trial.excluded else OK),
     "not rejected by the rule": ("rejected by the rule", lambda trial: FLAG if trial.rejected_by else OK),
 }
@@ -190,16 +186,13 @@ def start_condition_figures(
     folder: Folder | str | os.PathLike[str],
     *,
     under: str = "",
-    formats: tuple[str, ...] = ("png",),
     executor: Executor | None = None,
 ) -> Callable[[Progress | None], tuple[Path, ...]]:
     """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
     target = as_folder(folder)
     conditions = conditions_of(extraction)
-    drawn = begin(
-        {stem: partial(_files, *item, f"{under}{stem}", formats) for stem, item in conditions.items()},
-        executor,
-    )
+    jobs = {stem: partial(_files, *item, f"{under}{stem}") for stem, item in conditions.items()}
+    drawn = begin(jobs, executor)
 
     def write(progress: Progress | None = None) -> tuple[Path, ...]:
         written: dict[str, tuple[Path, ...]] = dict.fromkeys(conditions, ())
@@ -213,10 +206,8 @@ def start_condition_figures(
     return write
 
 
-def _files(
-    summary: ConditionSummary, trials: Sequence[TrialResult], stem: str, formats: tuple[str, ...]
-) -> dict[str, bytes]:
-    return figure_files(draw_condition(summary, trials), stem, formats=formats)
+def _files(summary: ConditionSummary, trials: Sequence[TrialResult], stem: str) -> dict[str, bytes]:
+    return figure_files(draw_condition(summary, trials), stem)
 
 
 def draw_condition(
@@ -237,6 +228,7 @@ def draw_condition(
             # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
             axes.xaxis.set_label_coords(0.5, -0.09)
             axes.yaxis.set_label_coords(left, 0.5)
+            axes.set_title("", y=1.0)  # likewise
         if traces:
             _draw_traces(panels[0], trials, colors)
         _draw_strip(panels[-1], summary, trials, colors)

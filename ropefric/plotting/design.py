@@ -174,9 +174,7 @@ def _draw_contributions(axes: "Axes", names: Sequence[str], parts: "FloatArray")
     above.grid(visible=False)
 
 
-def draw_tornado(
-    rows: Sequence[tuple[str, float, float, float]], *, quantity: str = "lift_force_N"
-) -> FigureWithData:
+def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithData:
     """Return a tornado chart: the force at the low and the high value of each input, all others as in the base case."""
     bases = {row[3] for row in rows}
     if len(bases) > 1 or not all(map(math.isfinite, bases)):
@@ -192,17 +190,15 @@ def draw_tornado(
     alt = "No input was changed."
     with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as figure:
         axes = figure.subplots()
-        axes.set_xlabel(style.figure_label(quantity))
+        axes.set_xlabel(style.figure_label("lift_force_N"))
         if ranked:
             base_N = ranked[0][3]
             _draw_swings(axes, ranked, base_N)
             legend_of_figure(figure)
             axes.set_title(f"base case {base_N:.4g} N; n = {len(ranked)} inputs, one changed at a time")
-            what = style.plain_text(style.figure_label(quantity)).split(" [")[0]
-            parts = "; ".join(
-                f"{row[0]}: {style.shown(row[1])} to {style.shown(row[2], 'N')}" for row in ranked[:4]
-            )
-            alt = f"{what}, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: {parts}."
+            spans = [f"{row[0]}: {style.shown(row[1])} to {style.shown(row[2], 'N')}" for row in ranked[:4]]
+            alt = f"Lift force F_A, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: "
+            alt += f"{'; '.join(spans)}."
         else:
             say_instead(axes, "no input was changed")
     header = ("quantity", "low_N", "high_N", "base_N", "swing_N")

@@ -84,12 +84,8 @@ def _have(conditions: Conditions, settings: Mapping[str, float]) -> BoolArray:
     return chosen
 
 
-def _settings_of(fit: FitResult, over: str, given: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Return the settings to hold while one regressor is swept: those given, else those that most conditions share."""
-    for name in (over, *(given or ())):
-        if name not in SETTINGS:
-            fix = f"one of {', '.join(SETTINGS)}"
-            raise InputError(f"{name!r} is no setting of a pull", key=name, fix=fix)
+def _settings_of(fit: FitResult, over: str) -> dict[str, float]:
+    """Return the settings to hold while one regressor is swept: those that most conditions share."""
     others = [name for name in SETTINGS if name != over]
     known = {name: math.sqrt(max(low, 0.0) * high) for name, (low, high) in fit.validity.items()}
     conditions = condition_points(fit).conditions
@@ -99,7 +95,6 @@ def _settings_of(fit: FitResult, over: str, given: Mapping[str, float] | None = 
         sizes = [np.unique(along[group == number]).size for number in range(int(group.max()) + 1)]
         first = int(np.argmax(group == int(np.argmax(sizes))))  # the first of equals
         known |= {name: float(values[first]) for name, values in zip(others, held, strict=True)}
-    known |= dict(given or {})
     return {name: known[name] for name in others}
 
 
@@ -294,21 +289,15 @@ def _draw_wheels(axes: "Axes", points: ConditionPoints) -> None:
         _draw_means(axes, x[mask], rise[mask], std[mask], **look | edge)
 
 
-def draw_fit_band(
-    fit: FitResult,
-    *,
-    over: str = "wrap_angle_rad",
-    at: Mapping[str, float] | None = None,
-    level: float = 0.95,
-) -> FigureWithData:
+def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWithData:
     """Return F_A of a fitted law over one quantity with confidence and prediction band, extrapolation hatched.
 
     The upper panel has the forces on a logarithmic axis, the lower one the same off the mean law, in per cent. The
     inner band holds the mean law, the outer one a single pull with a new rope. Points are the means of the measured
     conditions that have the settings drawn, crosses their trials where the fit still has them.
     """
-    settings = _settings_of(fit, over, at)
-    x, columns = _band(fit, settings, over, level)
+    settings = _settings_of(fit, over)
+    x, columns = _band(fit, settings, over)
     low, high = fit.validity[over]
     points = condition_points(fit)
     chosen = _have(points.conditions, settings)
@@ -324,7 +313,7 @@ def draw_fit_band(
         }
         for panel in (axes, below):
             lines = 100.0 * (columns / columns[0] - 1.0) if panel is below else columns
-            _draw_band(panel, factor * x, lines, f"{100 * level:g} %")
+            _draw_band(panel, factor * x, lines)
             for start, stop in ((x[0], low), (high, x[-1])):
                 if stop > start:
                     ends, label = (factor * start, factor * stop), "not tested: extrapolated"
@@ -354,37 +343,33 @@ def draw_fit_band(
     there = f"{factor * high:.4g} {unit}"
     alt = (
         f"Lift force of the law {fit.law} over the {title}, tested from {factor * low:.4g} to {there}, with "
-        f"{counted(n, 'trial')}. At {there} it is {lift}, {100 * level:g} % confidence {low_N} to "
+        f"{counted(n, 'trial')}. At {there} it is {lift}, 95 % confidence {low_N} to "
         f"{high_N}, new pulls {wide_low_N} to {wide_high_N}."
     )
     tables = DataTable.of_columns(law), DataTable.of_columns(measured, "measured")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _band(
-    fit: FitResult, settings: Mapping[str, float], over: str, level: float
-) -> tuple[FloatArray, FloatArray]:
+def _band(fit: FitResult, settings: Mapping[str, float], over: str) -> tuple[FloatArray, FloatArray]:
     """Return a grid in SI and the law on it, five columns as in `_BAND`, NaN where it has no answer."""
     low, high = fit.validity[over]
     beyond = _BEYOND * (high - low) or _BEYOND * high
     x = np.union1d(np.linspace(max(low - beyond, 0.5 * low), high + beyond, _BAND_STEPS), [low, high])
 
     def law(at: Conditions) -> FloatArray:
-        found = predict(fit, at, level=level, check=False)
+        found = predict(fit, at, level=0.95, check=False)
         return np.vstack([found.lift_force_N, found.interval_N.T, found.prediction_interval_N.T])
 
     return x, _evaluated(fit, _swept(settings, over, x), law, len(_BAND))
 
 
-def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, level: str) -> None:
+def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray) -> None:
     line, low, high, wide_low, wide_high = columns
     edge: dict[str, Any] = {"edgecolor": style.ORANGE, "linestyle": "--", "linewidth": 1.0}
     axes.fill_between(
-        x, wide_low, wide_high, facecolor=(style.ORANGE, 0.15), label=f"{level} of new pulls", **edge
+        x, wide_low, wide_high, facecolor=(style.ORANGE, 0.15), label="95 % of new pulls", **edge
     )
-    axes.fill_between(
-        x, low, high, facecolor=(style.BLUE, 0.4), linewidth=0, label=f"{level} for the mean law"
-    )
+    axes.fill_between(x, low, high, facecolor=(style.BLUE, 0.4), linewidth=0, label="95 % for the mean law")
     axes.plot(x, line, "-", color=style.BLUE, linewidth=1.4, label="mean law")
 
 

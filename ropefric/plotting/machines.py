@@ -120,14 +120,6 @@ _LEFT_BEHIND = 0.02
 _FLOOR = 1e-16
 
 
-def _draw_lines(
-    axes: "Axes", across: "FloatArray", lines: "Iterable[FloatArray]", width: float = 1.6
-) -> None:
-    drawn = list(lines)
-    for i, (line, color) in enumerate(zip(drawn, style.shades(len(drawn)), strict=True)):
-        axes.plot(across, line, color=color, linestyle=style.LINE_STYLES[i % 4], linewidth=width)
-
-
 def _same_lines(names: "Iterable[str]", lines: "FloatArray", prefix: str) -> "dict[str, FloatArray]":
     """Return each different line once, under all its names."""
     groups: list[tuple[list[str], FloatArray]] = []
@@ -157,16 +149,13 @@ def name_lines(axes: "Axes", ends: "Iterable[tuple[str, float]]", *, gap: float 
     spread = [place for block in blocks for place in _spread(block, gap)]
     arrow = {"arrowstyle": "-", "color": style.GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
     for (true, name), place in zip(wanted, spread, strict=True):
-        axes.annotate(
-            style.typeset(name),
-            xy=(1.0, true),
-            xytext=(1.03, place),
-            xycoords="axes fraction",
-            va="center",
-            fontsize=9.0,
-            annotation_clip=False,
-            arrowprops=arrow,
-        )
+        look: dict[str, Any] = {
+            "xycoords": "axes fraction",
+            "va": "center",
+            "fontsize": 9.0,
+            "arrowprops": arrow,
+        }
+        axes.annotate(style.typeset(name), (1.0, true), (1.03, place), annotation_clip=False, **look)
 
 
 def _spread(block: "Sequence[float]", gap: float) -> "list[float]":
@@ -190,7 +179,8 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
         tension.set_xlim(found.time_s[0], found.time_s[-1])
         tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
         lines = _same_lines(spans, found.tension_N, "T")
-        _draw_lines(tension, found.time_s, lines.values(), 1.3)
+        for i, (line, color) in enumerate(zip(lines.values(), style.shades(len(lines)), strict=True)):
+            tension.plot(found.time_s, line, color=color, linestyle=style.LINE_STYLES[i % 4], linewidth=1.3)
         tension.set_ylim(bottom=0.0)
         name_lines(tension, [(name, float(line[-1])) for name, line in lines.items()])
         _draw_speeds(speed, found, rims_m_s)

@@ -54,7 +54,7 @@ def draw_pictures(
 
 def _drawn(stem: str, draw: Draw) -> tuple[str, dict[str, bytes]]:
     figure = draw()
-    files = figure_files(figure, f"{FOLDER}/{stem}", formats=())
+    files = figure_files(figure, f"{FOLDER}/{stem}", picture=False)
     return svg_text(figure, stem=stem), files
 
 

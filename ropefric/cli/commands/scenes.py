@@ -7,8 +7,7 @@ from typing import Any
 
 from typer import Argument, Option
 
-from ropefric.cli import options
-from ropefric.cli.lazily import on_first_use
+from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
 from ropefric.cli.output import Output, Progress, json_text
 

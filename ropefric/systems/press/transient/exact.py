@@ -126,28 +126,23 @@ class Guard(NamedTuple):
 
 
 def guards_of(motion: Motion) -> list[Guard]:
-    """Return the guards of a mode; the linear model, in which nothing slips or goes slack, has none."""
-    if motion.limit is None:
-        return []
+    """Return the guards of a mode: of the drags, and where friction has a limit of slip and slack."""
     model, mode, found = motion.model, motion.mode, []
     force_N = _FORCE_SHARE * float(model.preload_N.max())
-    for i, (contact, turning) in enumerate(zip(mode.contact, mode.turning, strict=True)):
+    for i in np.flatnonzero(model.drag_N).tolist():
+        if turning := mode.turning[i]:
+            found.append(Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i))
+            continue
+        held_N = model.drag_N[i] * motion.inputs[LOAD]
+        found += [Guard(held_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)]
+    if motion.limit is None:
+        return found
+    for i, contact in enumerate(mode.contact):
         if contact == STICK:
             for way, most_N in zip((FORWARD, BACKWARD), motion.limit_N, strict=True):
                 found.append(Guard(most_N[i] - way * motion.friction_N[i], force_N, "slip", i, way))
         else:
             found.append(Guard(contact * motion.slip_speed_m_s[i], _SPEED_M_S, "stick", i))
-        load_N = float(model.press.rim_load_N[i])
-        if i in model.drivers or load_N <= 0.0:
-            continue
-        if turning == 0:
-            held_N = load_N * motion.inputs[LOAD]
-            found += [
-                Guard(held_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)
-            ]
-        elif turning < 0 or contact != STICK:
-            # The load of a roller that the belt takes along is as given, as in the linear model.
-            found.append(Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i))
     bits: tuple[tuple[What, FloatArray, tuple[bool, ...]], ...] = (
         ("pressed", motion.pressing_N, mode.pressed),
         ("taut", motion.unclipped_N, mode.taut),
@@ -168,17 +163,14 @@ def switched(motion: Motion, guard: Guard, w: FloatArray) -> tuple[Mode, FloatAr
 
     if guard.what in {"pressed", "taut", "strained"}:
         return put(guard.what, not getattr(mode, guard.what)[place]), state
-    speed_m_s = float(motion.rim_speed_m_s[place] @ w)
     if guard.what == "slip":
-        if mode.turning[place] and speed_m_s < -_SPEED_M_S:
-            mode = put("turning", -1)
         return put("contact", guard.direction), state
     if guard.what == "stick":
         state[place - len(mode.contact)] = 0.0
         return put("contact", STICK), state
     if guard.what == "hold":
         row = int(np.flatnonzero(motion.model.driven == place)[0])
-        state[motion.n_coordinates + row] -= speed_m_s
+        state[motion.n_coordinates + row] -= float(motion.rim_speed_m_s[place] @ w)
     return put("turning", guard.direction), state
 
 
@@ -192,10 +184,10 @@ _FIRST_STEPS = (64.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0)
 class _Phase(Propagator):
     """One mode during one piece of the drive, ready to be stepped through and watched."""
 
-    def __init__(self, motion: Motion, taylor: FloatArray) -> None:
+    def __init__(self, motion: Motion, taylor: FloatArray, guards: list[Guard]) -> None:
         rows, n = motion.derivative, len(motion.derivative)
         super().__init__(rows[:, :n], rows[:, n:], taylor)
-        self.motion, self.forms, self.guards = motion, power_forms(motion), guards_of(motion)
+        self.motion, self.forms, self.guards = motion, power_forms(motion), guards
         self.tolerances = np.array([guard.tolerance for guard in self.guards])
         # The guards, and below them their rates, as rows over z.
         n_w, n_z = self.read.shape
@@ -277,14 +269,19 @@ _MAX_SWITCHES = 3_000
 
 
 class HybridSolver:
-    """A start-up in which belts may slip and go slack where friction has a limit, and do not where it has none.
+    """A start-up whose drags oppose the motion, and in which belts slip and go slack where friction has a limit.
+
+    Without `drags` the loads are as given whichever way their rollers turn, eqs. (10)-(20): with no limit either the
+    press is linear.
 
     Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
     guards of the mode are looked at 24 times in a period of its fastest oscillation.
     """
 
-    def __init__(self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None) -> None:
-        self.model, self.inputs, self.limit = model, inputs, limit
+    def __init__(
+        self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None, *, drags: bool = True
+    ) -> None:
+        self.model, self.inputs, self.limit, self.drags = model, inputs, limit, drags
         self.changes: list[tuple[float, Guard]] = []
         self._phases: dict[tuple[Mode, int], _Phase] = {}
         self._motions: dict[Mode, Motion] = {}
@@ -294,7 +291,9 @@ class HybridSolver:
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at sorted times; the changes of mode are kept beside the guards."""
         mode = sticking(self.model)
-        y = starting_state(self._motion(mode), self.inputs)
+        y = starting_state(self._motion(mode), self.inputs, held=self.drags)
+        if self.drags:
+            mode = replace(mode, turning=tuple((self.model.drag_N == 0.0).astype(int).tolist()))
         starts, wanted = self.inputs.starts_s, set(times_s.tolist())
         motions, states, works = [], [], []
         now = 0.0
@@ -316,7 +315,9 @@ class HybridSolver:
 
     def _phase(self, mode: Mode, piece: int) -> _Phase:
         if (mode, piece) not in self._phases:
-            self._phases[mode, piece] = _Phase(self._motion(mode), self.inputs.taylor[piece])
+            motion = self._motion(mode)
+            guards = guards_of(motion) if self.drags else []
+            self._phases[mode, piece] = _Phase(motion, self.inputs.taylor[piece], guards)
         return self._phases[mode, piece]
 
     def _piece(self, now: float) -> int:

@@ -62,6 +62,8 @@ class ElasticPress:
         self.arc_mass_kg = np.array(on_arcs) * arcs_m * ("arc-inertia" in effects)
         self.roller_mass_kg = np.array([one.inertia_kg_m2 or 0.0 for one in rollers]) / press.radius_m**2
         self.driven, self.drivers = np.flatnonzero(press.is_driven), np.flatnonzero(~press.is_driven)
+        # What holds a driven roller back is a drag: it opposes the motion, and at rest anything up to its size.
+        self.drag_N = np.maximum(press.rim_load_N, 0.0) * press.is_driven
         self.overspeed = np.array([one.overspeed or 0.0 for one in press.drivers])
         self.spring_N_m = np.array([one.spring_N_m for one in carriers])
         self.tensioner_mass_kg = np.array([one.mass_kg or 0.0 for one in carriers])
@@ -282,15 +284,16 @@ def _where(holds: tuple[bool, ...], rows: FloatArray) -> FloatArray:
     return np.array(holds, dtype=np.float64)[:, None] * rows
 
 
-def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
+def resting_coordinates(motion: Motion, inputs: FloatArray, held_N: float | FloatArray = 0.0) -> FloatArray:
     """Return the coordinates at which nothing accelerates under constant inputs u, shape (n_q,).
 
-    Belts that slip do not take part: their δ stay zero.
+    Belts that slip do not take part: their δ stay zero. `held_N` of the rollers' loads are not carried by the belts.
     """
     n_q, model = motion.n_coordinates, motion.model
     free = len(model.driven) + len(model.spring_N_m)
     rows = motion.derivative[n_q : n_q + free]
     stiffness, load = rows[:, :free], rows[:, 2 * n_q :] @ inputs
+    load[: len(model.driven)] += (held_N / (model.roller_mass_kg + model.arc_mass_kg))[model.driven]
     if np.linalg.matrix_rank(stiffness) < free:
         raise InputError(
             "the press has no place of rest: a belt or tensioner is held by nothing", code="RF521"
@@ -298,10 +301,11 @@ def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
     return np.concatenate([-np.linalg.solve(stiffness, load), np.zeros(n_q - free)])
 
 
-def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
+def starting_state(motion: Motion, inputs: Inputs, *, held: bool = False) -> FloatArray:
     """Return (q, dq/dt) of a machine at rest in balance with the loads of the first moment, shape (2 n_q,).
 
-    Where the drive begins with a speed, all but the drivers still stand: relative to the drive they move backward.
+    Drags that are `held` at rest ask nothing of the belts yet. Where the drive begins with a speed, all but the
+    drivers still stand: relative to the drive they move backward.
     """
     first = inputs.at(0.0)
     still = first.copy()
@@ -309,7 +313,8 @@ def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
     still[SPEED + 2 :] = 0.0
     speeds = np.zeros(motion.n_coordinates)
     speeds[: len(motion.model.driven)] = -first[SPEED]
-    return np.concatenate([resting_coordinates(motion, still), speeds])
+    held_N = motion.model.drag_N * first[LOAD] * held
+    return np.concatenate([resting_coordinates(motion, still, held_N), speeds])
 
 
 def settled_tension_N(model: ElasticPress, speed_m_s: float) -> FloatArray | None:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, SolverError
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.transient.drives import SPEED, Loads, final_value, press_inputs
@@ -54,7 +54,37 @@ class Energies:
         self.residual = (supplied - supplied[0]) - (stored - stored[0])
         changes = (self.kinetic - self.kinetic[0], self.elastic - self.elastic[0])
         scale = max(float(np.abs(part).max()) for part in (*works.T, *changes))
-        self.relative_residual = float(np.abs(self.residual).max()) / scale if scale > 0.0 else 0.0
+        self.scale_J = scale or 1.0
+        self.relative_residual = float(np.abs(self.residual).max()) / self.scale_J
+
+    def check(self, times_s: FloatArray, share: float, *, loads_take: bool) -> None:
+        """Refuse an account that does not close, or where what only takes energy gives some, to a share of it all."""
+        accounts = {
+            "the loads drive": self.load if loads_take else 0.0 * self.load,
+            "the belts' damping drives": self.belt,
+            "the tensioners' dampers drive": self.tensioner,
+            "slip drives": self.slip,
+        }
+        wrong = {
+            f"{what} the press": np.maximum.accumulate(taken) - taken for what, taken in accounts.items()
+        } | {"the energies of the start-up do not add up": np.abs(self.residual)}
+        worst = max(wrong, key=lambda what: float(wrong[what].max()))
+        rounding_J = _ROUNDING * float(np.abs(self.elastic).max() + self.kinetic.max())
+        broken = np.flatnonzero(wrong[worst] > share * self.scale_J + rounding_J)
+        if broken.size:
+            raise SolverError(
+                f"{worst}: from t = {times_s[broken[0]]:.6g} s on, by {wrong[worst].max():.3g} J"
+                f" of {self.scale_J:.3g} J",
+                code="RF524",
+                key="start_up.integrator",
+                fix="take the integrator 'exact' with slip, where drag opposes the motion and holds at rest",
+            )
+
+
+_ROUNDING = 1e-13
+_CLOSES = 1e-8
+_LINEAR_CLOSES = 1e-3
+"""How much of the energy may be missing: rounding; and where loads do not know which way their rollers turn."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -120,8 +150,9 @@ def start_up(
 
     The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). Without friction no belt slips
     and none goes slack, and the problem is linear, which is all that integrators other than the exact one solve. With
-    friction and `slip` a belt does not push, and a roller takes no more than T'_tight = T'_slack e^M with what
-    accelerating the belt adds; between two changes of a contact the solution is exact.
+    friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
+    the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
+    A start-up in which something that only takes energy drives the press is refused.
     """
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
@@ -135,7 +166,7 @@ def start_up(
             fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
         )
     if integrator == "exact":
-        solver = HybridSolver(model, inputs, limit if slips else None)
+        solver = HybridSolver(model, inputs, limit if slips else None, drags=slips)
         motions, states, works = solver.run(times)
         changes = solver.changes
     else:
@@ -174,6 +205,9 @@ def start_up(
         most = np.where(friction_N >= 0.0, forward, backward)
         share = np.divide(np.abs(friction_N), most, out=np.zeros_like(most), where=most > 0.0)
         utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
+    energy = Energies(first, w, works)
+    takes = bool((press.rim_load_N[model.driven] >= 0.0).all())
+    energy.check(times, _CLOSES if slips else _LINEAR_CLOSES, loads_take=takes)
     return StartUp(
         press=press,
         time_s=times,
@@ -187,7 +221,7 @@ def start_up(
         slip_speed_m_s=w @ first.slip_speed_m_s.T,
         friction_N=friction_N,
         utilisation=utilisation,
-        energy=Energies(first, w, works),
+        energy=energy,
         slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
         settled_tension_N=settled_tension_N(model, final_value(speed)),
     )

@@ -366,19 +366,23 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     return tree if answer.start_up is None else tree | {"start_up": answer.start_up.summary()}
 
 
-_FIRST = {
-    "preload": "if the preload of all tensioners falls to",
-    "speed": "if the belts run as fast as",
-    "load": "if all loads grow by the factor",
-    "friction": "if the coefficient falls to",
+_WAYS = {
+    ("preload", "falls"): "the preload of all tensioners falls to",
+    ("preload", "rises"): "the preload of all tensioners rises to",
+    ("speed", "falls"): "the belts run no faster than",
+    ("speed", "rises"): "the belts run as fast as",
+    ("load", "falls"): "all loads fall to what they are times",
+    ("load", "rises"): "all loads grow by the factor",
+    ("friction", "falls"): "the coefficient falls to",
+    ("friction", "rises"): "the coefficient rises to",
 }
-_LAST = {
-    "preload": ("the preload of all tensioners rises to", "no preload of all tensioners holds"),
-    "speed": ("the belts run no faster than", "no slower run of the belts holds"),
-    "load": ("all loads fall to what they are times", "no smaller loads hold"),
-    "friction": ("the coefficient rises to", "no coefficient holds"),
+_NEVER = {
+    "preload": "no preload of all tensioners holds",
+    "speed": "no slower run of the belts holds",
+    "load": "no smaller loads hold",
+    "friction": "no coefficient holds",
 }
-"""What leads to the first slip; what ends the last one, and what to say where nothing of the kind does."""
+"""What leads to the first slip or ends the last one, and what to say where nothing of the kind does."""
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
@@ -434,16 +438,15 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
         lines = ["no roller carries a torque"]
     else:
         lines = [f"no roller slips; nearest to it is roller {tree['first_to_slip']}"]
-    for change, sooner in _FIRST.items():
-        one, (until, nothing) = tree["critical"][change], _LAST[change]
-        si_unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
-        if one["state"] == "slips" and not one["value"]:
-            lines.append(f"{nothing} {'it' if alone else 'them all'}")
-        elif one["state"] == "slips":
-            last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
-            lines.append(f"{last} where {until} {one['value']:.4g}{si_unit}")
-        elif one["roller"] is not None:
-            lines.append(f"{sooner} {one['value']:.4g}{si_unit}, roller {one['roller']} slips first")
+    for change, nothing in _NEVER.items():
+        one, slipping = tree["critical"][change], tree["critical"][change]["state"] == "slips"
+        if one["value"] is None:
+            lines += [f"{nothing} {'it' if alone else 'them all'}"] * slipping
+            continue
+        unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
+        at = f"{_WAYS[change, one['direction']]} {one['value']:.4g}{unit}"
+        last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
+        lines.append(f"{last} where {at}" if slipping else f"if {at}, roller {one['roller']} slips first")
     return tuple(lines)
 
 

@@ -149,7 +149,13 @@ def solve_press(model: PressModel) -> PressAnswer:
     )
     moved = None
     if task is not None:
-        moved = start_up(model.as_operated, friction=problem.friction, effects=model.effects, **task)
+        moved = start_up(
+            model.as_operated,
+            friction=problem.friction,
+            effects=model.effects,
+            exact_switching="exact-switching" in model.effects,
+            **task,
+        )
     return PressAnswer(
         model=model,
         statics=statics,

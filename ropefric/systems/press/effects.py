@@ -31,6 +31,7 @@ from ropefric.systems.press.answer import (
 from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import drive_power_W, rim_speed_ratios, speed_shift_kg_m
+from ropefric.systems.press.transient.start_up import GRID_ERROR, largest_difference
 
 _ROUNDING = 1e-9
 _LOADS = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_N_m"}
@@ -148,14 +149,16 @@ def _steady(
     return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=0.05)
 
 
-def _moving(name: str, adds: str, instead: str, *, cost: float = 0.1) -> Effect[PressProblem, PressModel]:
-    """Return an effect that only a start-up has; no bound is known where there is one."""
+def _moving(
+    name: str, adds: str, instead: str, *, bound: float = math.inf, cost: float = 0.1
+) -> Effect[PressProblem, PressModel]:
+    """Return an effect that only a start-up has; of most no bound is known where there is one."""
     return Effect(
         name=name,
         adds=adds,
         instead=instead,
         needs=_needs_of_start_up,
-        influence=lambda problem: 0.0 if problem.start_up is None else math.inf,
+        influence=lambda problem: 0.0 if problem.start_up is None else bound,
         cost=cost,
     )
 
@@ -214,6 +217,13 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "the mass of the belts on the rollers",
             "belts without mass on the rollers (slip then cannot be simulated)",
         ),
+        _moving(
+            "exact-switching",
+            "belts that stick, slip and go slack, and drags that hold, at their exact moments",
+            "these moments on a grid, made finer until halving it changes nothing more",
+            bound=GRID_ERROR,
+            cost=10.0,
+        ),
         _moving("transient", "the start-up, with its swings and slips", "the steady run alone", cost=100.0),
     ),
 )
@@ -261,11 +271,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
     ]
     moved, other = answer.start_up, reference.start_up
     if other is not None:
-        if moved is None:
-            return np.inf
-        found.append(_relative(moved.tension_N.max(axis=0), other.tension_N.max(axis=0)))
-        if moved.utilisation is not None and other.utilisation is not None:
-            found.append(of_largest(moved.utilisation.max(axis=0), other.utilisation.max(axis=0)))
+        found.append(np.inf if moved is None else largest_difference(moved, other))
     return max(found)
 
 

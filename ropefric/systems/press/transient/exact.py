@@ -9,7 +9,7 @@ frequencies in size; balanced by powers of two, slow motions keep their digits b
 import math
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigvals, expm, matrix_balance
@@ -181,13 +181,13 @@ _FIRST_STEPS = (64.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0)
 """What the longest step is divided by after a change of mode."""
 
 
-class _Phase(Propagator):
+class Phase(Propagator):
     """One mode during one piece of the drive, ready to be stepped through and watched."""
 
     def __init__(self, motion: Motion, taylor: FloatArray, guards: list[Guard]) -> None:
         rows, n = motion.derivative, len(motion.derivative)
         super().__init__(rows[:, :n], rows[:, n:], taylor)
-        self.motion, self.forms, self.guards = motion, power_forms(motion), guards
+        self.motion, self.guards = motion, guards
         self.tolerances = np.array([guard.tolerance for guard in self.guards])
         # The guards, and below them their rates, as rows over z.
         n_w, n_z = self.read.shape
@@ -195,6 +195,11 @@ class _Phase(Propagator):
         watched = np.vstack([np.empty((0, n_w)), *(guard.row for guard in self.guards)]) @ self.read
         self.watch = np.vstack([watched, watched @ rate])
         self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
+
+    @cached_property
+    def forms(self) -> FloatArray:
+        """Return the powers as symmetric matrices."""
+        return power_forms(self.motion)
 
     @cached_property
     def step_s(self) -> float:
@@ -221,7 +226,7 @@ class _Phase(Propagator):
         return made
 
 
-def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
+def _first_dip(phase: Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
     """Return which guards dip below zero inside a step that they begin and end above it, and where the first does."""
     n, begun, ended = len(phase.guards), phase.watch @ z, phase.watch @ after
     g0, s0, g1, s1 = begun[:n], begun[n:], ended[:n], ended[n:]
@@ -242,7 +247,7 @@ def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -
     return g1 < -phase.tolerances, length
 
 
-def _first_to_fall(phase: _Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:
+def _first_to_fall(phase: Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:
     """Return the guard that is the first to fall below zero, given some that have by `bound`, and when."""
     rows = phase.watch[: len(phase.guards)] / phase.tolerances[:, None]
     passed = bound
@@ -278,22 +283,22 @@ class HybridSolver:
     guards of the mode are looked at 24 times in a period of its fastest oscillation.
     """
 
+    phase_type = Phase
+
     def __init__(
         self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None, *, drags: bool = True
     ) -> None:
         self.model, self.inputs, self.limit, self.drags = model, inputs, limit, drags
         self.changes: list[tuple[float, Guard]] = []
-        self._phases: dict[tuple[Mode, int], _Phase] = {}
+        self._phases: dict[tuple[Mode, int], Phase] = {}
         self._motions: dict[Mode, Motion] = {}
-        self._works = np.zeros(6)
+        self.works = np.zeros(6)
         self._steps = 0
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at sorted times; the changes of mode are kept beside the guards."""
-        mode = sticking(self.model)
-        y = starting_state(self._motion(mode), self.inputs, held=self.drags)
-        if self.drags:
-            mode = replace(mode, turning=tuple((self.model.drag_N == 0.0).astype(int).tolist()))
+        mode, y = self.begin()
+        check_steps(float(times_s[-1]) / self.phase(mode, 0).step_s)
         starts, wanted = self.inputs.starts_s, set(times_s.tolist())
         motions, states, works = [], [], []
         now = 0.0
@@ -302,22 +307,32 @@ class HybridSolver:
                 mode, y = self._advance(mode, y, now, stop)
                 now = stop
             if stop in wanted:
-                mode, y = self._settle(mode, y, self._piece(now), now)
-                motions.append(self._motion(mode))
+                mode, y = self.settle(mode, y, self._piece(now), now)
+                motions.append(self.motion(mode))
                 states.append(y)
-                works.append(self._works)
+                works.append(self.works)
         return motions, np.array(states), np.array(works)
 
-    def _motion(self, mode: Mode) -> Motion:
+    def begin(self) -> tuple[Mode, FloatArray]:
+        """Return the mode and the state of the machine at rest, its drags holding it."""
+        mode = sticking(self.model)
+        y = starting_state(self.motion(mode), self.inputs, held=self.drags)
+        if self.drags:
+            mode = replace(mode, turning=tuple((self.model.drag_N == 0.0).astype(int).tolist()))
+        return mode, y
+
+    def motion(self, mode: Mode) -> Motion:
+        """Return the press in a mode."""
         if mode not in self._motions:
             self._motions[mode] = Motion(self.model, mode, self.limit)
         return self._motions[mode]
 
-    def _phase(self, mode: Mode, piece: int) -> _Phase:
+    def phase(self, mode: Mode, piece: int) -> Any:
+        """Return a mode during a piece of the drive."""
         if (mode, piece) not in self._phases:
-            motion = self._motion(mode)
+            motion = self.motion(mode)
             guards = guards_of(motion) if self.drags else []
-            self._phases[mode, piece] = _Phase(motion, self.inputs.taylor[piece], guards)
+            self._phases[mode, piece] = self.phase_type(motion, self.inputs.taylor[piece], guards)
         return self._phases[mode, piece]
 
     def _piece(self, now: float) -> int:
@@ -328,21 +343,21 @@ class HybridSolver:
         start = float(self.inputs.starts_s[piece])
         remaining, fresh = stop - now, now == start
         while remaining > 0.0:
-            mode, y = self._settle(mode, y, piece, stop - remaining)
-            phase = self._phase(mode, piece)
+            mode, y = self.settle(mode, y, piece, stop - remaining)
+            phase = self.phase(mode, piece)
             z = phase.lift(y, stop - remaining - start)
             for length in phase.lengths(remaining, fresh=fresh):
                 ended, passed, z = self._try(phase, z, length)
                 remaining -= passed
                 if ended is not None:
-                    mode, y = self._change(phase, ended, z, stop - max(remaining, 0.0))
+                    mode, y = self.change(phase, ended, z, stop - max(remaining, 0.0))
                     fresh = True
                     break
             else:
                 y, remaining = z[:n], 0.0
         return mode, y
 
-    def _try(self, phase: _Phase, z: FloatArray, length: float) -> tuple[Guard | None, float, FloatArray]:
+    def _try(self, phase: Phase, z: FloatArray, length: float) -> tuple[Guard | None, float, FloatArray]:
         """Return the guard that ends the mode within a step, or None; the time that passed, and z after it."""
         self._steps += 1
         check_steps(self._steps)
@@ -354,13 +369,13 @@ class HybridSolver:
             if passed == 0.0:
                 return guard, passed, z
             flow, integrals = phase.over(passed)
-        self._works = self._works + (integrals @ z) @ z
+        self.works = self.works + (integrals @ z) @ z
         return guard, passed, flow @ z
 
-    def _settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
+    def settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
         """Switch until no guard is below zero."""
         for _ in range(_SWITCHES_AT_ONCE):
-            phase = self._phase(mode, piece)
+            phase = self.phase(mode, piece)
             if not phase.guards:
                 return mode, y
             z = phase.lift(y, now - float(self.inputs.starts_s[piece]))
@@ -368,14 +383,15 @@ class HybridSolver:
             # What has just been switched stands at minus its tolerance.
             if margins.min() >= -2.0:
                 return mode, y
-            mode, y = self._change(phase, phase.guards[int(np.argmin(margins))], z, now)
+            mode, y = self.change(phase, phase.guards[int(np.argmin(margins))], z, now)
         raise SolverError(
             f"the state of the contacts cannot be settled at t = {now:.6g} s",
             code="RF524",
             fix="give the belts some damping, or a smoother drive",
         )
 
-    def _change(self, phase: _Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
+    def change(self, phase: Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
+        """Return the mode and the state after a guard has fired."""
         self.changes.append((now, guard))
         if len(self.changes) > _MAX_SWITCHES:
             raise SolverError(

@@ -332,8 +332,8 @@ def settled_tension_N(model: ElasticPress, speed_m_s: float) -> FloatArray | Non
     return np.asarray(motion.tension_N @ np.concatenate([at_rest, np.zeros_like(at_rest), inputs]))
 
 
-def power_forms(motion: Motion) -> FloatArray:
-    """Return powers as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w).
+def power_pairs(motion: Motion) -> list[tuple[FloatArray, FloatArray]]:
+    """Return forces and speeds, rows over w, whose products are six powers.
 
     They are done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and done by the
     running belts' momentum ρAv² on the tensioners.
@@ -342,15 +342,19 @@ def power_forms(motion: Motion) -> FloatArray:
     push = model.roller_mass_kg[:, None] * motion.rim_acceleration_m_s2 + motion.load_N - motion.friction_N
     kept = _where(motion.mode.strained, motion.spring_N)
     momentum = -np.outer(model.press.pull @ model.density_kg_m, motion.inputs[SPEED_SQUARED])
-    pairs = (
+    return [
         (push[drivers], motion.rim_speed_m_s[drivers]),
         (motion.load_N, motion.rim_speed_m_s),
         (motion.tension_N - kept, motion.stretch_speed_m_s),
         (model.tensioner_damping_N_s_m[:, None] * motion.travel_speed_m_s, motion.travel_speed_m_s),
         (motion.friction_N, motion.slip_speed_m_s),
         (momentum, motion.travel_speed_m_s),
-    )
-    products = np.array([force.T @ speed for force, speed in pairs])
+    ]
+
+
+def power_forms(motion: Motion) -> FloatArray:
+    """Return the powers as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w)."""
+    products = np.array([force.T @ speed for force, speed in power_pairs(motion)])
     return np.asarray(0.5 * (products + products.transpose(0, 2, 1)))
 
 

@@ -1,9 +1,10 @@
 """The start-up of a press: from the machine and its drive to tensions, speeds, slips and energies."""
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -13,13 +14,15 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.transient.drives import SPEED, Loads, final_value, press_inputs
-from ropefric.systems.press.transient.exact import Guard, HybridSolver
+from ropefric.systems.press.transient.capture import GridSolver
+from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
+from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import (
     MOVING,
     STICK,
     ElasticPress,
+    FrictionLimit,
     Motion,
     elastic_energy_J,
     friction_limit,
@@ -144,6 +147,7 @@ def start_up(
     loads: Loads = "with-speed",
     effects: Collection[str] = MOVING,
     integrator: str = "exact",
+    exact_switching: bool = True,
     **settings: float | None,
 ) -> StartUp:
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
@@ -165,15 +169,95 @@ def start_up(
             key="arc_inertia",
             fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
         )
-    if integrator == "exact":
-        solver = HybridSolver(model, inputs, limit if slips else None, drags=slips)
-        motions, states, works = solver.run(times)
-        changes = solver.changes
-    else:
+
+    def told(solution: Solved, share: float) -> StartUp:
+        found = _histories(model, inputs, limit, times, solution)
+        found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
+        return found
+
+    if not slips and integrator != "exact":
         problem = LinearStartUp(model=model, inputs=inputs)
-        found = INTEGRATORS[integrator](problem, times, **settings)
-        states, works = np.split(found, [problem.n_state], axis=1)
-        motions, changes = [problem.motion] * len(times), []
+        states, works = np.split(
+            INTEGRATORS[integrator](problem, times, **settings), [problem.n_state], axis=1
+        )
+        return told(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
+    if slips and not exact_switching and _even(times):
+        on_grid = _on_grid(GridSolver(model, inputs, limit), times, lambda found: told(found, GRID_ERROR))
+        if on_grid is not None:
+            return on_grid
+    solver = HybridSolver(model, inputs, limit if slips else None, drags=slips)
+    return told(_solved(solver, times), _CLOSES if slips else _LINEAR_CLOSES)
+
+
+Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
+
+
+def _solved(solver: HybridSolver, times_s: FloatArray) -> Solved:
+    return (*solver.run(times_s), solver.changes)
+
+
+GRID_ERROR = 5e-3
+"""What changes of contacts that are caught on a grid may be worth."""
+_LONGEST_STEP_S = 5e-3
+_REFINEMENTS = 5
+
+
+def _even(times_s: FloatArray) -> bool:
+    gaps = np.diff(times_s)
+    return bool(times_s[0] == 0.0 and len(gaps) and np.ptp(gaps) <= 1e-9 * gaps[0])
+
+
+def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], StartUp]) -> StartUp | None:
+    """Return the start-up on the first grid that is no better than one of steps twice as long, if there is one."""
+    steps, coarse = math.ceil(float(times_s[1]) / _LONGEST_STEP_S), None
+    check_steps(float(steps * len(times_s)))
+    for doubling in range(_REFINEMENTS + 1):
+        solver.steps = steps * 2**doubling
+        try:
+            found = told(_solved(solver, times_s))
+        except SolverError:
+            continue
+        # What changes of contacts are off by falls with the step at least: two of these are off by this much.
+        if coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR:
+            return found
+        coarse = found
+    return None
+
+
+def largest_difference(found: StartUp, other: StartUp) -> float:
+    """Return the largest difference of anything that a summary tells; infinite where not the same rollers slip.
+
+    Tensions are compared by the greatest of their span, use of friction by 1 where it is less, times by the time
+    simulated, works by the greatest of all.
+    """
+    told, wanted = found.summary(), other.summary()
+    if told["first_slip_s"].keys() != wanted["first_slip_s"].keys():
+        return math.inf
+    time_s, peak_N = float(other.time_s[-1]), wanted["peak_tension_N"]
+    sizes = {
+        "peak_tension_N": peak_N,
+        "lowest_tension_N": peak_N,
+        "peak_utilisation": {name: max(1.0, use) for name, use in wanted["peak_utilisation"].items()},
+        "first_slip_s": defaultdict(lambda: time_s),
+        "slipping_s": defaultdict(lambda: time_s),
+    }
+    apart = [
+        abs(one - wanted[what][name]) / size[name] if one != wanted[what][name] else 0.0
+        for what, size in sizes.items()
+        for name, one in told[what].items()
+    ]
+    works = [
+        abs(told[what] - wanted[what]) / other.energy.scale_J for what in ("drive_work_J", "slip_loss_J")
+    ]
+    return max(float(one) if math.isfinite(one) else math.inf for one in (*apart, *works))
+
+
+def _histories(
+    model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None, times: FloatArray, solution: Solved
+) -> StartUp:
+    """Return what states and modes at the times asked for mean for the press."""
+    press, (motions, states, works, changes) = model.press, solution
+    slips = motions[0].limit is not None
     w = np.hstack([states, inputs.at(times)])
     chosen: dict[Motion, list[int]] = defaultdict(list)
     for i, motion in enumerate(motions):
@@ -205,9 +289,6 @@ def start_up(
         most = np.where(friction_N >= 0.0, forward, backward)
         share = np.divide(np.abs(friction_N), most, out=np.zeros_like(most), where=most > 0.0)
         utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
-    energy = Energies(first, w, works)
-    takes = bool((press.rim_load_N[model.driven] >= 0.0).all())
-    energy.check(times, _CLOSES if slips else _LINEAR_CLOSES, loads_take=takes)
     return StartUp(
         press=press,
         time_s=times,
@@ -221,9 +302,9 @@ def start_up(
         slip_speed_m_s=w @ first.slip_speed_m_s.T,
         friction_N=friction_N,
         utilisation=utilisation,
-        energy=energy,
+        energy=Energies(first, w, works),
         slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
-        settled_tension_N=settled_tension_N(model, final_value(speed)),
+        settled_tension_N=settled_tension_N(model, float(inputs.taylor[-1, SPEED, 0])),
     )
 
 

@@ -20,7 +20,7 @@ EFFECTS = {
         *("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity"),
         "elastic-creep",
         *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia"),
-        *("exact-switching", "transient"),
+        *("transient-friction", "exact-switching", "transient"),
     ],
     "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion"],
 }

@@ -108,6 +108,7 @@ def test_of_a_start_up_only_the_exact_moments_of_slip_have_a_bound(loaded):
     assert {name for name, one in decisions.items() if one.fate == "left out"} == {
         "wrap-dependence",
         "size",
+        "transient-friction",
         "exact-switching",
     }
 

@@ -153,6 +153,8 @@ def solve_press(model: PressModel) -> PressAnswer:
             model.as_operated,
             friction=problem.friction,
             effects=model.effects,
+            told=model.told,
+            follows="transient-friction" in model.effects,
             exact_switching="exact-switching" in model.effects,
             **task,
         )

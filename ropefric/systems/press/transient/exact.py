@@ -7,6 +7,7 @@ frequencies in size; balanced by powers of two, slow motions keep their digits b
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
@@ -17,7 +18,8 @@ from scipy.optimize import brentq
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
-from ropefric.systems.press.transient.drives import LOAD, Inputs
+from ropefric.systems.press.slip import LEAST_SLACK_N
+from ropefric.systems.press.transient.drives import LOAD, ONE, Inputs
 from ropefric.systems.press.transient.motion import (
     BACKWARD,
     FORWARD,
@@ -108,7 +110,7 @@ def check_steps(needed: float) -> None:
         )
 
 
-What = Literal["slip", "stick", "hold", "release", "pressed", "taut", "strained"]
+What = Literal["slip", "stick", "hold", "release", "pressed", "taut", "strained", "friction"]
 
 _FORCE_SHARE = 1e-10
 """A guard on a force has fired when it is below zero by this share of the preload."""
@@ -150,6 +152,23 @@ def guards_of(motion: Motion) -> list[Guard]:
     )
     for what, rows, states in bits:
         found += [Guard(rows[i] if is_so else -rows[i], force_N, what, i) for i, is_so in enumerate(states)]
+    return found + _friction_guards(motion, force_N)
+
+
+def _friction_guards(motion: Motion, force_N: float) -> list[Guard]:
+    """Return what ends where friction that follows the tensions is near enough to its tangent."""
+    limit, found = motion.limit, []
+    if limit is None or limit.slack_N is None:
+        return []
+    for (way, i), slack_N in np.ndenumerate(limit.slack_N):
+        side, base_N, factor = (
+            motion.sides_N[way][i],
+            slack_N * motion.inputs[ONE],
+            np.exp(limit.width[way, i]),
+        )
+        found.append(Guard(factor * base_N - side, force_N, "friction", i))
+        if slack_N > LEAST_SLACK_N:
+            found.append(Guard(side - base_N / factor, force_N, "friction", i))
     return found
 
 
@@ -277,7 +296,7 @@ class HybridSolver:
     """A start-up whose drags oppose the motion, and in which belts slip and go slack where friction has a limit.
 
     Without `drags` the loads are as given whichever way their rollers turn, eqs. (10)-(20): with no limit either the
-    press is linear.
+    press is linear. `follow` gives the limit from the tensions beside the rollers, where it follows them.
 
     Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
     guards of the mode are looked at 24 times in a period of its fastest oscillation.
@@ -286,9 +305,15 @@ class HybridSolver:
     phase_type = Phase
 
     def __init__(
-        self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None, *, drags: bool = True
+        self,
+        model: ElasticPress,
+        inputs: Inputs,
+        limit: FrictionLimit | None,
+        *,
+        drags: bool = True,
+        follow: Callable[[FloatArray], FrictionLimit] | None = None,
     ) -> None:
-        self.model, self.inputs, self.limit, self.drags = model, inputs, limit, drags
+        self.model, self.inputs, self.limit, self.drags, self.follow = model, inputs, limit, drags, follow
         self.changes: list[tuple[float, Guard]] = []
         self._phases: dict[tuple[Mode, int], Phase] = {}
         self._motions: dict[Mode, Motion] = {}
@@ -317,9 +342,17 @@ class HybridSolver:
         """Return the mode and the state of the machine at rest, its drags holding it."""
         mode = sticking(self.model)
         y = starting_state(self.motion(mode), self.inputs, held=self.drags)
+        self._refresh(self.motion(mode), np.concatenate([y, self.inputs.at(0.0)]))
         if self.drags:
             mode = replace(mode, turning=tuple((self.model.drag_N == 0.0).astype(int).tolist()))
         return mode, y
+
+    def _refresh(self, motion: Motion, w: FloatArray) -> None:
+        """Let the limit follow the tensions; what was made with the one before is of no use then."""
+        if self.follow is not None:
+            self.limit = self.follow(np.array([side @ w for side in motion.sides_N]))
+            self._motions.clear()
+            self._phases.clear()
 
     def motion(self, mode: Mode) -> Motion:
         """Return the press in a mode."""
@@ -392,6 +425,9 @@ class HybridSolver:
 
     def change(self, phase: Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
         """Return the mode and the state after a guard has fired."""
+        if guard.what == "friction":
+            self._refresh(phase.motion, phase.read @ z)
+            return phase.motion.mode, z[: len(phase.state)].copy()
         self.changes.append((now, guard))
         if len(self.changes) > _MAX_SWITCHES:
             raise SolverError(

@@ -12,8 +12,9 @@ from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.systems.friction import WrapFriction
+from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
+from ropefric.systems.press.slip import contacts_of
 from ropefric.systems.press.transient.capture import GridSolver
 from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
@@ -109,6 +110,7 @@ class StartUp:
     energy: Energies
     slips: tuple[SlipInterval, ...]
     settled_tension_N: FloatArray | None
+    at_end: npt.NDArray[np.str_]
 
     def summary(self) -> dict[str, Any]:
         """Return what the histories amount to, as plain data; rollers that slip in the order of their first slip."""
@@ -134,6 +136,7 @@ class StartUp:
             "slip_loss_J": float(self.energy.slip[-1]),
             "energy_residual": self.energy.relative_residual,
             "settled_tension_N": None if settled is None else named(spans, settled),
+            "at_end": {name: what for name, what in zip(rollers, self.at_end.tolist(), strict=True) if what},
         }
 
 
@@ -148,6 +151,8 @@ def start_up(
     effects: Collection[str] = MOVING,
     integrator: str = "exact",
     exact_switching: bool = True,
+    told: frozenset[str] = EVERYTHING,
+    follows: bool = False,
     **settings: float | None,
 ) -> StartUp:
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
@@ -161,7 +166,7 @@ def start_up(
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
-    limit = None if friction is None else friction_limit(model, friction)
+    limit = None if friction is None else friction_limit(model, friction, told)
     slips = limit is not None and slip and integrator == "exact"
     if slips and not (model.arc_mass_kg > 0.0).all():
         raise InputError(
@@ -170,23 +175,35 @@ def start_up(
             fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
         )
 
-    def told(solution: Solved, share: float) -> StartUp:
-        found = _histories(model, inputs, limit, times, solution)
+    follows = follows and isinstance(friction, WrapFriction) and bool(ON_TENSION & set(friction.law.effects))
+
+    def follow(slack_N: FloatArray) -> FrictionLimit:
+        return friction_limit(model, friction or 0.0, told, slack_N)
+
+    def exponents(slack_N: FloatArray) -> FloatArray:
+        contacts = contacts_of(press, model.preload_N)._replace(upstream_N=slack_N, downstream_N=slack_N)
+        return contacts.exponent(friction or 0.0, told)
+
+    def made(solution: Solved, share: float) -> StartUp:
+        found = _histories(model, inputs, limit, times, solution, exponents=exponents if follows else None)
         found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
         return found
 
+    following = follow if follows and slips else None
     if not slips and integrator != "exact":
         problem = LinearStartUp(model=model, inputs=inputs)
         states, works = np.split(
             INTEGRATORS[integrator](problem, times, **settings), [problem.n_state], axis=1
         )
-        return told(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
+        return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
     if slips and not exact_switching and _even(times):
-        on_grid = _on_grid(GridSolver(model, inputs, limit), times, lambda found: told(found, GRID_ERROR))
+        on_grid = _on_grid(
+            GridSolver(model, inputs, limit, follow=following), times, lambda found: made(found, GRID_ERROR)
+        )
         if on_grid is not None:
             return on_grid
-    solver = HybridSolver(model, inputs, limit if slips else None, drags=slips)
-    return told(_solved(solver, times), _CLOSES if slips else _LINEAR_CLOSES)
+    solver = HybridSolver(model, inputs, limit if slips else None, drags=slips, follow=following)
+    return made(_solved(solver, times), _CLOSES if slips else _LINEAR_CLOSES)
 
 
 Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
@@ -196,6 +213,8 @@ def _solved(solver: HybridSolver, times_s: FloatArray) -> Solved:
     return (*solver.run(times_s), solver.changes)
 
 
+ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
+"""Effects of a law whose coefficient depends on the slack side."""
 GRID_ERROR = 5e-3
 """What changes of contacts that are caught on a grid may be worth."""
 _LONGEST_STEP_S = 5e-3
@@ -253,9 +272,15 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
 
 
 def _histories(
-    model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None, times: FloatArray, solution: Solved
+    model: ElasticPress,
+    inputs: Inputs,
+    limit: FrictionLimit | None,
+    times: FloatArray,
+    solution: Solved,
+    *,
+    exponents: Callable[[FloatArray], FloatArray] | None,
 ) -> StartUp:
-    """Return what states and modes at the times asked for mean for the press."""
+    """Return what states and modes at the times asked for mean for the press; `exponents` where friction follows."""
     press, (motions, states, works, changes) = model.press, solution
     slips = motions[0].limit is not None
     w = np.hstack([states, inputs.at(times)])
@@ -274,21 +299,32 @@ def _histories(
     contact = np.array([motion.mode.contact for motion in motions], dtype=np.int8)
     utilisation = None
     if limit is not None:
+        sides_N, forward = (pressing_N @ press.into.T, pressing_N @ press.out_of.T), friction_N >= 0.0
+        if exponents is not None:
+            kept = np.array(
+                [np.broadcast_to((one.limit or limit).share, (2, contact.shape[1])) for one in motions]
+            )
+            limit = FrictionLimit(
+                np.exp(exponents(np.where(forward, *sides_N))), np.where(forward, kept[:, 0], kept[:, 1])
+            )
         utilisation = friction_utilisation(
             limit,
             friction_N=friction_N,
-            upstream_N=pressing_N @ press.into.T,
-            downstream_N=pressing_N @ press.out_of.T,
+            upstream_N=sides_N[0],
+            downstream_N=sides_N[1],
             arc_force_N=model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2),
         )
     if slips and utilisation is not None:
         tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
         # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
         lifted = (pressing_N <= 0.0).astype(np.float64) @ np.abs(press.incidence).T > 0.0
-        forward, backward = read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1])
-        most = np.where(friction_N >= 0.0, forward, backward)
+        ahead, behind = (read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1]))
+        most = np.where(friction_N >= 0.0, ahead, behind)
         share = np.divide(np.abs(friction_N), most, out=np.zeros_like(most), where=most > 0.0)
         utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
+    slip_m, final_m_s = w @ first.slip_m.T, float(inputs.taylor[-1, SPEED, 0])
+    stands = (np.array(motions[-1].mode.turning) == 0) & (contact[-1] == STICK)
+    at_end = np.select([contact[-1] != STICK, stands], ["slips", "stands"], "")
     return StartUp(
         press=press,
         time_s=times,
@@ -298,13 +334,14 @@ def _histories(
         relative_angle_rad=w @ first.relative_way_m.T / press.radius_m,
         travel_m=np.array([one.travel_m for one in press.tensioners.values()]) + w @ first.travel_m.T,
         contact=contact,
-        slip_m=w @ first.slip_m.T,
+        slip_m=slip_m,
         slip_speed_m_s=w @ first.slip_speed_m_s.T,
         friction_N=friction_N,
         utilisation=utilisation,
         energy=Energies(first, w, works),
         slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
-        settled_tension_N=settled_tension_N(model, float(inputs.taylor[-1, SPEED, 0])),
+        settled_tension_N=None if at_end.any() else settled_tension_N(model, final_m_s, slip_m[-1]),
+        at_end=at_end,
     )
 
 

@@ -116,7 +116,8 @@ def critical(
     ]
     least = now - forces_N.min(initial=now) if change == "preload" else 0.0
     with np.errstate(divide="ignore"):
-        amounts = -today_N / np.where(slope, slope, np.nan)  # by how much until each span goes slack
+        # By how much until each span goes slack that is not.
+        amounts = -today_N / np.where((slope != 0.0) & (today_N > 0.0), slope, np.nan)
     ends = {
         "falls": max(least, now + np.nanmax(np.where(amounts < 0.0, amounts, -np.inf), initial=-np.inf)),
         "rises": now + np.nanmin(np.where(amounts > 0.0, amounts, np.inf), initial=np.inf),
@@ -173,13 +174,15 @@ def _by_friction(slip: SlipTable) -> Critical:
     """Return where slip begins or ends as all coefficients change in proportion."""
     grips = slip.contacts.pull_N > _NO_TORQUE * (slip.contacts.slack_N + slip.contacts.pull_N)
     needed = {
-        name: float(mu) if grip else None
+        name: float(mu) if grip and np.isfinite(mu) else None
         for name, mu, grip in zip(slip.rollers, slip.mu_required, grips, strict=True)
     }
     state: Literal["holds", "slips"] = "slips" if (slip.utilisation > 1.0).any() else "holds"
     if not grips.any():
         return Critical(state, None, None, None, needed)
     first = slip.rollers[int(np.argmax(np.where(grips, slip.log, 0.0)))]
+    if needed[first] is None:  # no coefficient holds a belt that has lifted off
+        return Critical(state, None, None, None, needed)
     return Critical(state, "falls" if state == "holds" else "rises", first, needed[first], needed)
 
 

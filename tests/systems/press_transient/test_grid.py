@@ -53,6 +53,20 @@ def test_what_no_grid_settles_is_solved_at_its_exact_moments(kit, solvers, monke
     np.testing.assert_array_equal(found.tension_N, start_up(press, **question).tension_N)
 
 
+def test_a_roller_on_the_verge_of_slip_is_decided_at_the_exact_moments(kit, solvers):
+    """Whether it slips at all is never left to a grid."""
+    question = {"speed": kit.run_up("ramp", 1.0, 0.3), "time_s": np.linspace(0.0, 0.5, 51)}
+    low, high = 0.2, 5.0
+    while high - low > 1e-4:
+        middle = 0.5 * (low + high)
+        held = not start_up(kit.small(), friction=middle, **question).slips
+        low, high = (low, middle) if held else (middle, high)
+    solvers.clear()
+    found = start_up(kit.small(), friction=high, exact_switching=False, **question)
+    assert solvers[-1] is None
+    assert not found.slips
+
+
 def test_uneven_times_have_no_grid(kit, solvers):
     question = {"speed": kit.run_up("ramp", 1.0, 0.3), "time_s": [0.0, 0.1, 0.15], "friction": 0.2}
     start_up(kit.small(), exact_switching=False, **question)

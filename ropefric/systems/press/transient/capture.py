@@ -11,7 +11,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, Phase
-from ropefric.systems.press.transient.motion import Motion, power_pairs
+from ropefric.systems.press.transient.motion import FORWARD, Motion, power_pairs
 
 _LEVELS = 4
 _PARTS = 2**_LEVELS
@@ -41,6 +41,12 @@ class _GridPhase(Phase):
         """Return the guards over their tolerances, as rows over z."""
         return np.asarray(self.watch[: len(self.guards)] / self.tolerances[:, np.newaxis])
 
+    @cached_property
+    def sticking(self) -> tuple[list[int], list[int]]:
+        """Return the first of both guards of every contact that sticks, and its roller."""
+        firsts = [i for i, one in enumerate(self.guards) if one.what == "slip" and one.direction == FORWARD]
+        return firsts, [self.guards[i].place for i in firsts]
+
     def powers(self, z: FloatArray) -> FloatArray:
         """Return all powers at states z of shape (n, n_z), shape (n, 6)."""
         forces, speeds, starts = self.pairs
@@ -64,6 +70,7 @@ class GridSolver(HybridSolver):
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at evenly spaced times from 0 on."""
         self.changes, self.works = [], np.zeros(6)
+        self.spare = np.ones(len(self.model.press.rollers))
         self._step_s = float(times_s[-1]) / ((len(times_s) - 1) * self.steps)
         part_s, last = self._step_s / _PARTS, (len(times_s) - 1) * self.steps * _PARTS
         mode, y = self.begin()
@@ -99,8 +106,10 @@ class GridSolver(HybridSolver):
                 states[0] = z
                 for i in range(count):
                     np.dot(flow, states[i], out=states[i + 1])
-                fired = ((states[1:] @ phase.firing.T) < -1.0).any(axis=1)
+                margins = states[1:] @ phase.firing.T
+                fired = (margins < -1.0).any(axis=1)
                 good = int(np.argmax(fired)) if fired.any() else count
+                self._note_spare(phase, margins[:good])
                 self._keep(phase, states[: good + 1], place, _PARTS)
                 place, z, block = place + good * _PARTS, states[good], min(2 * block, _BLOCK)
                 if good == count:
@@ -115,10 +124,19 @@ class GridSolver(HybridSolver):
                     part //= 2
                     continue
                 self._keep(phase, np.array([z, after]), place, part)
+                self._note_spare(phase, margins[np.newaxis])
                 place, z = place + part, after
                 if margins.min() < -1.0:
                     return phase.guards[int(np.argmin(margins))], place, z
         return None, place, z
+
+    def _note_spare(self, phase: _GridPhase, margins: FloatArray) -> None:
+        """Note the least share of its friction that each roller has left: the guards are limit − F and limit + F."""
+        firsts, rollers = phase.sticking
+        one, other = margins[:, firsts], margins[:, [i + 1 for i in firsts]]
+        limit = 0.5 * (one + other)
+        share = np.divide(np.minimum(one, other), limit, out=np.ones_like(limit), where=limit > 1.0)
+        self.spare[rollers] = np.minimum(self.spare[rollers], share.min(axis=0, initial=1.0))
 
     def _keep(self, phase: _GridPhase, states: FloatArray, place: int, part: int) -> None:
         """Add the works of equal steps, and keep what is asked for of where they end."""

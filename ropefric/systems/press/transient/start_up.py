@@ -227,7 +227,10 @@ def _even(times_s: FloatArray) -> bool:
 
 
 def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], StartUp]) -> StartUp | None:
-    """Return the start-up on the first grid that is no better than one of steps twice as long, if there is one."""
+    """Return the start-up on the first grid that is no better than one of steps twice as long, if there is one.
+
+    None where a roller uses so much of its friction that it may as well slip: a grid does not decide that.
+    """
     steps, coarse = math.ceil(float(times_s[1]) / _LONGEST_STEP_S), None
     check_steps(float(steps * len(times_s)))
     for doubling in range(_REFINEMENTS + 1):
@@ -237,8 +240,12 @@ def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], S
         except SolverError:
             continue
         # What changes of contacts are off by falls with the step at least: two of these are off by this much.
-        if coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR:
-            return found
+        settled = coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR
+        slipped = {slip.roller for slip in found.slips}
+        rollers = zip(found.press.rollers, solver.spare, strict=True)
+        if settled:
+            verge = any(left < GRID_ERROR for one, left in rollers if one.name not in slipped)
+            return None if verge else found
         coarse = found
     return None
 

@@ -133,7 +133,9 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
         )
     kind, problem, source = scene.kind, scene.problem, scene.source
     try:
-        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=scene.effects)
+        plan, model = make_plan(
+            kind.system, problem, accuracy=scene.accuracy, effects=scene.effects, kept=kind.kept(problem)
+        )
         answer = kind.system.solve(model, plan.method)
         quantities = kind.quantities(answer, problem)
 

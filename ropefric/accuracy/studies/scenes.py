@@ -11,13 +11,13 @@ from ropefric.accuracy.study import Case, Measured, Setting, Study, against, by_
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import Plan, make_plan
-from ropefric.systems.bandsaw.answer import SYSTEM as SAW
 from ropefric.systems.bandsaw.answer import SawProblem
+from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import STEEL_85_09
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM as HOIST
 from ropefric.systems.hoist.contact import HoistProblem
+from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 
@@ -58,7 +58,7 @@ _PRESS = PressProblem(
 )
 PROBLEMS: dict[str, tuple[System[Any, Any, Any], Any, str]] = {
     "hoist": (
-        replace(HOIST, solved_whole=False),  # what a plan of it would be like, were it made
+        HOIST,
         _HOIST,
         "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
     ),

@@ -16,7 +16,8 @@ from ropefric.files.digits import significant
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
-from ropefric.systems.bandsaw.answer import SYSTEM, SawAnswer, SawProblem, answerable
+from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable
+from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
@@ -236,6 +237,11 @@ def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:
     )
 
 
+def _kept(problem: SawProblem) -> dict[str, str]:
+    asks = problem.excitations or problem.measurements
+    return {"bending": "what resonates, and what measurements tell, depends on it"} if asks else {}
+
+
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
     thickness_m = _UNKNOWN_THICKNESS_M if problem.section is None else problem.section.thickness_m
     radius_m = np.ones(problem.n) if problem.wheel_radius_m is None else problem.wheel_radius_m
@@ -450,6 +456,7 @@ KIND = kind.Kind(
     tree=_tree,
     contacts=_contacts,
     answerable=answerable,
+    kept=_kept,
     keys={
         "n_modes": "blade.modes",
         "tension_difference_N": "drive",

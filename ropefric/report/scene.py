@@ -122,8 +122,8 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
     labels = [_label(name) for name in sweep.columns]
     rows: list[tuple[str, ...]]
     if total > _SHOWN_POINTS:
-        found = (values[values == values] for values in sweep.columns.values())  # noqa: PLR0124  (without NaN)
-        rows = [(label, f"{x.min():.6g}", f"{x.max():.6g}") for label, x in zip(labels, found, strict=True)]
+        ends = sweep.ranges.values()
+        rows = [(label, f"{low:.6g}", f"{high:.6g}") for label, (low, high) in zip(labels, ends, strict=True)]
         headings: Sequence[str] = ("quantity", "lowest", "highest")
         return [Section(title, lines, headings, rows, notes=sweep.warnings)]
     headings = [f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes]

@@ -1,7 +1,10 @@
 """The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import asdict
+from enum import StrEnum
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +26,17 @@ with on_first_use():
     from ropefric.scenes import solve as solving
     from ropefric.scenes import sweep as sweeping
 
+
+class TableFormat(StrEnum):
+    """How the table of a sweep is written."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+
+
 _LISTED_POINTS = 1000
+_KEPT_POINTS = 1_000_000
+"""Of a sweep, for its figure; its table has all."""
 _TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
 
 
@@ -41,6 +54,9 @@ def solve(
     level: float = Option(0.95, help="Coverage of the intervals, between 0 and 1; a sweep has none."),
     folder: Path | None = out_folder("Write the answer (and a sweep's CSV and figure) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
+    table: TableFormat = Option(
+        TableFormat.CSV, "--table", help="How the table of a sweep is written; Parquet needs pyarrow."
+    ),
     force: Force = False,
 ) -> Answer:
     """Solve a scene: a hoist, belt press, band saw, traction sheave or belt drive, with the effects it calls for.
@@ -51,7 +67,8 @@ def solve(
     points that is so, and exits with 4 for the error alone.
     """
     loaded = scenes.load_scene(scene)
-    names = ("sweep.csv", *options.figure_names("sweep_figure")) if sweep else _solved_names()
+    swept = ("sweep.csv", "sweep.parquet", *options.figure_names("sweep_figure"))
+    names = swept if sweep else _solved_names()
     fit = loaded.document.table("friction").get("fit")
     fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
     family = "sweep" if sweep else "scene"
@@ -66,9 +83,14 @@ def solve(
             shown = pages.solution_sections(solution, tree)
             return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
         axes = tuple(sweeping.parse_axis(loaded, text) for text in sweep)
-        with Progress(out, "solve") as progress:
-            found = sweeping.sweep_scene(loaded, axes, progress=progress.update)
-        files = [] if target is None else _write_sweep(out, found, target, plot)
+        with Progress(out, "solve") as progress, ExitStack() as stack:
+            written = None
+            if target is not None:
+                written = stack.enter_context(sweeping.sweep_table(axes, target, f"sweep.{table}"))
+            found = sweeping.sweep_scene(
+                loaded, axes, progress=progress.update, table=written, keep=_KEPT_POINTS
+            )
+        files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}
         return Answer(data, pages.sweep_sections(found), exit_code_of(found.keeps_accuracy))
 
@@ -95,17 +117,19 @@ def _write(
     return options.publish(out, folder, "answer", files)
 
 
-def _write_sweep(out: Output, found: "sweeping.Sweep", folder: "folders.Folder", plot: str) -> Sequence[Path]:
+def _publish_sweep(
+    out: Output, found: "sweeping.Sweep", folder: "folders.Folder", name: str, plot: str
+) -> Sequence[Path]:
     from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
 
-    files = [sweeping.write_sweep(found, folder, "sweep.csv")]
+    files = [folder.path / name]
     if len(found.axes) <= 2:
         files += figure.save_figure(chart.draw_sweep(found, quantity=plot), folder, "sweep_figure")
     return options.publish(out, folder, "answer", files)
 
 
 def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
-    points = next(iter(found.columns.values())).size
+    points = prod(found.shape)
     # A million numbers on a terminal serve nobody; the CSV of --out has them.
     listed = points <= _LISTED_POINTS
     return {
@@ -115,7 +139,7 @@ def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
         ],
         "points": points,
         "columns": {name: values if listed else None for name, values in found.columns.items()},
-        "effects": {"simulated": found.simulated},
+        "effects": {"simulated": found.simulated, "left_out_at": found.left_out},
         **{key: getattr(found, key) for key in _TOLD},
     }
 

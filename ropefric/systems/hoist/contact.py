@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
-from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
+from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
 
@@ -45,7 +45,8 @@ class HoistProblem(Cases):
     @property
     def bending_N(self) -> FloatArray:
         """Return E = EI/(2R²) at the centreline's R = R_w + R_r [N]; zero where the scene does not give it."""
-        return bending_N(self.product("bending_stiffness_N_m2"), self.wheel_radius_m + self.rope_radius_m)
+        radius_m = lean(self.wheel_radius_m) + lean(self.rope_radius_m)
+        return np.broadcast_to(bending_N(lean(self.product("bending_stiffness_N_m2")), radius_m), (self.n,))
 
     @property
     def weight_N(self) -> FloatArray:

@@ -9,6 +9,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.registry import Registry
+from ropefric.systems.checks import lean
 from ropefric.systems.effect import Effect, Subsets, System, closed_form_system, missing
 from ropefric.systems.hoist.contact import HoistModel, HoistProblem, Lift, solve_lift
 
@@ -25,38 +26,43 @@ def stiffness_bound(problem: HoistProblem) -> FloatArray:
     With E/P of what presses gone and at most 2θ_B of the wrap, |Δ ln F_A| ≤ ln(P/(P − E)) + |ΔM|; M's slopes over wrap
     and tension are the largest of the range of all cases, whatever of a contact the law is told.
     """
-    stiff_N = problem.bending_N
-    least_N, most_N = problem.end_tension_N - problem.circling_N, problem.end_tension_N + problem.weight_N
-    bound, wrap = np.full(problem.n, np.inf), problem.wrap_angle_rad
-    known = stiff_N < 0.5 * least_N
-    share = np.divide(stiff_N, least_N, out=np.zeros(problem.n), where=known)
+    bound = np.full(problem.n, np.inf)
+    wrap, end_N, stiff_N = map(lean, (problem.wrap_angle_rad, problem.end_tension_N, problem.bending_N))
+    least_N, most_N = end_N - lean(problem.circling_N), end_N + lean(problem.weight_N)
+    share = stiff_N / np.maximum(least_N, 2.0 * stiff_N + 1e-300)
     lost = 2.0 * lifted_arc_rad(share)
-    known &= lost < 0.5 * wrap
+    known = np.broadcast_to((share < 0.5) & (lost < 0.5 * wrap), bound.shape)
     if not known.any():
         return bound
-    pressed, shortened = -np.log1p(-share[known]), -np.log1p(-(lost / wrap)[known])
-    ranges = {
-        "wheel_radius_m": problem.wheel_radius_m,
-        "rope_radius_m": problem.rope_radius_m,
-        "wrap_angle_rad": np.concatenate([wrap[known], (wrap - lost)[known]]),
-        "slack_tension_N": np.concatenate([(least_N - stiff_N)[known], most_N[known]]),
+    if not known.all():
+        wrap, end_N, least_N, most_N, stiff_N, share, lost = (
+            np.broadcast_to(one, bound.shape)[known]
+            for one in (wrap, end_N, least_N, most_N, stiff_N, share, lost)
+        )
+    pressed, shortened = -np.log1p(-share), -np.log1p(-lost / wrap)
+    ends = {
+        "wheel_radius_m": (problem.wheel_radius_m, problem.wheel_radius_m),
+        "rope_radius_m": (problem.rope_radius_m, problem.rope_radius_m),
+        "wrap_angle_rad": (wrap - lost, wrap),
+        "slack_tension_N": (least_N - stiff_N, most_N),
     }
+    ranges = {name: (float(low.min()), float(high.max())) for name, (low, high) in ends.items()}
     try:
         by_wrap, by_tension, own_wrap, own_tension = _slopes(problem, ranges)
     except RopefricError:  # somewhere in the range the law has no answer
         return bound
-    lift = pressed + by_wrap * lost[known] + by_tension * pressed
+    lift = pressed + by_wrap * lost + by_tension * pressed
     coefficient = own_wrap * shortened + own_tension * pressed
-    bound[known] = np.maximum(np.maximum(lift, coefficient), shortened)
+    bound[slice(None) if known.all() else known] = np.maximum(np.maximum(lift, coefficient), shortened)
     return np.where(np.isnan(bound), np.inf, bound)
 
 
-def _slopes(problem: HoistProblem, ranges: dict[str, FloatArray]) -> tuple[float, ...]:
+def _slopes(problem: HoistProblem, ranges: dict[str, tuple[float, float]]) -> tuple[float, ...]:
     """Return the largest |dM/dφ| and |dM/d ln P| over ranges of what a law is told, and those of ln(M/φ)."""
     own, levels = problem.friction.reference, []
-    for name, values in ranges.items():
+    for name, (low, high) in ranges.items():
         stand_in = getattr(own, "end_tension_N" if name == "slack_tension_N" else name)
-        levels.append(np.append(np.unique(np.geomspace(values.min(), values.max(), _LEVELS)), stand_in))
+        levels.append(np.append(np.unique(np.geomspace(low, high, _LEVELS)), stand_in))
     corners = dict(zip(ranges, np.array(list(product(*levels))).T, strict=True))
 
     def exponent(**scaled: float) -> FloatArray:

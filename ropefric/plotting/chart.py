@@ -68,16 +68,14 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
     name = quantity or next(iter(sweep.columns))
     if name not in sweep.columns:
         raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
-    *outer, across = sweep.kept
+    *outer, across = kept = sweep.kept
     lines = not outer or outer[0].values.size <= _MOST_LINES
     most = _DRAWN_POINTS if lines else _DRAWN_CELLS
-    steps = [1 if lines else -(-axis.values.size // most) for axis in outer] + [
-        -(-across.values.size // most)
-    ]
-    grid = sweep.columns[name].reshape([axis.values.size for axis in sweep.kept])[
-        tuple(slice(None, None, step) for step in steps)
-    ]
-    places = [axis.values[::step] / axis.factor for axis, step in zip(sweep.kept, steps, strict=True)]
+    steps = [1 if lines else -(-axis.values.size // most) for axis in outer]
+    steps.append(-(-across.values.size // most))
+    grid = sweep.columns[name].reshape([axis.values.size for axis in kept])
+    grid = grid[tuple(slice(None, None, step) for step in steps)]
+    places = [axis.values[::step] / axis.factor for axis, step in zip(kept, steps, strict=True)]
     path, _, last = name.rpartition(".")
     label = (f"{path}: " if path else "") + (figure_label(last) if last in GLOSSARY else last)
     with drawing(9.0, 6.0) as figure:

@@ -313,6 +313,9 @@ class Kind:
         friction enters.
     tree : callable
         `tree(answer, problem)` returns the JSON shape of the answer, without what all scenes share.
+    identified : callable
+        `identified(answer, problem)` returns what measurements in the scene tell of the machine, to be merged into the
+        tree; None where there are none. Only where somebody asks for it, because it takes long.
     contacts : callable
         `contacts(problem)` returns the conditions at which the friction is used, as a mapping from the regressor's
         name to an array; for telling an extrapolation.
@@ -354,6 +357,7 @@ class Kind:
     contacts: Callable[[Any], Mapping[str, FloatArray]]
     answerable: Callable[[Any], BoolArray]
     failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
+    identified: Callable[[Any, Any], dict[str, Any] | None] = lambda answer, problem: None  # noqa: ARG005
     kept: Callable[[Any], Mapping[str, str]] = lambda problem: {}  # noqa: ARG005  (none)
     in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)
     keys: Mapping[str, str] = field(default_factory=dict)

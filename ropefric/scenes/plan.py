@@ -123,9 +123,11 @@ def make_plan(
     return Plan(decisions=tuple(decisions), method=method, accuracy=accuracy, error_bound=error_bound), model
 
 
-def worth_asking(applicable: list[Effect[Any, Any]], cases: int) -> list[Effect[Any, Any]]:
+def worth_asking(
+    applicable: list[Effect[Any, Any]], cases: int, least_s: float = _LEAST_SAVED_S
+) -> list[Effect[Any, Any]]:
     """Return the effects that take so long to simulate that leaving them out may save time."""
-    return [one for one in applicable if one.cost * cases >= _LEAST_SAVED_S]
+    return [one for one in applicable if one.cost * cases >= least_s]
 
 
 def room_for_effects(accuracy: float) -> float:

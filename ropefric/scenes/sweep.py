@@ -140,6 +140,9 @@ _LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
 _BETWEEN = 2.0
 """What an effect may change between the levels, over what it changes at them."""
 
+_LEAST_SAVED_S = 5e-2
+"""An effect that takes less than this over the whole grid is not worth solving the box without it."""
+
 Progress = Callable[[int, int, str], None]
 
 
@@ -377,12 +380,11 @@ class _Run:
             box = self.build([one.ravel() for one in np.meshgrid(*chosen, indexing="ij")])
             possible = self.kind.answerable(box)
             applicable = [one for one in self.kind.system.effects.values() if not one.needs(box)]
-            spare = worth_asking(applicable, total)
-            everywhere = [one for one in spare if one.each is None]
+            everywhere = [one for one in worth_asking(applicable, total, _LEAST_SAVED_S) if one.each is None]
             # Where the box ends at a machine that has no answer, nothing is known of what lies before it.
             if everywhere and possible.all():
                 self._leave_out(box, applicable, sorted(everywhere, key=lambda one: -one.cost))
-            self.each = [one for one in spare if one.each is not None]
+            self.each = [one for one in worth_asking(applicable, total) if one.each is not None]
             if self.each and not (self._bounds(box)[possible] <= self.room).any():
                 self.each = []
         except RopefricError:  # the box has a point without an answer; the sweep will say which

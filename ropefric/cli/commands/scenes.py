@@ -51,6 +51,7 @@ def solve(
         metavar="KEY=START:STOP:COUNT",
         help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
     ),
+    identify: bool = flag("--identify", "Find the preload and mounting that the measured frequencies tell."),
     level: float = Option(0.95, help="Coverage of the intervals, between 0 and 1; a sweep has none."),
     folder: Path | None = out_folder("Write the answer (and a sweep's CSV and figure) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
@@ -77,7 +78,7 @@ def solve(
         folder, family=family, names=names, inputs=(scene, *fits), force=force
     ) as target:
         if not sweep:
-            solution = solving.solve_scene(loaded, level=level)
+            solution = solving.solve_scene(loaded, level=level, identify=identify)
             tree = solution.to_dict()
             files = [] if target is None else _write(out, solution, tree, target)
             shown = pages.solution_sections(solution, tree)

@@ -110,6 +110,7 @@ class SawAnswer(NamedTuple):
     model: SawModel
     sides: Mapping[Side, SideAnswer]
     wheel_utilisation: FloatArray | None
+    accuracy: float
 
     @property
     def logs(self) -> FloatArray:
@@ -141,9 +142,8 @@ def solve_saw(model: SawModel, *, accuracy: float = 1e-10) -> SawAnswer:
     }
     tight, slack = model.spans[Side.TIGHT], model.spans[Side.SLACK]
     # The difference of two large tensions loses a small pull, and what the wheels add is the same on both sides.
-    return SawAnswer(
-        model, sides, grip_utilisation(problem, tight.pull_N - slack.pull_N, slack.net_tension_N)
-    )
+    use = grip_utilisation(problem, tight.pull_N - slack.pull_N, slack.net_tension_N)
+    return SawAnswer(model, sides, use, accuracy)
 
 
 def grip_utilisation(problem: SawProblem, needed_N: FloatArray, pressing_N: FloatArray) -> FloatArray | None:

@@ -145,16 +145,27 @@ def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
     }
 
 
-@command("ropefric explain data/scenes/hoist.toml --measure", order=170)
+@command("ropefric explain data/scenes/hoist.toml --measure --out out/", order=170)
 def explain(
-    _out: Output,
+    out: Output,
     scene: options.SceneArgument,
     *,
     measure_: bool = flag("--measure", "Solve with and without each effect, for its worth and its time."),
+    folder: Path | None = out_folder("Write what is explained, and a picture of it, there."),
+    force: Force = False,
 ) -> Answer:
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
-    found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
-    return Answer(found.to_dict(), pages.explanation_sections(found))
+    names = ("explanation.json", *options.figure_names("effects"))
+    with options.open_folder(folder, family="explain", names=names, inputs=(scene,), force=force) as target:
+        found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
+        tree, files = found.to_dict(), list[Path]()
+        if target is not None:
+            from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+
+            files += target.write({"explanation.json": json_text(tree)})
+            files += figure.save_figure(chart.draw_explanation(found), target, "effects")
+            options.publish(out, target, "explanation", files)
+        return Answer(tree | {"files": files}, pages.explanation_sections(found))
 
 
 @command("ropefric cost integral --out cost --quick", order=180)

@@ -233,7 +233,7 @@ def leave_one_out(law: Standing) -> float:
     return float(np.sqrt(np.mean(missed**2)))
 
 
-def _searched(problem: FitProblem, log_lift: FloatArray, theta: FloatArray) -> BatchFit:
+def searched(problem: FitProblem, log_lift: FloatArray, theta: FloatArray) -> BatchFit:
     """Return the fits of m data sets at the conditions of a problem, each from the best of many starts.
 
     The solution of one data set is a start for the others too, so that all are searched as well as the first was.
@@ -276,7 +276,7 @@ def lead_by_chance(
     factor = np.append(1.0, rng.chisquare(spare, n) / spare) if means.repeated else np.ones(n + 1)
 
     def criteria(stands: Standing) -> FloatArray:
-        fits = _searched(replace(stands.problem, std=np.sqrt(variance)), log_lift, stands.theta)
+        fits = searched(replace(stands.problem, std=np.sqrt(variance)), log_lift, stands.theta)
         law, at = stands.problem.law, stands.problem.conditions
         solved = np.isfinite(fits.chi2)
         deviance = np.full(n + 1, np.inf)

@@ -142,7 +142,7 @@ def diagnose(
         fit = ranked["constant"].fit or fit
     problem = fit.data
     means = condition_means(problem)
-    trends = _Trends(means, slack=table.measures_slack, touching_turns=touching_turns)
+    trends = _Trends(means, ranked, slack=table.measures_slack, touching_turns=touching_turns)
     causes = [_judged(title, ranked, trends) for title in _EFFECTS]
     labels = _labels(table)
     rise = problem.log_lift - problem.conditions.log_end_tension
@@ -177,7 +177,9 @@ class _Line(NamedTuple):
 class _Trends:
     """Trends of μ with the settings on condition means: ln(F_A/F_B) = φ (μ + Σ slope · ln level) + offset."""
 
-    def __init__(self, means: ConditionMeans, *, slack: bool, touching_turns: float | None) -> None:
+    def __init__(
+        self, means: ConditionMeans, ranked: Comparison, *, slack: bool, touching_turns: float | None
+    ) -> None:
         at, self.means = means.conditions, means
         wrap = at.wrap_angle_rad
         self.rise = means.log_lift - at.log_end_tension
@@ -204,26 +206,28 @@ class _Trends:
             for size in range(len(self.columns) + 1)
             for chosen in combinations(self.columns, size)
         }
+        first, trends = ranked.best, min(self.aicc.values())
+        self.law = first.fit if first.counted and first.aicc < trends and not slack else None
 
     def matrix(self, chosen: Sequence[str]) -> FloatArray:
         """Return the columns of μ and of some trends, shape (K, 1 + number of trends)."""
         return np.stack([self.means.conditions.wrap_angle_rad, *(self.columns[t] for t in chosen)], axis=-1)
 
-    def _solved(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _solved(self, X: FloatArray, rise: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the coefficients of columns, and the variance of each mean that makes them likeliest."""
         theta: FloatArray = np.zeros(X.shape[1])
         variance = self.means.std**2
         for _ in range(4):
             root = np.sqrt(variance)
-            theta = np.asarray(np.linalg.lstsq(X / root[:, None], self.rise / root, rcond=None)[0])
-            variance = scatter_fit(X @ theta - self.rise, self.means).variance
+            theta = np.asarray(np.linalg.lstsq(X / root[:, None], rise / root, rcond=None)[0])
+            variance = scatter_fit(X @ theta - rise, self.means).variance
         return theta, np.asarray(variance)
 
     def _aicc(self, chosen: tuple[str, ...]) -> float:
         X, K = self.matrix(chosen), len(self.means)
         if X.shape[1] + 2 >= K or any(not _adds(np.delete(X, i, 1), X[:, i]) for i in range(1, X.shape[1])):
             return math.inf
-        theta, _ = self._solved(X)
+        theta, _ = self._solved(X, self.rise)
         if "coil contact" in chosen and theta[1 + chosen.index("coil contact")] < 0.0:
             return math.inf  # contact between coils cannot help the rope along
         return aicc(float(scatter_fit(X @ theta - self.rise, self.means).deviance), K, X.shape[1] + 1)
@@ -242,20 +246,28 @@ class _Trends:
         )
         return min(found, default=math.inf)
 
-    def line(self, title: str, beside: Sequence[str]) -> _Line | None:
-        """Return the slope of a trend beside others; None where nothing is left to judge it by."""
-        others = [other for other in beside if other != title]
-        X = self.matrix([*others, title])
+    def line(self, title: str) -> _Line | None:
+        """Return the slope of a trend beside the best description; None where nothing is left to judge it by."""
+        fit, at, rise = self.law, self.means.conditions, self.rise
+        if fit is not None and _EFFECTS[title].effect not in ALL_LAWS[fit.law].effects:
+            # Beside the law itself, in its tangent.
+            log_lift, slopes = fit.friction_law.log_lift_and_jacobian(fit.theta, at)
+            others, rise = slopes[:, fit.shown], self.means.log_lift - log_lift
+            mu = float(np.median((log_lift - at.log_end_tension) / np.maximum(at.wrap_angle_rad, 1e-9)))
+        else:
+            others, mu = self.matrix([other for other in self.best if other != title]), math.nan
+        X = np.column_stack([others, self.columns[title]])
         dof = len(self.means) - X.shape[1]
-        if dof < 1 or not _adds(X[:, :-1], X[:, -1]):
+        if dof < 1 or not _adds(others, X[:, -1]):
             return None
-        theta, variance = self._solved(X)
+        theta, variance = self._solved(X, rise)
         root = np.sqrt(variance)
-        left = float((((X @ theta - self.rise) / root) ** 2).sum()) / dof
-        inverse = np.linalg.inv((X / root[:, None]).T @ (X / root[:, None]))
+        left = float((((X @ theta - rise) / root) ** 2).sum()) / dof
+        inverse = np.linalg.pinv((X / root[:, None]).T @ (X / root[:, None]), hermitian=True)
         # With repeats a mean is known no better than they say.
         scale = max(left, 1.0) if self.means.repeated else left
-        return _Line(float(theta[-1]), math.sqrt(scale * inverse[-1, -1]), dof, float(theta[0]))
+        std = math.sqrt(scale * inverse[-1, -1])
+        return _Line(float(theta[-1]), std, dof, float(theta[0]) if math.isnan(mu) else mu)
 
 
 def _adds(columns: FloatArray, column: FloatArray) -> bool:
@@ -272,7 +284,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     effect, _quantity, experiment = _EFFECTS[title]
     if title not in trends.columns:
         return Cause(title, "cannot-tell", _untold(title), experiment)
-    line = trends.line(title, trends.best)
+    line = trends.line(title)
     numbers, parts = _of_line(title, line, ranked)
     laws = {entry.law: entry.aicc for entry in ranked.ranking if entry.counted}
     having = {law: value for law, value in laws.items() if effect in ALL_LAWS[law].effects}
@@ -399,8 +411,10 @@ def _limits(title: str, line: _Line, trends: _Trends) -> dict[str, float]:
 def _limits_words(title: str, limits: Mapping[str, float], trends: _Trends) -> str:
     """Return the largest effect that data leave room for, in the user's units."""
     low, high = limits["bound_low"], limits["bound_high"]
+    fit = trends.law
+    beside = f" beside {fit.law}" if fit is not None and fit.law != "constant" else ""
     if title == "offset":
-        return f"an offset may still change F_A by {_percent(low)} to {_percent(high)} (at 95 % each)"
+        return f"an offset may still change F_A by {_percent(low)} to {_percent(high)}{beside} (at 95 % each)"
     if title == "coil contact":
         return (
             f"contact may still raise μ beyond the first turn by up to {_percent(max(high, 0.0))} (at 95 %)"
@@ -411,7 +425,7 @@ def _limits_words(title: str, limits: Mapping[str, float], trends: _Trends) -> s
         f"{word} by up to {_percent(size)}" for word, size in (("fall", -low), ("rise", high)) if size > 0.0
     ]
     span = " ".join(filter(None, (name, f"{ends[0]:g} to {ends[1]:g}", unit)))
-    return f"μ may still {' or '.join(room)} from {span} (at 95 % each)"
+    return f"μ may still {' or '.join(room)} from {span}{beside} (at 95 % each)"
 
 
 def _percent(share: float) -> str:
@@ -464,7 +478,11 @@ def _grouped(
             "left to judge by"
         )
         return Cause(title, "cannot-tell", text, experiment)
-    where, (p_value, low, high) = min(told.items(), key=lambda item: item[1][0])
+    clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
+    # The one that sees it, or else the one that leaves least room.
+    where, (p_value, low, high) = min(
+        told.items(), key=lambda item: item[1][0] if clear else item[1][2] - item[1][1]
+    )
     p_value = min(1.0, p_value * len(told))
     supported: Supported = "yes" if p_value < _SIGNIFICANT else "no"
     what = "from its lowest value to its highest" if numeric is not None else f"between {len(found)} groups"

@@ -13,7 +13,6 @@ from ropefric.errors import InputError
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import SPARE
-from ropefric.fitting.standing import CHANCE
 from ropefric.fitting.statistics import decomposed
 from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
@@ -29,6 +28,7 @@ _SURE = 0.8
 # A parameter is told where its standard error is at most this part of it.
 _TOLD = 0.5
 _TYPICAL_MU = 0.2
+_TEST_LEVEL = 0.05
 # A noncentrality whose power no float tells from one, and for which the distribution is not computed.
 _BEYOND_DOUBT = 1e3
 
@@ -68,7 +68,7 @@ class LawOutlook:
                 "is told"
                 if power >= _SURE
                 else "can hardly be told"
-                if power >= 2 * CHANCE
+                if power >= 2 * _TEST_LEVEL
                 else "cannot be told"
             )
             words.append(f"{verb} from {simpler} (in {power:.0%} of campaigns)")
@@ -152,7 +152,7 @@ def _power(
     more, left = fuller - problem.n_varying, n - fuller
     if off > _BEYOND_DOUBT:
         return 1.0
-    limit = float(fdtri(more, left, 1.0 - CHANCE))
+    limit = float(fdtri(more, left, 1.0 - _TEST_LEVEL))
     return 1.0 - float(ncfdtr(more, left, max(off, 1e-12), limit))
 
 

@@ -23,8 +23,12 @@ from ropefric.fitting.statistics import ConditionMeans, ScatterFit, aicc, bic, d
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import Columns, Refusal
 
-CHANCE = 0.05
-"""Share of simulated campaigns from which on a lead is put down to chance."""
+CHANCE = 0.03
+"""Share of simulated campaigns above which a lead is put down to chance.
+
+At 0.05 a fuller law was preferred in 4 to 6 % of 1000 campaigns of the constant law, for 199 draws know the share to
+1.5 %; so the limit is lower, for at most 5 % in every design.
+"""
 
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4

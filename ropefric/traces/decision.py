@@ -73,7 +73,7 @@ SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
-SLOWEST, FASTEST = 0.4, 1.25
+WAVES, SLOWEST, FASTEST = 0.06, 0.4, 1.25
 LONG_TRAIN, REGULAR = 5, 0.2
 """Fewer waves are alike by chance."""
 LEAST_PEAK = 0.01
@@ -440,14 +440,19 @@ def _swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
     A load that comes on does, but only if it comes on within a few periods of the swing.
     """
     force_N, level_N = prepared.blocks.force_N, sliding.level_N
-    climb, down = force_N[fall.start : fall.top + 1], force_N[fall.top : fall.bottom + 1]
-    if climb[0] > level_N or not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - fall.bottom_N:
+    last = fall.bottom if fall.reloads else min(fall.bottom, 2 * fall.settled - fall.top)
+    bottom = fall.settled + int(np.argmin(force_N[fall.settled : last + 1]))
+    # The lowest of rough values lies below their level as well: what counts is the mean around it.
+    near = max(1, (fall.settled - fall.top) // 4)
+    bottom_N = float(force_N[max(fall.top, bottom - near) : bottom + near + 1].mean())
+    climb, down = force_N[fall.start : fall.top + 1], force_N[fall.top : bottom + 1]
+    if climb[0] > level_N or not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - bottom_N:
         return False
     rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
     falling = int(np.argmax(down <= level_N))
     tenth_N = 0.1 * (fall.top_N - float(climb[0]))
     lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))
-    after = force_N[fall.top + 3 * (fall.bottom - fall.top) : sliding.stop]
+    after = force_N[fall.top + 3 * (bottom - fall.top) : sliding.stop]
     quiet = after.size < PIECE_BLOCKS or (
         roughness_N(after[: 2 * PIECE_BLOCKS]) <= _quiet_N(prepared, fall.start, fall.top)
     )
@@ -496,7 +501,9 @@ def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidi
         return True
     if fall.drop_N <= max(LEAST_DROP * height_N, SAME_KIND * largest_N):
         return False
-    return (len(teeth) >= LONG_TRAIN and _is_regular(teeth)) or _is_loaded_by_the_machine(candidate, teeth)
+    if len(teeth) >= LONG_TRAIN and _is_regular(teeth):
+        return True
+    return fall.drop_N > WAVES * height_N and _is_loaded_by_the_machine(candidate, teeth)
 
 
 def _is_loaded_by_the_machine(candidate: Candidate, teeth: list[Fall]) -> bool:

@@ -127,7 +127,8 @@ def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, 
         return True
     # Hung weights bounce and come to rest, and later the motor loads on.
     swings = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
-    if growth > LITTLE and len(swings) <= SWINGS and _rests(force_N[fall.bottom : top], fall, pull):
+    few = growth > LITTLE and len(swings) <= SWINGS
+    if few and any(_rests(force_N[start:top], fall, pull) for start in (fall.settled, fall.bottom)):
         return True
     # Or without a rest, to a slip that is larger.
     return (
@@ -149,7 +150,8 @@ def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: floa
     )
     if fall.drop_N < SAME_KIND * largest_N or _is_small_for(fall, higher):
         return None
-    alike = [g for g in higher if SAME_KIND <= g.drop_N / fall.drop_N <= 1.0 / SAME_KIND and g.reloads]
+    least_N = SAME_KIND * max(fall.drop_N, largest_N)
+    alike = [g for g in higher if least_N <= g.drop_N <= fall.drop_N / SAME_KIND and g.reloads]
     if len(alike) >= 2:
         return False
     # Sliding, or teeth of another kind, follow the higher one: the rope would not have stuck again after sliding.

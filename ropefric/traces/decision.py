@@ -350,9 +350,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         f"and stays at {share:.0%} of the peak"
     )
     flat = flat_top(force_N, fall, blocks.noise_N)
-    short = sliding.stop - sliding.first < max(
-        LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)
-    )
+    short = sliding.stop - sliding.first < max(LASTS * (fall.top - pull.start), fall.settled - fall.top)
     lively = fall.reloads or not _is_quiet(prepared, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"

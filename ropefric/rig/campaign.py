@@ -144,6 +144,9 @@ def prth_bench_plan() -> CampaignPlan:
         conditions=tuple(conditions),
         design=design,
         unseen=(unseen_1, unseen_2),
+        faults={fault.name: fault.rate for fault in FAULTS.values() if fault.rate}
+        | {"hum": 0.05, "snag": 0.02, "impact": 0.02, "precursor": 0.02}
+        | {"rounded": 0.01, "slow-fall": 0.01, "zero-drift": 0.01},
         # Recordings as short as the paper's phases allow: 432 of them are kept under version control.
         bench=Bench(
             idle_s=(0.27, 0.4), dwell_s=(0.3, 0.5), load_s=(1.0, 1.5), slide_s=(0.6, 0.8), off_s=(0.15, 0.25)

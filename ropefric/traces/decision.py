@@ -48,6 +48,7 @@ from ropefric.traces.segments import (
 from ropefric.traces.slips import (
     FEW_BLOCKS,
     FEWEST_TEETH,
+    SMALL_GROWTH,
     TALL,
     Candidate,
     least_fall_N,
@@ -81,7 +82,7 @@ TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
 """Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
-LARGEST = 1.5
+LARGEST, MUCH = 1.5, 1.5
 CLEAR = 0.1
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
@@ -267,6 +268,9 @@ def _of_pull(
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
     candidates = macroscopic(force_N, pull, falls)
+    while candidates and _comes_on(prepared, candidates[0]):
+        bumps.append(candidates[0].fall)
+        candidates = macroscopic(force_N, pull, candidates[0].later)
     first = candidates[0].fall if candidates else None
     if unseen := hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
         return without_force(*unseen, prepared)
@@ -306,9 +310,10 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         return _fell_away(prepared, settings, candidate, later)
     sliding = sliding_after(blocks, fall, pull.base_N)
     lasts = 0 if sliding is None else sliding.stop - sliding.first
-    # A snag or an impact rises faster than the motor loads, and is over before anything slides.
-    if any(FAST * rate_of(force_N, p) < candidate.rate and p.top_N >= 0.5 * pull.top_N for p in later) and (
-        lasts < fall.top - fall.start
+    # A snag or an impact rises faster than the motor loads, and is over before anything slides, or is far too low.
+    slower = [p for p in later if FAST * rate_of(force_N, p) < candidate.rate]
+    if any(p.top_N >= MUCH * pull.top_N for p in slower) or (
+        lasts < fall.top - fall.start and any(p.top_N >= 0.5 * pull.top_N for p in slower)
     ):
         detail = (
             f"the force falls from {from_N:.4g} N at {at_s:.4g} s: a bump, a later pull is loaded more slowly"
@@ -350,7 +355,9 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         f"and stays at {share:.0%} of the peak"
     )
     flat = flat_top(force_N, fall, blocks.noise_N)
-    short = sliding.stop - sliding.first < max(LASTS * (fall.top - pull.start), fall.settled - fall.top)
+    short = sliding.stop - sliding.first < max(
+        LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)
+    )
     lively = fall.reloads or not _is_quiet(prepared, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
@@ -430,6 +437,16 @@ def measured(
     return replace(
         result, n_slips=len(teeth), recurrence_s=float(np.median(apart_s)) if apart_s.size else np.nan
     )
+
+
+def _comes_on(prepared: Prepared, candidate: Candidate) -> bool:
+    """Return whether a fall is that of a load that comes on and swings, before the motor loads on to a higher force."""
+    fall, noise_N = candidate.fall, prepared.blocks.noise_N
+    higher = any(g.top_N > (1.0 + SMALL_GROWTH) * fall.top_N for g in candidate.later)
+    if not higher or is_sudden(prepared.blocks.force_N, fall, noise_N):
+        return False
+    sliding = sliding_after(prepared.blocks, fall, candidate.pull.base_N)
+    return sliding is not None and _swings(prepared, fall, sliding)
 
 
 def _swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:

@@ -150,6 +150,10 @@ def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: floa
     )
     if fall.drop_N < SAME_KIND * largest_N or _is_small_for(fall, higher):
         return None
+    # What slides at a force above the top of a slip had not slid in it.
+    later = [0.5 * (g.top_N + g.bottom_N) for g in higher[1:] if g.reloads]
+    if (median(np.array(later)) if len(later) >= FEWEST_TEETH else rival.level_N) > fall.top_N:
+        return None
     least_N = SAME_KIND * max(fall.drop_N, largest_N)
     alike = [g for g in higher if least_N <= g.drop_N <= fall.drop_N / SAME_KIND and g.reloads]
     if len(alike) >= 2:

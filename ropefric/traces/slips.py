@@ -67,10 +67,14 @@ def rate_of(force_N: FloatArray, pull: Pull) -> float:
 
 def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Candidate]:
     """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are."""
-    rate = rate_of(force_N, pull)
+    whole = rate_of(force_N, pull)
     for i, fall in enumerate(falls):
         if fall.top_N - pull.base_N < TALL * (pull.top_N - pull.base_N):
             continue
+        # Weights hung on at first are loaded faster than by the motor.
+        climb_N, rate = fall.top_N - float(force_N[fall.start]), whole
+        if climb_N > LITTLE * (fall.top_N - pull.base_N):
+            rate = min(rate, loading_rate(force_N, fall.start, fall.top))
         higher = next((j for j in range(i + 1, len(falls)) if falls[j].top_N > fall.top_N), None)
         rivals = _rivals(force_N, pull, _Place(falls, i, higher), rate)
         if rivals is not None:

@@ -430,7 +430,11 @@ def measured(
     )
     if sliding is None or not (fall.reloads or is_sudden(blocks.force_N, fall, blocks.noise_N)):
         return result
-    later = [g for g in candidate.pull.falls if g.reloads and fall.top < g.top < sliding.stop]
+    later = [
+        g
+        for g in candidate.pull.falls
+        if fall.top < g.top < sliding.stop and (g.reloads or is_sudden(blocks.force_N, g, blocks.noise_N))
+    ]
     least_N = TOOTH * typical_drop_N(later)
     teeth = [fall, *(g for g in later if g.drop_N >= least_N)]
     apart_s = np.diff([float(blocks.time_s[tooth.top]) for tooth in teeth])

@@ -26,13 +26,16 @@ def hidden(
     """Say why the converter did not show the peak; None if it did, or nothing broke away."""
     if saturated := _saturation_detail(trace, prepared, block):
         return Status.SATURATED, saturated
+    clipped = _clipped_detail(prepared, block)
+    # Noise finer than the converter's steps touches the limit again and again; a force that sticks keeps still once.
+    touches = runs_of(prepared.force_N == prepared.force_N.max()).shape[0] > 1
+    if clipped and touches and prepared.blocks.resolution_N < prepared.noise_N:
+        return Status.SATURATED, clipped
     if block is not None and (stuck := _stuck_detail(prepared, block, fallen)):
         return Status.NO_PEAK, stuck
     if block is not None and (unseen := _unseen_detail(prepared, block)):
         return Status.NO_PEAK, unseen
-    if clipped := _clipped_detail(prepared, block):
-        return Status.SATURATED, clipped
-    return None
+    return (Status.SATURATED, clipped) if clipped else None
 
 
 def _saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:

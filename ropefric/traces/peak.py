@@ -102,6 +102,7 @@ def peak_result(
         bias_N=0.0 if two_line else peak.bias_N,
         kinetic_N=kinetic_N,
         kinetic_std_N=kinetic_std_N,
+        dwell_s=next((phase.end_s - phase.start_s for phase in phases if phase.name == "idle"), nan),
         kinetic_s=(sliding.stop - sliding.first) * block_s if sliding else nan,
         drop_N=(peak.two_line_N if two_line else peak.peak_N) - trough_N,
         trough_N=trough_N,

@@ -133,7 +133,9 @@ def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, 
     swings = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
     ends = higher is None and growth > SMALL_GROWTH  # while it still climbs
     few = (growth > LITTLE or ends) and len(swings) <= SWINGS
-    if few and any(_rests(force_N[start:top], fall, pull, ends) for start in (fall.settled, fall.bottom)):
+    if few and any(
+        _rests(force_N[start:top], fall, pull, ends=ends) for start in (fall.settled, fall.bottom)
+    ):
         return True
     # Or without a rest, to a slip that is larger.
     return (
@@ -179,7 +181,7 @@ def _is_small_for(fall: Fall, train: list[Fall]) -> bool:
     return fall.drop_N < min(0.75 * typical_N, typical_N - 4.0 * spread_N)
 
 
-def _rests(force_N: FloatArray, fall: Fall, pull: Pull, ends: bool) -> bool:
+def _rests(force_N: FloatArray, fall: Fall, pull: Pull, *, ends: bool) -> bool:
     """Return whether the force stands still for a while after a fall, as under hung weights, and then climbs."""
     band_N = STILL * (fall.top_N - pull.base_N)
     settled_N = float(np.median(force_N[: max(1, force_N.size // 4)]))

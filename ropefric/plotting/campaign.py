@@ -115,7 +115,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
         alt += (
             f" By check: {', '.join(f'{told[check]} {CHECKS[check][0]}' for check in CHECKS if told[check])}."
         )
-    return FigureWithData(figure=figure, tables=(DataTable(header=("trial", *CHECKS), rows=rows),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable.of_rows(("trial", *CHECKS), rows),), alt=alt)
 
 
 def _draw_band(axes: "Axes", band: Sequence[tuple[str, ...]], width: int) -> None:
@@ -262,16 +262,18 @@ def _trial_table(trials: Sequence[TrialResult]) -> DataTable:
     columns = {name: [getattr(trial, name) for trial in trials] for name in _OWN}
     columns |= {name: [getattr(trial.breakaway, name) for trial in trials] for name in picked}
     columns |= {name: [getattr(trial, name) for trial in trials] for name in _FATE}
-    return DataTable.of_columns(columns)
+    return DataTable(columns)
 
 
 def _trace_table(trials: Sequence[TrialResult]) -> DataTable:
-    rows: list[tuple[object, ...]] = []
+    columns: dict[str, list[object]] = {name: [] for name in ("trial", "time_s", "low_N", "high_N", "mean_N")}
     for trial in _recordings_of(trials):
         found = trial.outline
-        columns = np.column_stack([found.time_s, found.low_N, found.high_N, found.smoothed_N])
-        rows += [(trial.trial, *row) for row in columns.tolist()]
-    return DataTable(name="traces", header=("trial", "time_s", "low_N", "high_N", "mean_N"), rows=tuple(rows))
+        curves = (found.time_s, found.low_N, found.high_N, found.smoothed_N)
+        parts = ([trial.trial] * found.time_s.size, *(curve.tolist() for curve in curves))
+        for column, part in zip(columns.values(), parts, strict=True):
+            column.extend(part)
+    return DataTable(columns, "traces")
 
 
 def _recordings_of(trials: Sequence[TrialResult]) -> list[Any]:

@@ -61,7 +61,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
         axes.set_title(f"{laws}, {conditions}", loc="left")
         for x, text in ((1.02, "weight"), (1.12, "error,\nunseen")):
             axes.text(x, 1.0, text, transform=axes.transAxes, fontsize=9, va="bottom")
-    table = DataTable.of_columns({name: [getattr(entry, name) for entry in entries] for name in _LADDER})
+    table = DataTable({name: [getattr(entry, name) for entry in entries] for name in _LADDER})
     return FigureWithData(figure=figure, tables=(table,), alt=_ladder_in_words(comparison, laws))
 
 
@@ -149,7 +149,7 @@ def draw_budget(
             "no contribution is known",
             f"combined standard uncertainty {style.shown(root, unit)}; the largest contributions are {told}",
         )
-    table = DataTable.of_columns({"quantity": names, **columns})
+    table = DataTable({"quantity": names, **columns})
     return FigureWithData(figure=figure, tables=(table,), alt=alt)
 
 
@@ -202,7 +202,7 @@ def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithD
         else:
             say_instead(axes, "no input was changed")
     header = ("quantity", "low_N", "high_N", "base_N", "swing_N")
-    return FigureWithData(figure=figure, tables=(DataTable(header=header, rows=tuple(ranked)),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, ranked),), alt=alt)
 
 
 def _draw_swings(
@@ -274,7 +274,7 @@ def draw_design_chart(
         **{name: np.where(np.isfinite(found), found, np.nan) for name, found in forces_N.items()},
         "extrapolated": chart.extrapolated.ravel(),
     }
-    tables = [DataTable.of_columns(columns)]
+    tables = [DataTable(columns)]
     low_deg, high_deg = np.degrees(chart.wrap_angle_rad[[0, -1]])
     alt = (
         f"Lift force over the wrap from {low_deg:.4g} to {high_deg:.4g} deg for {counted(n_wheels, 'wheel')} of radius "
@@ -283,7 +283,7 @@ def draw_design_chart(
     if required_N is not None:
         asked = {"required_N": [float(required_N)] * n_wheels, "safety": [float(safety)] * n_wheels}
         needed = {"wheel_radius_m": chart.wheel_radius_m} | asked | {"wrap_angle_rad": wraps_rad}
-        tables.append(DataTable.of_columns(needed, "smallest_wrap"))
+        tables.append(DataTable(needed, "smallest_wrap"))
         found = [
             f"{radius} needs {math.degrees(wrap):.4g} deg"
             if math.isfinite(wrap)

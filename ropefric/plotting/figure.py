@@ -60,19 +60,32 @@ def forget_fonts() -> None:
     gc.collect()  # figures that are done with hold them in cycles
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class DataTable:
-    """Numbers behind a figure, as a table."""
+    """Numbers behind a figure: columns of one length, each under its heading."""
 
+    columns: Mapping[str, Iterable[object]]
     name: str = ""
-    header: tuple[str, ...]
-    rows: tuple[tuple[object, ...], ...]
 
     @classmethod
-    def of_columns(cls, columns: Mapping[str, Iterable[object]], name: str = "") -> "DataTable":
-        """Return the table of columns of one length, each under its heading."""
-        lists = [part.tolist() if isinstance(part, np.ndarray) else part for part in columns.values()]
-        return cls(name=name, header=tuple(columns), rows=tuple(zip(*lists, strict=True)))
+    def of_rows(cls, header: Sequence[str], rows: Sequence[Sequence[object]], name: str = "") -> "DataTable":
+        """Return the table of rows under a header."""
+        columns = zip(*rows, strict=True) if rows else [()] * len(header)
+        return cls(dict(zip(header, columns, strict=True)), name)
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        """Return the headings."""
+        return tuple(self.columns)
+
+    @property
+    def rows(self) -> tuple[tuple[object, ...], ...]:
+        """Return the rows."""
+        return tuple(zip(*map(_listed, self.columns.values()), strict=True))
+
+
+def _listed(column: Iterable[object]) -> list[object]:
+    return column.tolist() if isinstance(column, np.ndarray) else list(column)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -208,16 +221,16 @@ def figure_files(figure: FigureWithData, stem: str, *, picture: bool = True) -> 
             figure.figure.savefig(stream, format="png", metadata={"Software": None})
         contents[f"{stem}.png"] = stream.getvalue()
     for table in figure.tables:
-        rows = zip(*map(_cells, zip(*table.rows, strict=True)), strict=True)
+        rows = zip(*(_cells(_listed(column)) for column in table.columns.values()), strict=True)
         text = csv_text([table.header, *rows])
         contents[f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"] = text.encode()
     return contents
 
 
-def _cells(column: tuple[object, ...]) -> list[object]:
+def _cells(column: list[object]) -> list[object]:
     if all(type(value) is float for value in column):
         # All in one go: the traces of a campaign are half a million numbers.
-        return [*("%.8g\n" * len(column) % column).replace("nan", "").split("\n")[:-1]]
+        return [*("%.8g\n" * len(column) % tuple(column)).replace("nan", "").split("\n")[:-1]]
     if all(type(value) is str for value in column):
         shown = {word: csv_cell(word) for word in set(column)}  # names of trials, at each of their samples
         return [shown[word] for word in column]

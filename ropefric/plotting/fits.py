@@ -190,8 +190,8 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             f"mean {known.mean():.4g}."
         )
     tables = (
-        DataTable.of_columns(points.settings | {"mu_average": mu, "mu_std": mu_std}),
-        DataTable(name="laws", header=("against", "law", "x", "mu_average"), rows=tuple(rows)),
+        DataTable(points.settings | {"mu_average": mu, "mu_std": mu_std}),
+        DataTable.of_rows(("against", "law", "x", "mu_average"), rows, "laws"),
     )
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
@@ -273,7 +273,7 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
         "log_ratio": np.ravel([*curves.values()]),
     }
     conditions = points.settings | {"log_ratio": rise, "log_ratio_std": points.std_log}
-    tables = DataTable.of_columns(conditions), DataTable.of_columns(drawn, "laws")
+    tables = DataTable(conditions), DataTable(drawn, "laws")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
@@ -346,7 +346,7 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWith
         f"{counted(n, 'trial')}. At {there} it is {lift}, 95 % confidence {low_N} to "
         f"{high_N}, new pulls {wide_low_N} to {wide_high_N}."
     )
-    tables = DataTable.of_columns(law), DataTable.of_columns(measured, "measured")
+    tables = DataTable(law), DataTable(measured, "measured")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
@@ -451,7 +451,7 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
             f"Standardised residuals of {what} about the law {fit.law}: {beyond} lie beyond ±2, the largest is "
             f"{np.abs(z).max():.3g}. In force the residuals are {100 * rms:.3g} % (root mean square)."
         )
-    return FigureWithData(figure=figure, tables=(DataTable.of_columns(columns),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
 
 
 def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:

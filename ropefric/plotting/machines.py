@@ -63,7 +63,7 @@ def draw_chart(chart: "Chart") -> FigureWithData:
         chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
     }
     alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
-    return FigureWithData(figure=figure, tables=(DataTable.of_columns(columns),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
 
 
 def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
@@ -107,7 +107,7 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
         axis.key: each.ravel()
         for axis, each in zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
     }
-    table = DataTable.of_columns(columns | {name: grid.ravel()})
+    table = DataTable(columns | {name: grid.ravel()})
     return FigureWithData(figure=figure, tables=(table,))
 
 
@@ -192,7 +192,7 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
     columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
     columns |= {f"tension_{name}_N": line for name, line in zip(spans, found.tension_N.T, strict=True)}
     columns |= {f"rim_speed_{name}_m_s": line for name, line in zip(rollers, rims_m_s.T, strict=True)}
-    histories = DataTable.of_columns(columns | {"energy_residual_J": found.energy.residual})
+    histories = DataTable(columns | {"energy_residual_J": found.energy.residual})
     slips = tuple((slip.roller, slip.start_s, slip.end_s, slip.direction) for slip in found.slips)
     header = ("roller", "start_s", "end_s", "direction")
     first = {slip.roller: slip.start_s for slip in reversed(found.slips)}
@@ -200,7 +200,7 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
     alt = f"Start-up over {found.time_s[-1]:.4g} s: tensions {style.span_of(found.tension_N)} N; " + (
         f"the belt slips on {ones}." if ones else "no belt slips."
     )
-    tables = histories, DataTable(name="slips", header=header, rows=slips)
+    tables = histories, DataTable.of_rows(header, slips, "slips")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
@@ -288,7 +288,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
     crossings = {name: [getattr(one, name) for one in chart.crossings] for name in _CROSSING}
     crossings["side"] = [str(side) for side in crossings["side"]]
     crossings["speed_margin"] = [x if math.isfinite(x) else math.nan for x in crossings["speed_margin"]]
-    tables = DataTable.of_columns(modes), DataTable.of_columns(crossings, "crossings")
+    tables = DataTable(modes), DataTable(crossings, "crossings")
     return FigureWithData(figure=figure, tables=tables)
 
 

@@ -114,7 +114,7 @@ def _table(result: StudyResult) -> DataTable:
     columns = {name: [getattr(point, name) for point in result.points] for name in _COLUMNS}
     for name in dict.fromkeys(name for point in result.points for name in point.shares):
         columns[name] = [point.shares.get(name, math.nan) for point in result.points]
-    return DataTable.of_columns(columns | {"on_front": [p in fronts[p.case] for p in result.points]})
+    return DataTable(columns | {"on_front": [p in fronts[p.case] for p in result.points]})
 
 
 def _alt(result: StudyResult) -> str:

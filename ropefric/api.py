@@ -358,10 +358,16 @@ def compare(
 
 
 def diagnose(
-    trials: "TrialTable | Extraction | pd.DataFrame | PathLike", comparison: Comparison | None = None
+    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    comparison: Comparison | None = None,
+    *,
+    touching_turns: float | None = None,
 ) -> Diagnosis:
-    """Return why trials do not obey the capstan equation, with the evidence, or that they do."""
-    return find_causes(trial_table(trials), comparison)
+    """Return why trials do not obey the capstan equation, with the evidence, or that they do.
+
+    `touching_turns` is how many turns at most touch the one beside them; by default all beyond the first may.
+    """
+    return find_causes(trial_table(trials), comparison, touching_turns=touching_turns)
 
 
 def predict(

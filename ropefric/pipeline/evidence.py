@@ -18,10 +18,12 @@ from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file, read_file
 from ropefric.fitting import budgets, next_tests
 from ropefric.fitting.design import DesignChart, design_chart
+from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun
+from ropefric.trials.outliers import RULES
 from ropefric.uncertainty.budget import LinearBudget, Statement, linear_budget, state_uncertainty
 
 T = TypeVar("T")
@@ -51,6 +53,7 @@ class Evidence:
     chart: DesignChart | None = None
     plan: next_tests.LabPlan | None = None
     hand: tuple[str, ...] = ()
+    rejection: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
 
 
@@ -81,9 +84,38 @@ def gather_evidence(run: CampaignRun) -> Evidence:
             "plan": attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
             "hand": attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
         }
+    design["rejection"] = attempt("result without the outlier rule", lambda: rejection_words(run)) or ()
     return Evidence(
         measured=measured, typical=typical, typical_number=number, **design, missing=tuple(missing)
     )
+
+
+def rejection_words(run: CampaignRun) -> tuple[str, ...]:
+    """Return how many good trials the campaign's rule takes on average, and what the result is without it."""
+    rule, trials, answer = RULES[run.campaign.rejection], run.extraction.trials, run.answer
+    usable = {trial.trial for trial in trials if trial.usable}
+    sizes = [len(usable.intersection(item.trials)) for item in run.extraction.conditions]
+    rejected = np.array([bool(trial.rejected_by) for trial in trials])
+    lost, words = math.fsum(map(rule.good_lost, sizes)), []
+    if rule.can_reject(10**6) and math.isfinite(lost):
+        few, many = min(sizes), max(sizes)
+        n = f"{few}" if few == many else f"{few} to {many}"
+        took = f"{np.count_nonzero(rejected)} of {sum(sizes)}"
+        words.append(
+            f"with n = {n} {rule.label} takes {lost:.2g} good trials on average; here it took {took}"
+        )
+    if rejected.any():
+        fit = fit_law(replace(answer.table, kept=answer.table.kept | rejected), answer.fit.law)
+        shown = [item for item in fit.parameters if item.vary]
+        values = ", ".join(f"{item.name} = {item.value:.4g} ± {item.std:.2g}" for item in shown)
+        text = f"without it {fit.law} has {values}"
+        if (asked := answer.prediction) is not None:
+            with_N, without_N = (
+                _lift_N(one, asked.conditions, "wrap_angle_rad", 1.0) for one in (answer.fit, fit)
+            )
+            text += f", and lifts {without_N:.5g} N in the design instead of {with_N:.5g} N"
+        words.append(text)
+    return tuple(words)
 
 
 def _measured(run: CampaignRun) -> Measured:
@@ -119,7 +151,7 @@ def swings_of_design(
     NaN stands where the law has no answer, or the fit knows no scatter.
     """
     at = prediction.conditions.select([index])
-    base_N = float(prediction.lift_force_N[index])
+    base_N = _lift_N(fit, at, "wrap_angle_rad", 1.0)  # of this law, where the prediction averages several
     rows = []
     for name, (title, _unit, _factor) in REGRESSORS.items():
         low_N, high_N = (_lift_N(fit, at, name, 1.0 + step) for step in (-STEP, STEP))

@@ -9,7 +9,15 @@ import numpy as np
 from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting import style
-from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_below, note_at, say_instead
+from ropefric.plotting.figure import (
+    DataTable,
+    FigureWithData,
+    drawing,
+    legend_below,
+    legend_of_figure,
+    note_at,
+    say_instead,
+)
 from ropefric.systems.bandsaw.saw import Side
 
 if TYPE_CHECKING:
@@ -19,6 +27,7 @@ if TYPE_CHECKING:
 
     from ropefric.arrays import FloatArray
     from ropefric.scenes.kind import Chart
+    from ropefric.scenes.plan import Explanation
     from ropefric.scenes.solve import Solution
     from ropefric.scenes.sweep import Axis, Sweep
     from ropefric.systems.bandsaw.resonance import Excitation, SawChart
@@ -75,14 +84,14 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
     name = quantity or next(iter(sweep.columns))
     if name not in sweep.columns:
         raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
-    *outer, across = sweep.axes
+    *outer, across = kept = sweep.kept
     lines = not outer or outer[0].values.size <= _MOST_LINES
     most = _DRAWN_POINTS if lines else _DRAWN_CELLS
-    steps = [1 if lines else -(-axis.values.size // most) for axis in outer] + [
-        -(-across.values.size // most)
-    ]
-    grid = sweep.columns[name].reshape(sweep.shape)[tuple(slice(None, None, step) for step in steps)]
-    places = [axis.values[::step] / axis.factor for axis, step in zip(sweep.axes, steps, strict=True)]
+    steps = [1 if lines else -(-axis.values.size // most) for axis in outer]
+    steps.append(-(-across.values.size // most))
+    grid = sweep.columns[name].reshape([axis.values.size for axis in kept])
+    grid = grid[tuple(slice(None, None, step) for step in steps)]
+    places = [axis.values[::step] / axis.factor for axis, step in zip(kept, steps, strict=True)]
     path, _, last = name.rpartition(".")
     label = (f"{path}: " if path else "") + (style.figure_label(last) if last in GLOSSARY else last)
     with drawing(9.0, 6.0) as figure:
@@ -109,6 +118,34 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
     }
     table = DataTable(columns | {name: grid.ravel()})
     return FigureWithData(figure=figure, tables=(table,))
+
+
+def draw_explanation(told: "Explanation") -> FigureWithData:
+    """Return what every effect of a scene is worth, against the accuracy wanted, and beside it the time it takes."""
+    shown = [one for one in told.plan.decisions if one.fate != "not applicable"]
+    rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
+    columns = {name: np.array([getattr(one, name) for one in shown]) for name in ("bound", "worth", "time_s")}
+    least = 1e-3 * min(told.plan.accuracy, *columns["bound"][columns["bound"] > 0.0])
+    with drawing(9.0, 1.6 + 0.35 * len(shown)) as figure:
+        worth, takes = figure.subplots(1, 2, sharey=True, width_ratios=(3, 1 + told.is_measured))
+        # A worth without a bound reaches to the edge.
+        most = 3.0 * max(1.0, *columns["bound"][np.isfinite(columns["bound"])])
+        bars = np.clip(np.nan_to_num(columns["bound"], nan=0.0, posinf=most), least, most)
+        for words, some, color in (("simulated", inside, style.BLUE), ("left out", ~inside, style.GREY)):
+            worth.barh(rows[some], bars[some], color=color, height=0.6, label=words if some.any() else "")
+            takes.barh(rows[some], 1e3 * np.nan_to_num(columns["time_s"])[some], color=color, height=0.6)
+        worth.plot(np.maximum(columns["worth"], least), rows, "o", color=style.INK, label="measured worth")
+        worth.axvline(told.plan.accuracy, color=style.ORANGE, linestyle="--", label="accuracy wanted")
+        worth.set(xscale="log", xlim=(least, most), xlabel="Worth at most, of the answer [-]")
+        worth.set_yticks(rows, [one.name for one in shown])
+        worth.invert_yaxis()
+        takes.set_xlabel("Takes [ms]" if told.is_measured else "Time: --measure")
+        figure.suptitle(f"What the effects of this {told.system} scene are worth, and what they take")
+        legend_of_figure(figure, columns=4)
+    alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
+    named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
+    table = DataTable.of_columns({**named, **columns})
+    return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
 
 
 def _axis_words(axis: "Axis") -> str:

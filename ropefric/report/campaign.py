@@ -337,7 +337,7 @@ def _trial_sections(extraction: result.Extraction, evidence: Evidence) -> tuple[
     gone = {trial.trial: trial for trial in extraction.trials if not trial.kept}
     counts = result.count_trials(extraction)
     title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
-    aside = Section(title, ("Every trial gave a force and counts.",))
+    aside = Section(title, ("Every trial gave a force and counts.",), notes=evidence.rejection)
     rows: list[tuple[str, ...]] = []
     headings: tuple[str, ...]
     if gone:
@@ -348,7 +348,7 @@ def _trial_sections(extraction: result.Extraction, evidence: Evidence) -> tuple[
             why = _why(trial, place.get(trial.trial))
             rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
         headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-        aside = Section(title, headings=headings, rows=rows, left=2)
+        aside = Section(title, headings=headings, rows=rows, left=2, notes=evidence.rejection)
     budgets = {condition.number: budget for condition, budget in evidence.measured}
     rows = []
     for number, item in enumerate(extraction.conditions, start=1):

@@ -102,9 +102,10 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
     lift, std = plain(prediction.lift_force_N[index], ".5g"), _newtons(prediction.std_N[index])
     is_kinetic = prediction.of == "kinetic"
     title, symbol = ("Kinetic force", "F_A while sliding") if is_kinetic else ("Lift force", "F_A")
+    by = f"{' and '.join(prediction.averaged)}, averaged" if prediction.averaged else prediction.law
     lines = [
         f"{_where(prediction.conditions, index, rope=True)}:",
-        f"{symbol} = {lift} N by {prediction.law}, standard error {std}",
+        f"{symbol} = {lift} N by {by}, standard error {std}",
         f"{level} confidence interval of the mean: {_span(prediction.interval_N[index])}",
     ]
     wide = prediction.prediction_interval_N[index]

@@ -52,6 +52,8 @@ _QUANTITIES = {
     "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
     "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
 }
+LABELS = ("rope_id", "wheel", "operator", "dwell", "order")
+"""Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
     "kinetic": ("kinetic_N", "N", 1.0),
     "kinetic_force": ("kinetic_N", "N", 1.0),
@@ -108,6 +110,8 @@ class TrialTable:
         Where the table comes from, for messages and provenance.
     warnings : tuple of Problem
         What is doubtful about it.
+    labels : mapping of str to tuple of str
+        What stands beside the trials in columns of `LABELS`: their rope, wheel, operator, dwell and order.
 
     Raises
     ------
@@ -142,6 +146,7 @@ class TrialTable:
     status: tuple[str, ...] = ()
     source: str = ""
     warnings: tuple[Problem, ...] = field(default=())
+    labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.trial)
@@ -288,7 +293,20 @@ def table_of_extraction(extraction: Extraction) -> TrialTable:
     doubts = (*_rows_twice(place, columns, kept), *_too_few(place, kept, status))
     raise_problems(doubts)
     names_of = tuple(trial.trial for trial in trials)
-    return TrialTable(trial=names_of, kept=kept, status=status, source=place.path, warnings=doubts, **columns)
+    own = [{**dict(trial.own), "rope_id": trial.rope_id, "dwell": f"{trial.dwell_s:g}"} for trial in trials]
+    labels = {name: tuple(str(row.get(name, "")) for row in own) for name in LABELS}
+    return TrialTable(
+        trial=names_of, kept=kept, status=status, source=place.path, warnings=doubts, labels=_filled(labels), **columns
+    )  # fmt: skip
+
+
+def _filled(labels: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    """Return the labels that say something of every trial."""
+    return {
+        name: tuple(values)
+        for name, values in labels.items()
+        if all(word not in {"", "nan"} for word in values)
+    }
 
 
 def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
@@ -331,7 +349,13 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     )
     raise_problems(every)
     arrays: dict[str, Any] = dict(numbers)
-    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **arrays)
+    stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
+    labels = _filled(
+        {name: _known([row[1][stems[name]] for row in table.rows]) for name in LABELS if name in stems}
+    )
+    return TrialTable(
+        trial=trial, status=status, kept=kept, source=table.path, warnings=every, labels=labels, **arrays
+    )
 
 
 def _known(cells: list[str]) -> list[str]:

@@ -116,12 +116,22 @@ def compare(
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)
-def diagnose(out: Output, trials: options.TableArgument) -> Answer:
-    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, no gross slip.
+def diagnose(
+    out: Output,
+    trials: options.TableArgument,
+    *,
+    touching_turns: float | None = Option(
+        None, min=0.0, help="Turns that touch the one beside them; by default all beyond the first may."
+    ),
+) -> Answer:
+    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, coil contact.
+
+    Columns rope_id, wheel, operator, dwell and order of the table are looked at too. Of what is not supported the
+    largest effect is stated that the data leave room for.
 
     Exits with 4 unless the best law is supported: when the data leave two laws undecided, or no choice at all.
     """
-    found = diagnosing.diagnose(options.read_table(trials, out))
+    found = diagnosing.diagnose(options.read_table(trials, out), touching_turns=touching_turns)
     return Answer(found.to_dict(), [parts.diagnosis_section(found, full=True)], exit_code_of(found.verdict))
 
 

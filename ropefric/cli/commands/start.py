@@ -22,6 +22,7 @@ from ropefric.registry import did_you_mean
 
 with on_first_use():
     from ropefric.files import toml
+    from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
     from ropefric.report import section
     from ropefric.rig import bench as rig_bench
@@ -30,7 +31,7 @@ with on_first_use():
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
     from ropefric.trials import campaign as campaigns
-    from ropefric.trials import campaign_model, workers
+    from ropefric.trials import campaign_model, outliers, workers
     from ropefric.trials import extract as extracting
     from ropefric.trials import names as trial_names
 
@@ -224,7 +225,9 @@ def check(
     if not scene and all(problem.severity == "warning" for problem in problems):
         loaded = campaigns.load_campaign(campaign)
         looked, unread = extracting.check_recordings(loaded)
-        content, problems = _content(loaded) | {"recordings": list(looked)}, (*problems, *unread)
+        tells = resolution.outlook_of_campaign(loaded)
+        content = _content(loaded) | {"recordings": list(looked), "tells": [item.to_dict() for item in tells]}
+        problems = (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -269,6 +272,8 @@ def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
 def _content_lines(content: dict[str, Any]) -> list[str]:
     """Return what a campaign holds in the units people use at the rig."""
     fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
+    good_lost = outliers.RULES[content["rejection"]].good_lost(most)
+    lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
     excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     rows = [
         ("campaign", content["name"] or "(no name)"),
@@ -280,9 +285,14 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
         ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
         ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
-        ("rejection", content["rejection"]),
+        ("rejection", f"{content['rejection']}{lost}"),
     ]
     told = [f"{name:<18} {text}" for name, text in rows if text]
+    if content["tells"]:
+        told.append(
+            "what this list can tell, if ropes scatter as usual (1.5 % between repeats, 1 % between conditions):"
+        )
+        told += [f"  {item['text']}" for item in content["tells"]]
     return told + [f"read {line}" for line in content["recordings"]]
 
 

@@ -144,7 +144,7 @@ def draw_explanation(told: "Explanation") -> FigureWithData:
         legend_of_figure(figure, columns=4)
     alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
-    table = DataTable.of_columns({**named, **columns})
+    table = DataTable({**named, **columns})
     return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
 
 

@@ -5,8 +5,7 @@ import re
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from ropefric.accuracy.measure import StudyResult
-from ropefric.accuracy.study import ROUNDING, Measured, in_case, time_text
+from ropefric.accuracy.study import ROUNDING, Measured, StudyResult, in_case, time_text
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, note_at
 from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, line_look
 

@@ -9,15 +9,7 @@ import numpy as np
 from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting import style
-from ropefric.plotting.figure import (
-    DataTable,
-    FigureWithData,
-    drawing,
-    legend_below,
-    legend_of_figure,
-    note_at,
-    say_instead,
-)
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 from ropefric.systems.bandsaw.saw import Side
 
 if TYPE_CHECKING:
@@ -64,7 +56,7 @@ def draw_chart(chart: "Chart") -> FigureWithData:
             drawn += 1
         axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
         axes.set_title(chart.title)
-        legend_below(axes)
+        style.legend_below(axes)
     names = [line.name for line in chart.lines]
     columns = {
         "line": np.repeat(names, [line.x.size for line in chart.lines]),
@@ -106,7 +98,7 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
                 words = f"{outer[0].key} = {value:.4g} {outer[0].unit}".rstrip()
                 axes.plot(places[1], row, label=words, **look)
             axes.set_ylabel(label)
-            legend_below(axes)
+            style.legend_below(axes)
         else:
             shown = np.ma.masked_invalid(grid)
             drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
@@ -141,7 +133,7 @@ def draw_explanation(told: "Explanation") -> FigureWithData:
         worth.invert_yaxis()
         takes.set_xlabel("Takes [ms]" if told.is_measured else "Time: --measure")
         figure.suptitle(f"What the effects of this {told.system} scene are worth, and what they take")
-        legend_of_figure(figure, columns=4)
+        style.legend_of_figure(figure, columns=4)
     alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
     table = DataTable({**named, **columns})
@@ -272,7 +264,7 @@ def _draw_slips(axes: "Axes", found: "StartUp") -> None:
     axes.set_yticks(range(len(names)), [f"roller {name}" for name in names])
     axes.set_ylim(max(len(names), 1) - 0.5, -0.5)
     if not names:
-        say_instead(axes, "no belt slips")
+        style.say_instead(axes, "no belt slips")
     for place, color, direction, word in (
         (0.7, style.ORANGE, 1, "forward"),
         (0.3, style.BLUE, -1, "backward"),
@@ -314,7 +306,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
         if chart.saw.speed_m_s > 0.0:
             axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
         _draw_crossings(axes, chart, top_Hz)
-        legend_below(axes, columns=4)
+        style.legend_below(axes, columns=4)
     speeds, n_modes = chart.speed_m_s, chart.mode_Hz[Side.TIGHT].shape[1]
     modes: dict[str, Any] = {
         "side": [str(side) for side in chart.mode_Hz for _ in range(n_modes * speeds.size)],
@@ -337,7 +329,7 @@ def _draw_modes(axes: "Axes", chart: "SawChart") -> None:
             if side is Side.SLACK:
                 case = int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))
                 point = (float(chart.speed_m_s[case]), float(values[case]))
-                note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
+                style.note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
 
 
 def _mode_label_place(chart: "SawChart") -> float:
@@ -363,7 +355,7 @@ def _draw_excitation(
         leaves_m_s = float(np.interp(top_Hz, values, chart.speed_m_s)) if not at_right else fastest_m_s
         where = {"right": 4.0, "ha": "left", "va": "center"} if at_right else {"up": 3.0}
         point = (leaves_m_s, min(float(values[-1]), top_Hz))
-        note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
+        style.note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
 
 
 def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
@@ -385,4 +377,4 @@ def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
             written.append((x, y))
             words = f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}")
             look: dict[str, Any] = {"va": "bottom" if up > 0.0 else "top", "bbox": _BACKGROUND, "zorder": 5}
-            note_at(axes, words, point, up=6.0 * up, color=color, **look)
+            style.note_at(axes, words, point, up=6.0 * up, color=color, **look)

@@ -6,8 +6,8 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from ropefric.accuracy.study import ROUNDING, Measured, StudyResult, in_case, time_text
-from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, note_at
-from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, line_look
+from ropefric.plotting import style
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +41,7 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
         for axes in panels[len(cases) :]:
             axes.remove()
         figure.suptitle(result.study.title, y=0.995, va="top")
-        legend_of_figure(figure, columns=columns)
+        style.legend_of_figure(figure, columns=columns)
     return FigureWithData(figure=figure, tables=(_table(result),), alt=_alt(result))
 
 
@@ -57,9 +57,9 @@ def _frame(n_rows: int, n_columns: int, legend_lines: int) -> tuple[float, float
 
 
 def _look(place: int) -> dict[str, Any]:
-    look = line_look(place) | {"marker": MARKERS[place % len(MARKERS)]}
-    if place >= len(LINE_STYLES):  # a second round would repeat line and colour together
-        look["linestyle"] = LINE_STYLES[(place + 1) % len(LINE_STYLES)]
+    look = style.line_look(place) | {"marker": style.MARKERS[place % len(style.MARKERS)]}
+    if place >= len(style.LINE_STYLES):  # a second round would repeat line and colour together
+        look["linestyle"] = style.LINE_STYLES[(place + 1) % len(style.LINE_STYLES)]
     return look
 
 
@@ -100,7 +100,7 @@ def _few_decades(axes: "Axes", points: list[Measured]) -> None:
     if min(errors) < 10 * ROUNDING:
         axes.axvline(ROUNDING, color="#8A8A8A", linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
         corner: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "ha": "right", "va": "top"}
-        note_at(axes, "rounding", (ROUNDING, 1.0), -3.0, -2.0, color=GREY, rotation=90, **corner)
+        style.note_at(axes, "rounding", (ROUNDING, 1.0), -3.0, -2.0, color=style.GREY, rotation=90, **corner)
 
 
 def _folded(title: str, width: int = 62) -> str:

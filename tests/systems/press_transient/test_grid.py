@@ -67,6 +67,18 @@ def test_a_roller_on_the_verge_of_slip_is_decided_at_the_exact_moments(kit, solv
     assert not found.slips
 
 
+def test_a_held_roller_stands_where_the_drive_s_law_changes(kit):
+    """A piece of the drive ends between two places of the grid; what stands there goes on standing."""
+    speed = kit.run_up("ramp", duration_s=0.4321)
+    question = {"speed": speed, "time_s": np.linspace(0.0, 1.0, 101), "friction": 0.2}
+    press = kit.paper(force_N=1100.0)
+    found, exact = (start_up(press, exact_switching=one, **question) for one in (False, True))
+    standing = np.abs(exact.roller_speed_rad_s[-1]) < 1e-9
+    assert standing[press.is_driven].any()
+    assert np.abs(found.roller_speed_rad_s[-1, standing]).max() < 1e-9
+    assert largest_difference(found, exact) <= GRID_ERROR
+
+
 def test_uneven_times_have_no_grid(kit, solvers):
     question = {"speed": kit.run_up("ramp", 1.0, 0.3), "time_s": [0.0, 0.1, 0.15], "friction": 0.2}
     start_up(kit.small(), exact_switching=False, **question)

@@ -218,7 +218,7 @@ ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
 GRID_ERROR = 5e-3
 """What changes of contacts that are caught on a grid may be worth."""
 _LONGEST_STEP_S = 5e-3
-_REFINEMENTS = 5
+_DOUBLINGS = 5
 
 
 def _even(times_s: FloatArray) -> bool:
@@ -233,18 +233,17 @@ def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], S
     """
     steps, coarse = math.ceil(float(times_s[1]) / _LONGEST_STEP_S), None
     check_steps(float(steps * len(times_s)))
-    for doubling in range(_REFINEMENTS + 1):
+    for doubling in range(_DOUBLINGS + 1):
         solver.steps = steps * 2**doubling
         try:
             found = told(_solved(solver, times_s))
         except SolverError:
             continue
         # What changes of contacts are off by falls with the step at least: two of these are off by this much.
-        settled = coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR
-        slipped = {slip.roller for slip in found.slips}
-        rollers = zip(found.press.rollers, solver.spare, strict=True)
-        if settled:
-            verge = any(left < GRID_ERROR for one, left in rollers if one.name not in slipped)
+        if coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR:
+            slipped = {slip.roller for slip in found.slips}
+            left = zip(found.press.rollers, solver.spare, strict=True)
+            verge = any(share < GRID_ERROR for one, share in left if one.name not in slipped)
             return None if verge else found
         coarse = found
     return None

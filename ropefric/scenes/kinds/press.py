@@ -563,6 +563,6 @@ KIND = kind.Kind(
     sections=_sections,
     histories={"start_up.csv": _start_up_columns},
     figures={
-        "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "press.draw_press_start_up")  # noqa: ARG005
+        "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "draw_press_start_up")  # noqa: ARG005
     },
 )

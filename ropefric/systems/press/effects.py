@@ -137,6 +137,7 @@ def _steady(
     adds: str,
     instead: str,
     needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
+    cost: float = 0.0,
 ) -> Effect[PressProblem, PressModel]:
     """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
 
@@ -147,7 +148,7 @@ def _steady(
     influence = worst_case(
         lambda problem: np.array([_largest_change(name, problem)]), rounding=_ROUNDING, possible=is_bounded
     )
-    return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=0.05)
+    return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost)
 
 
 def _moving(
@@ -209,11 +210,13 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "wrap-dependence",
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
+            cost=1e-6,
         ),
         _steady(
             "size",
             "a coefficient that depends on the roller's radius over half the belt's thickness",
             "the coefficient at the reference radius",
+            cost=5e-7,
         ),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),

@@ -1,5 +1,6 @@
 """Contacts that change their state on a grid: the answer of the exact moments, at a fraction of its time."""
 
+import logging
 import time
 from statistics import median
 
@@ -107,8 +108,8 @@ def planned(kit, seed, effects, accuracy=0.02):
 
 
 @pytest.mark.slow
-def test_thirty_random_presses_keep_the_promise_at_two_percent(kit, record_property):
-    """The ratio of the times is noted, never asserted: it is the clock's."""
+def test_thirty_random_presses_keep_the_promise_at_two_percent(kit):
+    """The ratio of the times is logged (--log-cli-level=INFO), never asserted: it is the clock's."""
     ratios = []
     for seed in range(30):
         plan, found, quick_s = planned(kit, seed, "auto")
@@ -116,4 +117,5 @@ def test_thirty_random_presses_keep_the_promise_at_two_percent(kit, record_prope
         assert "exact-switching" in plan.left_out
         assert SYSTEM.distance(found, exact) <= plan.error_bound <= 0.02
         ratios.append(whole_s / quick_s)
-    record_property("times_faster_median", median(ratios))
+    told = "auto is %.1f times as fast as all in the median, %.1f at least"
+    logging.getLogger(__name__).info(told, median(ratios), min(ratios))

@@ -128,8 +128,9 @@ def draw_explanation(told: "Explanation") -> FigureWithData:
         figure.suptitle(f"What the effects of this {told.system} scene are worth, and what they take")
         legend_of_figure(figure, columns=4)
     alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
-    words: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
-    table = DataTable.of_columns({**words, **columns})
+    table = DataTable.of_columns(
+        {"effect": [one.name for one in shown], "fate": [one.fate for one in shown], **columns}
+    )
     return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
 
 

@@ -288,7 +288,7 @@ class Figure(NamedTuple):
     """A figure of a kind: what it shows, None where a scene has nothing to show, and what draws it in plotting."""
 
     data: Callable[[Any, Any], Any]
-    drawn_by: str = "chart.draw_chart"
+    drawn_by: str = "draw_chart"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,7 +31,8 @@ EFFECTS = {
     "fast-belt-press": [
         *("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity"),
         "elastic-creep",
-        *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia", "transient"),
+        *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia"),
+        *("transient-friction", "exact-switching", "transient"),
     ],
     "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion"],
 }

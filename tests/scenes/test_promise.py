@@ -98,7 +98,7 @@ def test_an_integrator_asked_for_by_name_promises_nothing(scene_of, loaded):
     assert any("direct solution and rk4) is not known" in warning for warning in solution.warnings)
 
 
-def test_a_start_up_has_no_bounds_so_nothing_of_it_is_left_out(loaded):
+def test_of_a_start_up_only_the_exact_moments_of_slip_have_a_bound(loaded):
     scene = loaded("press-start-up")
     decisions = {
         one.name: one
@@ -108,7 +108,12 @@ def test_a_start_up_has_no_bounds_so_nothing_of_it_is_left_out(loaded):
     }
     assert decisions["transient"].fate == "simulated"
     assert math.isinf(decisions["gravity-load"].bound)
-    assert {name for name, one in decisions.items() if one.fate == "left out"} == {"wrap-dependence", "size"}
+    assert {name for name, one in decisions.items() if one.fate == "left out"} == {
+        "wrap-dependence",
+        "size",
+        "transient-friction",
+        "exact-switching",
+    }
 
 
 def test_the_power_of_a_press_does_not_depend_on_what_is_left_out(loaded, scene_of):

@@ -10,8 +10,7 @@ from typing import Any
 
 from typer import Argument, Option
 
-from ropefric.cli import options
-from ropefric.cli.lazily import on_first_use
+from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
 from ropefric.cli.output import Output, Progress, json_text
 
@@ -106,10 +105,10 @@ def _solved_names() -> tuple[str, ...]:
 def _write(
     out: Output, solution: "solving.Solution", tree: dict[str, Any], folder: "folders.Folder"
 ) -> Sequence[Path]:
-    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+    from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
     files = [*folder.write({"answer.json": json_text(tree)})]
-    for stem, drawn in chart.scene_figures(solution):
+    for stem, drawn in machines.scene_figures(solution):
         files += figure.save_figure(drawn, folder, stem)
     for name, history in solution.scene.kind.histories.items():
         columns = history(solution.answer)
@@ -121,11 +120,11 @@ def _write(
 def _publish_sweep(
     out: Output, found: "sweeping.Sweep", folder: "folders.Folder", name: str, plot: str
 ) -> Sequence[Path]:
-    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+    from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
     files = [folder.path / name]
     if len(found.axes) <= 2:
-        files += figure.save_figure(chart.draw_sweep(found, quantity=plot), folder, "sweep_figure")
+        files += figure.save_figure(machines.draw_sweep(found, quantity=plot), folder, "sweep_figure")
     return options.publish(out, folder, "answer", files)
 
 
@@ -160,10 +159,10 @@ def explain(
         found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
         tree, files = found.to_dict(), list[Path]()
         if target is not None:
-            from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+            from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
             files += target.write({"explanation.json": json_text(tree)})
-            files += figure.save_figure(chart.draw_explanation(found), target, "effects")
+            files += figure.save_figure(machines.draw_explanation(found), target, "effects")
             options.publish(out, target, "explanation", files)
         return Answer(tree | {"files": files}, pages.explanation_sections(found))
 

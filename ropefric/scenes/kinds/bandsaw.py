@@ -493,5 +493,5 @@ KIND = kind.Kind(
     },
     identified=_identified,
     sections=_sections,
-    figures={"campbell": kind.Figure(_campbell, "saw_chart.draw_saw_chart")},
+    figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

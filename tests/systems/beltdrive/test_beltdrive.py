@@ -242,7 +242,7 @@ def test_a_sweep_and_a_fit(tmp_path):
 
 
 def test_the_charts_show_power_and_arcs(tmp_path):
-    from ropefric.plotting.chart import scene_figures
+    from ropefric.plotting.machines import scene_figures
 
     figures = dict(scene_figures(rf.solve(scene(tmp_path))))
     assert set(figures) == {"belt_power", "belt_arcs"}

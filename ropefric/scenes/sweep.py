@@ -30,6 +30,8 @@ from ropefric.systems.effect import Effect, assemble
 
 MOST_POINTS = 10_000_000
 """Of an axis, and of a whole grid: some 2.5 GB."""
+KEPT_POINTS = 1_000_000
+"""Of a sweep whose table is written, for its figure."""
 _NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
 
 

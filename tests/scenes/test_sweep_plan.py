@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow.parquet
 import pytest
 
+import ropefric as rf
 from ropefric.errors import InputError
 from ropefric.files.folder import Folder
 from ropefric.scenes import sweep as sweeping
@@ -230,6 +231,12 @@ def test_a_sweep_that_is_broken_off_leaves_no_table(hoist_of, tmp_path):
     with pytest.raises(KeyboardInterrupt), sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
         sweep_scene(scene, axes, table=table, progress=stop)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_sweep_in_python_writes_its_table_too(hoist_of, tmp_path):
+    found = rf.sweep(hoist_of(), "wheel.wrap=1turn,2turn", table=tmp_path / "made" / "sweep.parquet")
+    table = pyarrow.parquet.read_table(tmp_path / "made" / "sweep.parquet")
+    assert table["lift_force_N"].to_pylist() == pytest.approx(found.columns["lift_force_N"].tolist())
 
 
 def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):

@@ -34,8 +34,6 @@ class TableFormat(StrEnum):
 
 
 _LISTED_POINTS = 1000
-_KEPT_POINTS = 1_000_000
-"""Of a sweep, for its figure; its table has all."""
 _TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
 
 
@@ -88,7 +86,7 @@ def solve(
             if target is not None:
                 written = stack.enter_context(sweeping.sweep_table(axes, target, f"sweep.{table}"))
             found = sweeping.sweep_scene(
-                loaded, axes, progress=progress.update, table=written, keep=_KEPT_POINTS
+                loaded, axes, progress=progress.update, table=written, keep=sweeping.KEPT_POINTS
             )
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}

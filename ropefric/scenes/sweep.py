@@ -142,6 +142,8 @@ _LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
 _BETWEEN = 2.0
 """What an effect may change between the levels, over what it changes at them."""
 
+_SEEN_S = 1.0
+"""What is solved in one call takes at most about this long."""
 _LEAST_SAVED_S = 5e-2
 """An effect that takes less than this over the whole grid is not worth solving the box without it."""
 
@@ -353,6 +355,10 @@ class _Run:
         self.shape = tuple(axis.values.size for axis in axes)
         self.fields = [self.kind.sweep_fields.get(axis.key) for axis in axes]
         self.by_array = None not in self.fields and self.kind.in_one_call(scene.problem)
+        effects = self.kind.system.effects.values()
+        cost_s = sum(one.cost for one in effects if not one.needs(scene.problem))
+        # Of a dear machine few at once, so that people see how far it is.
+        self.size = min(_BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
         self.gone: frozenset[str] = frozenset()
         self.spent = 0.0
         self.each: list[Effect[Any, Any]] = []
@@ -425,9 +431,8 @@ class _Run:
     def outcomes(self, start: int, stop: int, progress: Progress | None) -> Iterator[Outcome]:
         """Yield what the points of a block give; point by point where a key does not go in one call."""
         total, kind = prod(self.shape), self.kind
-        size = stop - start if self.by_array else 1
-        for first in range(start, stop, size):
-            places = np.arange(first, first + size)
+        for first in range(start, stop, self.size):
+            places = np.arange(first, min(first + self.size, stop))
             grid = np.unravel_index(places, self.shape)
             values = [axis.values[place] for axis, place in zip(self.axes, grid, strict=True)]
             problem = self.build(values) if self.by_array else None

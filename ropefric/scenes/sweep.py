@@ -142,6 +142,7 @@ _LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
 _BETWEEN = 2.0
 """What an effect may change between the levels, over what it changes at them."""
 
+_ROUNDING = 1e-12
 _SEEN_S = 1.0
 """What is solved in one call takes at most about this long."""
 _LEAST_SAVED_S = 5e-2
@@ -408,7 +409,7 @@ class _Run:
                 found = self._solved(box, names - self.gone - {one.name})
             except RopefricError:
                 continue
-            spent = _BETWEEN * max(map(_log_change, found.quantities, whole.quantities))
+            spent = math.log1p(_BETWEEN * max(map(_change, found.quantities, whole.quantities)))
             if spent <= (0.5 * self.room if any(other.each for other in applicable) else self.room):
                 self.gone, self.spent = self.gone | {one.name}, spent
 
@@ -505,8 +506,10 @@ class _Run:
             yield places, found
 
     def _planned(self, problem: Any) -> _Found:
-        """Return what a problem gives as planned by itself, with everything where sweeps are planned as a whole."""
+        """Return what a problem gives as asked for; with everything where sweeps are planned as a whole."""
         kind, scene = self.kind, self.scene
+        if self.by_array and isinstance(scene.effects, tuple):
+            return self._listed(problem, frozenset(scene.effects))
         effects = "all" if scene.effects == "auto" and self.by_array else scene.effects
         plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=effects)
         answer = kind.system.solve(model, plan.method)
@@ -518,15 +521,40 @@ class _Run:
             plan.error_bound,
         )
 
+    def _listed(self, problem: Any, names: frozenset[str]) -> _Found:
+        """Return what a list of effects gives; how far that is from everything is found by solving that, too.
 
-def _log_change(one: Quantity, other: Quantity) -> float:
-    """Return how far a number is from another, |Δ ln|, or as a share of what it errs by a share of."""
+        Without the effects that have a bound for each case: they may be dear.
+        """
+        effects = self.kind.system.effects
+        if any(effects[name].needs(problem) for name in names):
+            make_plan(
+                self.kind.system, problem, accuracy=self.scene.accuracy, effects=tuple(names)
+            )  # refuses
+        missing = [one for one in effects.values() if one.name not in names and not one.needs(problem)]
+        found, off = self._solved(problem, names), 0.0
+        try:
+            others = names | {one.name for one in missing if one.each is None}
+            if others != names:
+                whole = self._solved(problem, others)
+                off = math.log1p(max(map(_change, found.quantities, whole.quantities)))
+            off += sum(float(one.each(problem).max()) for one in missing if one.each is not None)
+        except RopefricError:
+            off = math.inf
+        error = math.expm1(min(off, 700.0)) if off < math.inf else math.inf
+        error += found.error_bound * (1.0 + error)
+        return found._replace(left_out=frozenset(one.name for one in missing), error_bound=error)
+
+
+def _change(one: Quantity, other: Quantity) -> float:
+    """Return how far a number is from another, as a share of that, or of what it errs by a share of."""
     value, reference = one.value, other.value
-    same = (value == reference) | (np.isnan(value) & np.isnan(reference))
+    scale = np.abs(reference if other.scale is None else other.scale)
+    # What rounding leaves of zero is no number to take shares of.
+    rounding = _ROUNDING * float(np.nanmax(scale, initial=1.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.abs(np.log(value / reference))
-        if other.scale is not None:
-            share = np.abs(np.log1p((value - reference) / other.scale))
+        share = np.abs(value - reference) / scale
+        same = (np.abs(value - reference) <= rounding) | (np.isnan(value) & np.isnan(reference))
     return float(np.where(same, 0.0, np.where(np.isnan(share), np.inf, share)).max())
 
 

@@ -269,3 +269,23 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
         sweep_table(axes, Folder(tmp_path), "s.parquet"),
     ):
         pass
+
+
+def test_a_list_of_effects_says_how_far_it_is_from_everything(hoist_of, loaded):
+    axes = ("wheel.wrap=90deg:1440deg:20", "load.end_tension=20N:500N:15")
+    listed, whole = (
+        sweep_scene(scene, tuple(parse_axis(scene, text) for text in axes))
+        for scene in (
+            hoist_of(effects=effects, rope=STIFF) for effects in (["wrap-dependence", "size"], "all")
+        )
+    )
+    off = max(np.abs(values / whole.columns[name] - 1.0).max() for name, values in listed.columns.items())
+    assert listed.error_bound > off, "the stiffness has a bound only"
+    assert listed.error_bound < 3.0 * off
+    assert listed.left_out["centrifugal"] == 300
+    saw = loaded("band-saw")
+    swept = sweep_scene(saw, (parse_axis(saw, "tension.preload=3000N,30000N"),))
+    assert 0.05 < swept.error_bound < 0.2, "the bound of its stiffness at the smaller preload"
+    lacking = hoist_of(effects=["bending-stiffness"])
+    with pytest.raises(InputError, match=r"rope\.bending_stiffness"):
+        sweep_scene(lacking, (parse_axis(lacking, "wheel.wrap=1turn,2turn"),))

@@ -30,7 +30,8 @@ from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
-from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene, sweep_table
+from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene
+from ropefric.scenes.sweep_table import sweep_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration
@@ -781,7 +782,7 @@ def sweep(
         return sweep_scene(loaded, grid, progress=progress)
     path = Path(table)
     with sweep_table(grid, Folder(path.parent), path.name) as written:
-        return sweep_scene(loaded, grid, progress=progress, table=written, keep=KEPT_POINTS)
+        return sweep_scene(loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS)
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:

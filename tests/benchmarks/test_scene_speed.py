@@ -12,7 +12,8 @@ from ropefric.files.folder import Folder
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import parse_axis, sweep_scene, write_sweep
+from ropefric.scenes.sweep import parse_axis, sweep_scene
+from ropefric.scenes.sweep_table import write_sweep
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 GRID = ("wheel.wrap=90deg:1440deg:1000", "load.end_tension=10N:500N:1000")

@@ -12,7 +12,9 @@ import ropefric as rf
 from ropefric.errors import InputError
 from ropefric.files.folder import Folder
 from ropefric.scenes import sweep as sweeping
-from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table, write_sweep
+from ropefric.scenes import sweep_table as tables
+from ropefric.scenes.sweep import parse_axis, sweep_scene
+from ropefric.scenes.sweep_table import sweep_table, write_sweep
 from ropefric.systems.effect import Model
 from ropefric.systems.hoist.contact import solve_lift
 from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
@@ -192,11 +194,12 @@ def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
 @pytest.mark.parametrize("name", ["sweep.csv", "sweep.parquet"])
 def test_the_table_written_block_by_block_is_the_table_of_the_whole(hoist_of, tmp_path, monkeypatch, name):
     monkeypatch.setattr(sweeping, "_BLOCK", 7)
+    monkeypatch.setattr(tables, "_BLOCK", 7)
     scene = hoist_of(effects="all")
     # The first points lift off: their rows wait until the names of the numbers are known.
     axes = tuple(parse_axis(scene, text) for text in ("wheel.speed=60m/s:1m/s:9", "wheel.wrap=1turn:4turn:5"))
     with sweep_table(axes, Folder(tmp_path), name) as table:
-        swept = sweep_scene(scene, axes, table=table, keep=12)
+        swept = sweep_scene(scene, axes, write=table.add, keep=12)
     whole = sweep_scene(scene, axes)
     assert swept.steps == (4, 2)
     assert [axis.values.size for axis in swept.kept] == [3, 3]
@@ -229,7 +232,7 @@ def test_a_sweep_that_is_broken_off_leaves_no_table(hoist_of, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt), sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
-        sweep_scene(scene, axes, table=table, progress=stop)
+        sweep_scene(scene, axes, write=table.add, progress=stop)
     assert not list(tmp_path.iterdir())
 
 
@@ -248,7 +251,7 @@ def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):
         )
         tracemalloc.start()
         with sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
-            sweep_scene(scene, axes, table=table, keep=1000)
+            sweep_scene(scene, axes, write=table.add, keep=1000)
         size = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         return size
@@ -261,7 +264,7 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
     def missing(name):
         raise ImportError
 
-    monkeypatch.setattr(sweeping, "import_module", missing)
+    monkeypatch.setattr(tables, "import_module", missing)
     scene = hoist_of()
     axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
     with (

@@ -48,6 +48,7 @@ _NO_ANSWER = frozenset({FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS})
 _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
 _STRAYED = 10.0
+_CLEAR = 1e-5
 # Criteria are differences of logarithms, weights and p-values their powers.
 _DIGITS = 6
 
@@ -218,11 +219,16 @@ def _contests(
                 for law in entries
                 if law != low and (low == "constant" or ALL_LAWS[low] in ALL_LAWS[law].special_cases)
             ]
+            tested = (test.p_value for test in tests if (test.simpler, test.fuller) == (low, high))
+            # So clear that no simulated campaign would lead as far.
+            clear = next((p_value for p_value in tested if p_value < _CLEAR), None)
             contest = Contest(
                 simpler=low,
                 fuller=high,
                 lead=standings[low].aicc - standings[high].aicc,
-                p_value=lead_by_chance(standings[low], standings[high], family, means),
+                p_value=clear
+                if clear is not None
+                else lead_by_chance(standings[low], standings[high], family, means),
                 loco_ratio=_ratio(entries[high].loco_error, entries[low].loco_error),
             )
             held.append(contest)

@@ -194,17 +194,20 @@ def test_a_clear_offset_is_named_where_it_wins(campaign):
 
 
 @pytest.mark.slow
-def test_limits_hold_the_truth_as_often_as_they_say(campaign):
-    """Each of the two limits misses in 5 % of campaigns; at 200 the share is known to 1.5 %."""
+@pytest.mark.parametrize(("repeats", "least"), [(1, 0.05), (2, 0.0)])
+def test_limits_hold_the_truth_as_often_as_they_say(campaign, repeats, least):
+    """Each of the two limits misses in 5 % of campaigns, and in fewer where repeats say what a mean is worth at best.
+
+    At 150 campaigns the share of both together is known to 2.4 %.
+    """
     missed = np.zeros(2)
-    for seed in range(200):
+    for seed in range(150):
         table = campaign(
-            "constant", [0.2], repeats=2, wraps_deg=(90, 180, 360), loads=(10.0, 40.0), seed=seed
+            "constant", [0.2], repeats=repeats, wraps_deg=(90, 180, 360), loads=(10.0, 40.0), seed=seed
         )
         numbers = diagnose(table, compare_laws(table, ["constant"]))["wrap effect"].numbers
         missed += [numbers["bound_low"] > 0.0, numbers["bound_high"] < 0.0]
-    assert (missed / 200 < 0.1).all()
-    assert missed.sum() / 200 == pytest.approx(0.1, abs=0.05)
+    assert least <= missed.sum() / 150 <= 0.15
 
 
 def test_what_six_points_could_have_hidden(campaign):

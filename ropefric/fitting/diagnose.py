@@ -28,7 +28,7 @@ from ropefric.trials.table import TrialTable
 
 Supported = Literal["yes", "no", "cannot-tell"]
 
-_WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
+WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 # Differences of AICc: an effect is supported when it makes the data e^3 = 20 times likelier after its price.
 _STRONG = 6.0
 _WEAK = 2.0
@@ -112,7 +112,7 @@ class Diagnosis:
         """Return the diagnosis as lines for people."""
         lines = [self.summary, f"the best law is {self.verdict.word}: {self.verdict.reason}"]
         for item in self.causes:
-            lines += [f"{item.cause}: {_WORDS[item.supported]}", f"  {item.evidence}"]
+            lines += [f"{item.cause}: {WORDS[item.supported]}", f"  {item.evidence}"]
             lines.append(f"  to decide: {item.experiment}")
         return "\n".join(lines)
 

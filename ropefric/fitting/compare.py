@@ -442,7 +442,8 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     apart = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
     if other := [name for name in apart if name not in open_]:
         where = "on the conditions tested" if wheel is None else "for the wheel asked for"
-        text = f"are within {RIVAL:g} in AICc and answer differently {where}"
+        near_it = f"are within {RIVAL:g} in AICc and " if chosen.delta_aicc <= RIVAL else ""
+        text = f"{near_it}answer differently {where}"
         doubts.append(("undecided", f"{chosen.law} and {' and '.join(other)} {text}"))
     undecided = [chosen.law, *dict.fromkeys([*apart, *open_])] if comparison.conclusive else []
     weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"

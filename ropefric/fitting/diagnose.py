@@ -299,7 +299,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     by_law = min(lacking.values(), default=math.inf) - min(having.values(), default=math.inf)
     numbers |= {"gain_on_constant": gain, "lead_on_others": lead}
     parts.append(_criteria_words(having, lacking, plain, gain, lead))
-    yes = lead >= _STRONG or (by_law >= _STRONG and lead > -_WEAK) or _named_by(effect, ranked, trends, title)
+    yes = lead >= _STRONG or (by_law >= _STRONG and lead > 0.0) or _named_by(effect, ranked, trends, title)
     # Another effect that could stand in its place: as good without what the best description has.
     alike = [
         o for o in trends.best if o != title and trends.least(title, there=True, without=o) < other + _STRONG

@@ -11,8 +11,8 @@ from typing import Any
 __version__ = "0.1.0"
 
 _NAMES = {
-    "api.models": "budget compare design diagnose explain fit measured_budgets plan_tests predict run solve sweep",
-    "api.recordings": "extract find_breakaway read_trace read_trial reject smooth trial_table",
+    "api": "budget compare design diagnose explain extract find_breakaway fit measured_budgets plan_tests predict "
+    "read_trace read_trial reject run smooth solve sweep trial_table",
     "fitting.lmfit_model": "lmfit_model",
     "fitting.store": "load_fit save_fit",
     "scenes.scene": "load_scene",

@@ -27,7 +27,7 @@ SIGNATURES = {
     "compare": "(trials, laws=None, *, progress=None, of='peak')",
     "design": "(fit, *, lift_N, solve_for='wrap', wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
     "rope_radius_m=None, probability=0.95)",
-    "diagnose": "(trials, comparison=None)",
+    "diagnose": "(trials, comparison=None, *, touching_turns=None)",
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
     "find_breakaway": "(trace, *, window_s=None, peak='smoothed', start_s=None, stop_s=None, min_step_N=None, "

@@ -15,10 +15,9 @@ from typing import Annotated, Any
 import typer
 
 from ropefric import __version__
-from ropefric.cli import commands
-from ropefric.cli.lazily import on_first_use
+from ropefric.cli import commands, on_first_use
 from ropefric.cli.options import Answer, Command
-from ropefric.cli.output import Output, json_text, rendered
+from ropefric.cli.output import Output, json_text, width_of
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
@@ -112,7 +111,7 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
             if on_start is not None:
                 on_start()
             answer = command.run(out, **arguments)
-            out.result(json_text(answer.data) + "\n" if out.json else _shown(answer, out))
+            out.result(json_text(answer.data) + "\n" if out.json else _shown(answer))
         except KeyboardInterrupt as interrupt:  # typer would end here without a word
             return report_failure(interrupt, out)
         return answer.exit_code
@@ -130,13 +129,11 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
     return call
 
 
-def _shown(answer: Answer, out: Output) -> str:
-    """Return what people see of an answer; rich is loaded only for what it prints itself."""
-    if callable(answer.show):
-        return rendered(out.stdout, answer.show)
+def _shown(answer: Answer) -> str:
+    """Return what people see of an answer; on a terminal folded to its width."""
     if isinstance(answer.show, str):
-        return visible(answer.show) + "\n"
-    return visible(section.as_text(answer.show))
+        return visible(f"{answer.show}\n")
+    return visible(section.as_text(answer.show, width_of(sys.stdout)))
 
 
 def report_failure(error: BaseException, out: Output) -> int:

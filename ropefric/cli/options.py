@@ -10,8 +10,8 @@ from typing import Annotated, Any, TypeVar
 
 import typer
 
-from ropefric.cli.lazily import on_first_use
-from ropefric.cli.output import Console, Output
+from ropefric.cli import on_first_use
+from ropefric.cli.output import Output
 from ropefric.errors import InputError, RopefricError
 
 with on_first_use():
@@ -31,10 +31,10 @@ SERIAL_BELOW = 20
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The result of one command: data for programs, what people see of it (or what prints it), an exit code."""
+    """The result of one command: data for programs, what people see of it, an exit code."""
 
     data: Mapping[str, Any]
-    show: "Sequence[section.Section] | str | Callable[[Console], None]"
+    show: "Sequence[section.Section] | str"
     exit_code: int = 0
 
 

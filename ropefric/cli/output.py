@@ -5,10 +5,10 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache, partial
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, Self, TextIO
 
 from ropefric.errors import Problem
@@ -16,11 +16,8 @@ from ropefric.files.plain_text import visible
 from ropefric.files.write import cannot_write
 
 if TYPE_CHECKING:
-    from rich.console import Console as Console  # noqa: PLC0414  (for the commands)
+    from rich.console import Console
     from rich.progress import Progress as Bar
-    from rich.table import Table
-else:
-    Console = object  # rich costs half the start-up time
 
 
 PIPE_WIDTH = 200
@@ -37,12 +34,7 @@ class Output:
     color: bool = True
 
     @property
-    def stdout(self) -> Console:
-        """Return a console for the result."""
-        return console_on(sys.stdout, color=self.color)
-
-    @property
-    def stderr(self) -> Console:
+    def stderr(self) -> "Console":
         """Return a console for messages."""
         return console_on(sys.stderr, color=self.color)
 
@@ -66,11 +58,22 @@ class Output:
         """List problems on stderr; warnings only if not asked to be quiet."""
         for problem in problems:
             if problem.severity == "error" or not self.quiet:
-                styled = (
-                    sys.stderr.isatty() or "FORCE_COLOR" in os.environ
-                )  # else without rich, which takes a while
-                show = partial(_print_problem, problem)
-                self._say(rendered(self.stderr, show) if styled else f"{visible(str(problem))}\n")
+                # Styled only for eyes: rich takes a while.
+                for_eyes = sys.stderr.isatty() or "FORCE_COLOR" in os.environ
+                self._say(self._styled(problem) if for_eyes else f"{visible(str(problem))}\n")
+
+    def _styled(self, problem: Problem) -> str:
+        from rich.text import Text  # noqa: PLC0415
+
+        text = Text(visible(str(problem)))
+        text.stylize("bold red" if problem.severity == "error" else "bold yellow", 0, len(problem.severity))
+        fix = text.plain.rfind("\n  fix: ")
+        if problem.fix and fix >= 0:
+            text.stylize("cyan", fix + 3, fix + 7)
+        console = self.stderr
+        with console.capture() as capture:
+            console.print(text, soft_wrap=True)
+        return capture.get()
 
     def _say(self, text: str) -> None:
         # The work goes on when nobody listens any more (`2>&1 | head`), or the log's disk is full.
@@ -79,46 +82,18 @@ class Output:
             sys.stderr.flush()
 
 
-def console_on(stream: TextIO, *, color: bool = True) -> Console:
+def width_of(stream: TextIO) -> int | None:
+    """Return the columns of the terminal that a stream leads to; None where it leads elsewhere."""
+    return get_terminal_size().columns if stream.isatty() or "COLUMNS" in os.environ else None
+
+
+def console_on(stream: TextIO, *, color: bool = True) -> "Console":
     r"""Return a console that writes to `stream`: as wide as the terminal, unstyled in a pipe."""
-    width = None if stream.isatty() or "COLUMNS" in os.environ else PIPE_WIDTH
+    width = width_of(stream) or PIPE_WIDTH
     styled = {} if color else {"color_system": None}
-    return _console_class()(file=stream, highlight=False, emoji=False, width=width, **styled)  # type: ignore[arg-type]
-
-
-@cache
-def _console_class() -> type[Console]:
     from rich.console import Console as RichConsole  # noqa: PLC0415
-    from rich.segment import Segment  # noqa: PLC0415
 
-    class PlainConsole(RichConsole):
-        """Shows what steers a terminal instead of obeying it, whoever wrote it: headers, names, messages."""
-
-        def render(self, renderable: Any, options: Any = None) -> Iterator[Segment]:
-            for segment in super().render(renderable, options):
-                text, style, control = segment
-                yield segment if control else Segment(visible(text), style)
-
-    return PlainConsole
-
-
-def rendered(console: Console, show: Callable[[Console], None]) -> str:
-    r"""Return what `show` prints on a console, styled as the console's stream can take it."""
-    # Not printed directly: rich ends the program when the reader of a pipe goes away.
-    with console.capture() as capture:
-        show(console)
-    return capture.get()
-
-
-def _print_problem(problem: Problem, console: Console) -> None:
-    from rich.text import Text  # noqa: PLC0415
-
-    text = Text(str(problem))
-    text.stylize("bold red" if problem.severity == "error" else "bold yellow", 0, len(problem.severity))
-    fix = text.plain.rfind("\n  fix: ")
-    if problem.fix and fix >= 0:
-        text.stylize("cyan", fix + 3, fix + 7)
-    console.print(text, soft_wrap=True)
+    return RichConsole(file=stream, highlight=False, emoji=False, width=width, **styled)  # type: ignore[arg-type]
 
 
 def json_text(data: Any) -> str:
@@ -140,26 +115,6 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # NumPy scalars and arrays, without loading NumPy to ask
         return _plain(value.tolist())
     raise TypeError(f"{type(value).__name__} has no place in a JSON result")
-
-
-def number(value: float, form: str = ".4g") -> str:
-    """Return a number for a table cell; a dash where there is none."""
-    return format(value, form) if math.isfinite(value) else "–"
-
-
-def make_table(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> "Table":
-    """Return a table whose first `left` columns (and the last, if its heading ends in a space) hold words."""
-    from rich import box  # noqa: PLC0415  (rich costs half the start-up time)
-    from rich.table import Table  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="bold")
-    for place, heading in enumerate(headings):
-        words = place < left or heading.endswith(" ")
-        table.add_column(Text(heading.rstrip()), justify="left" if words else "right", overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))  # Text, because file names may look like markup
-    return table
 
 
 class Progress:

@@ -44,11 +44,7 @@ def rounded_tree(tree: Any, digits: int = MEASURED_DIGITS) -> Any:
         return significant(tree, digits) if math.isfinite(tree) else None
     if isinstance(tree, Mapping):
         return {
-            key: rounded_tree(item, min(digits, STD_DIGITS) if _is_std(str(key)) else digits)
+            key: rounded_tree(item, min(digits, STD_DIGITS) if f"{key}_".startswith("std_") else digits)
             for key, item in tree.items()
         }
     return [rounded_tree(item, digits) for item in tree] if isinstance(tree, list | tuple) else tree
-
-
-def _is_std(key: str) -> bool:
-    return key == "std" or key.startswith("std_")

@@ -23,20 +23,9 @@ from types import TracebackType
 from typing import Any, BinaryIO, Self
 
 from ropefric.errors import DataError, Problem, data_error
+from ropefric.files import write
 from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file
-from ropefric.files.write import (
-    PART,
-    cannot_write,
-    discard,
-    new_part,
-    not_written,
-    put_in_place,
-    refuse_link,
-    refuse_special,
-    replacing,
-    write_file,
-)
 
 if sys.platform != "win32":
     import fcntl
@@ -61,11 +50,11 @@ class Folder:
 
     def write(self, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
         """Write files, named relative to the folder with "/"; return their paths."""
-        return tuple(write_file(self.path / name, content) for name, content in contents.items())
+        return tuple(write.write_file(self.path / name, content) for name, content in contents.items())
 
     def stream(self, name: str) -> AbstractContextManager[BinaryIO]:
         """Return a context whose stream becomes a file, for what is too long to be held."""
-        return replacing(self.path / name)
+        return write.replacing(self.path / name)
 
     def publish(self, part: str) -> None:
         """Let everybody see what was written since the last time, as one part of the result."""
@@ -119,8 +108,8 @@ class OutputFolder(Folder):
         try:
             self._make()
             self._take_lock()
-            for left in self._own.glob(f".*{PART}"):
-                discard(left)
+            for left in self._own.glob(f".*{write.PART}"):
+                write.discard(left)
             self._entries = self._read_entries()
             self._inputs = {key for key in map(_file_key, self._sources) if key is not None}
             self._refuse_others(self._existing())
@@ -134,7 +123,7 @@ class OutputFolder(Folder):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         for part in self._staged.values():
-            discard(part)
+            write.discard(part)
         self._staged.clear()
         self._release()
 
@@ -148,7 +137,7 @@ class OutputFolder(Folder):
     @contextmanager
     def stream(self, name: str) -> Iterator[BinaryIO]:
         """Yield a stream whose bytes become a file when it is published."""
-        part = new_part(self._own)
+        part = write.new_part(self._own)
         try:
             try:
                 with part.open("xb") as stream:
@@ -156,12 +145,12 @@ class OutputFolder(Folder):
                     stream.flush()
                     os.fsync(stream.fileno())
             except BaseException:
-                discard(part)
+                write.discard(part)
                 raise
         except OSError as error:
-            raise cannot_write(error, self.path / name) from None
+            raise write.cannot_write(error, self.path / name) from None
         if name in self._staged:
-            discard(self._staged[name])
+            write.discard(self._staged[name])
         self._staged[name] = part
 
     def publish(self, part: str) -> None:
@@ -189,14 +178,14 @@ class OutputFolder(Folder):
             for name, staged in list(self._staged.items()):
                 path = self.path / name
                 path.parent.mkdir(parents=True, exist_ok=True)
-                put_in_place(staged, path)
+                write.put_in_place(staged, path)
                 del self._staged[name]
             for name, sha256 in new.items():
                 parts = kept[name].parts if name in kept else frozenset[str]()
                 kept[name] = _Entry((sha256,), parts | {label}, basis)
             self._write_entries(kept)
         except OSError as error:
-            raise cannot_write(error, error.filename2 or error.filename or self.path) from None
+            raise write.cannot_write(error, error.filename2 or error.filename or self.path) from None
 
     def _sort_out(
         self, label: str, new: Mapping[str, str], basis: str
@@ -228,14 +217,14 @@ class OutputFolder(Folder):
         for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
             folder = self.path / parent
             if parent != ".":
-                refuse_link(folder)
+                write.refuse_link(folder)
             if not os.path.lexists(folder) or parent == CACHE:
                 continue
             patterns = [PurePosixPath(name).name for name in self._names
                         if PurePosixPath(name).parent.as_posix() == parent]  # fmt: skip
             reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
             if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
-                raise cannot_write(OSError(reason, os.strerror(reason)), folder)
+                raise write.cannot_write(OSError(reason, os.strerror(reason)), folder)
             names = sorted(path.name for path in folder.iterdir())
             taken = [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
             found += [name if parent == "." else f"{parent}/{name}" for name in taken]
@@ -247,8 +236,8 @@ class OutputFolder(Folder):
         for name in names:
             path = self.path / name
             for parent in PurePosixPath(name).parents[:-1]:
-                refuse_link(self.path / parent)
-            refuse_special(path)
+                write.refuse_link(self.path / parent)
+            write.refuse_special(path)
             code, what, fix = "", "", "choose another folder, or move the file away"
             if _file_key(path) in self._inputs:
                 code, what = "RF151", "this is an input of the same command and is never replaced"
@@ -276,7 +265,7 @@ class OutputFolder(Folder):
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
             why = f"the folder is neither new nor one of ropefric's: it holds {', '.join(names[:3])}{more}"
             fix = "choose a new or empty folder, or have the results written among these files with --force"
-            raise not_written(self.path, why, fix, "RF150")
+            raise write.not_written(self.path, why, fix, "RF150")
 
     def _behind_a_link(self, name: str) -> bool:
         return any(
@@ -314,7 +303,7 @@ class OutputFolder(Folder):
             name: {"sha256": list(entry.sha256), "parts": sorted(entry.parts), "basis": entry.basis}
             for name, entry in self._entries.items()
         }
-        write_file(self._own / "files.json", json_document({"schema": SCHEMA, "files": files}))
+        write.write_file(self._own / "files.json", json_document({"schema": SCHEMA, "files": files}))
 
     # --- one run at a time ---
 
@@ -325,11 +314,11 @@ class OutputFolder(Folder):
             ]
             self._own.mkdir(parents=True, exist_ok=True)
             self._made = missing
-            refuse_link(self._own)
+            write.refuse_link(self._own)
             if not os.access(self.path, os.W_OK | os.X_OK):
-                raise cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
+                raise write.cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
         except OSError as error:
-            raise cannot_write(error, self.path) from None
+            raise write.cannot_write(error, self.path) from None
         except ValueError as error:
             if isinstance(error, DataError):
                 raise
@@ -338,7 +327,7 @@ class OutputFolder(Folder):
 
     def _take_lock(self) -> None:
         path = self._own / "lock"
-        refuse_special(path)
+        write.refuse_special(path)
         key = _file_key(self._own)
         assert key is not None  # noqa: S101  (it was just made)
         if key in _held:
@@ -349,7 +338,7 @@ class OutputFolder(Folder):
                 (h for again in range(20) if (h := self._open_lock(path, last=again == 19)) >= 0), -1
             )
         except OSError as error:
-            raise cannot_write(error, path) from None
+            raise write.cannot_write(error, path) from None
         self._lock, self._key = handle, key
         _held.add(key)
 
@@ -386,7 +375,7 @@ class OutputFolder(Folder):
 
     def _release(self) -> None:
         if self._lock >= 0:
-            discard(self._own / "lock")
+            write.discard(self._own / "lock")
             os.close(self._lock)
             self._lock = -1
             _held.discard(self._key)
@@ -408,7 +397,7 @@ def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
     if where:
         fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
     why = f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}"
-    return not_written(folder, why, fix, "RF152")
+    return write.not_written(folder, why, fix, "RF152")
 
 
 def _me() -> dict[str, Any]:

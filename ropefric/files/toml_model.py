@@ -223,12 +223,8 @@ def _problem(model: type[BaseModel], document: TomlDocument, item: Any) -> Probl
         key,
         "RF110",
         f"expected {expected}, got {got(value)}",
-        fix=_table_fix(key) if "table" in expected else "",
+        fix=f"open a table with [{key_text(key)}] on a line of its own" if "table" in expected else "",
     )
-
-
-def _table_fix(key: KeyPath) -> str:
-    return f"open a table with [{key_text(key)}] on a line of its own"
 
 
 def _missing(document: TomlDocument, key: KeyPath) -> Problem:

@@ -1,10 +1,7 @@
 """Which law the data ask for: all laws on one trial table, ranked by AICc over the conditions, and the one to use.
 
-A law stands on the condition means: refit there, judged by likelihood, with each mean left out. Residuals are those of
-the force that was measured: the lift force or, where a known weight is lifted, the end tension. Where the load is set
-and the slack side is measured, ln F_A has no scatter at all, and a law that answers the same F_A whatever the end
-tension would seem perfect. Such a law says nothing of the force that was measured, and dividing by ∂ ln F_A/∂ ln F_B
-shows it.
+A law stands on the condition means (`standing`): refit there, judged by likelihood, with each mean left out. That a
+fuller law is preferred to a simpler one takes AICc, the error at conditions left out and a bootstrap test together.
 """
 
 import math
@@ -13,28 +10,26 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
-from ropefric.arrays import FloatArray
 from ropefric.errors import FitError, RopefricError, UnknownNameError
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.predict import Candidate, Prediction, predict
-from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.predict import Candidate, Prediction, averaged, predict
 from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, same_lift, verdict_of
-from ropefric.fitting.statistics import (
-    ConditionMeans,
-    ScatterFit,
-    aicc,
-    akaike_weights,
-    bic,
-    condition_means,
-    f_test,
-    scatter_fit,
+from ropefric.fitting.standing import (
+    CHANCE,
+    Contest,
+    FTest,
+    Standing,
+    lead_by_chance,
+    leave_one_out,
+    nested_test,
+    standing,
+    wild_trial,
 )
-from ropefric.friction.condition import SETTINGS, Conditions
-from ropefric.friction.law import Columns, FrictionLaw, Refusal
+from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
+from ropefric.friction.condition import Conditions
+from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
@@ -53,24 +48,8 @@ _NO_ANSWER = frozenset({FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS})
 _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
 _STRAYED = 10.0
-_CHANCE = 0.05
 # Criteria are differences of logarithms, weights and p-values their powers.
 _DIGITS = 6
-# Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
-_ROUNDS = 4
-# Of ln F_B, for how the slope by it changes with the parameters; the error is a millionth of a small correction.
-_STEP = 1e-6
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FTest:
-    """Whether a law's extra parameters explain more than chance."""
-
-    simpler: str
-    fuller: str
-    f: float
-    dof: tuple[int, int]
-    p_value: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -115,6 +94,10 @@ class Comparison:
         Standard deviation of ln F_A between repeats [-]; NaN without repeats.
     notes : tuple of str
         What to know before reading the ranking.
+    contests : tuple of Contest
+        The best law against the simpler ones it contains, and against a fuller one that an F-test speaks for.
+    wild : tuple of str
+        Trials that lie so far off all the others that they decide the ranking.
     """
 
     ranking: tuple[ComparisonEntry, ...]
@@ -124,6 +107,8 @@ class Comparison:
     n_trials: int
     scatter_within: float
     notes: tuple[str, ...]
+    contests: tuple[Contest, ...] = ()
+    wild: tuple[str, ...] = ()
 
     @property
     def best(self) -> ComparisonEntry:
@@ -144,25 +129,13 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
-        names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes")
+        names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes", "wild")
         tree = {name: getattr(self, name) for name in names} | {
             "ranking": [entry.to_dict() for entry in self.ranking],
             "f_tests": [asdict(test) for test in self.tests],
+            "contests": [asdict(item) | {"preferred": item.preferred} for item in self.contests],
         }
         return dict(rounded_tree(tree, _DIGITS))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Standing:
-    """A law fitted to condition means, in the lift force or in the end tension."""
-
-    problem: FitProblem
-    theta: FloatArray
-    scatter: ScatterFit
-    chi2: float
-    k: int
-    aicc: float
-    bic: float
 
 
 def compare_laws(
@@ -194,6 +167,7 @@ def compare_laws(
             notes[name] = reasons[0] if reasons else str(error)
     data, slack = fits["constant"].data, table.measures_slack
     means = condition_means(data if unit == "conditions" else replace(data, group=np.arange(data.n_points)))
+    wild = wild_trial(data, slack=slack)
     standings = {name: standing(fit.data, means, fit.theta, slack=slack) for name, fit in fits.items()}
     for name, stands in standings.items():
         notes[name] = (
@@ -209,12 +183,56 @@ def compare_laws(
     return Comparison(
         ranking=ranking,
         tests=tests,
+        contests=_contests(ranking, tests, standings, means),
         unit=unit,
         n=len(means),
         n_trials=data.n_points,
         scatter_within=means.scatter_within,
         notes=_notes(ranking, tests, means, unit, slack=slack),
+        wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
+
+
+def _contests(
+    ranking: Sequence[ComparisonEntry],
+    tests: Sequence[FTest],
+    standings: Mapping[str, Standing],
+    means: ConditionMeans,
+) -> tuple[Contest, ...]:
+    """Return the best law against others, and a simpler law that chance leaves beside it against simpler ones still."""
+    entries = {entry.law: entry for entry in ranking if entry.counted and not math.isnan(entry.weight)}
+    trusted = [name for name, entry in entries.items() if entry.fit is not None and entry.fit.trustworthy]
+    held: list[Contest] = []
+    waiting = (trusted or list(entries))[:1]
+    for name in waiting:
+        simpler = [case.name for case in ALL_LAWS[name].special_cases if case.name in entries]
+        # Every law is tried against the constant one, whether it contains it or not.
+        simpler = simpler or [law for law in entries if law == "constant" != name]
+        against = [test for test in tests if test.simpler == name and test.fuller in entries]
+        likely = min(against, key=lambda test: test.p_value, default=None)
+        pairs = [(law, name) for law in simpler]
+        pairs += [(name, likely.fuller)] if likely is not None and likely.p_value <= CHANCE else []
+        for low, high in pairs:
+            family = [
+                standings[law]
+                for law in entries
+                if law != low and (low == "constant" or ALL_LAWS[low] in ALL_LAWS[law].special_cases)
+            ]
+            contest = Contest(
+                simpler=low,
+                fuller=high,
+                lead=standings[low].aicc - standings[high].aicc,
+                p_value=lead_by_chance(standings[low], standings[high], family, means),
+                loco_ratio=_ratio(entries[high].loco_error, entries[low].loco_error),
+            )
+            held.append(contest)
+            if contest.preferred == "simpler" and low not in waiting:
+                waiting.append(low)
+    return tuple(held)
+
+
+def _ratio(above: float, below: float) -> float:
+    return above / below if below > 0.0 else math.nan
 
 
 def _ranking(
@@ -309,7 +327,7 @@ def _notes(
         )
         against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
         worst = min(against, key=lambda test: test.p_value, default=None)
-        if worst is not None and worst.p_value < _CHANCE:
+        if worst is not None and worst.p_value < CHANCE:
             more = f"{worst.fuller}, which is not ranked, follows the trials better (p = {worst.p_value:.2g})"
             notes.append(f"an F-test speaks against {worst.simpler}: {more}")
     rivals = [law for law, entry in ranked.items() if entry.delta_aicc <= RIVAL]
@@ -322,119 +340,6 @@ def _notes(
             f"{', '.join(wraps)}: measure the offset at a wrap near zero"
         )
     return tuple(notes)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _SetLoads(Conditions):
-    """Conditions at which the lift force was set, and the end tension measured."""
-
-    log_lift: FloatArray
-
-    def select(self, index: npt.ArrayLike) -> "_SetLoads":
-        """Return the conditions at an index array or boolean mask, in that order."""
-        chosen = np.asarray(index)
-        return _SetLoads(**{item.name: getattr(self, item.name)[chosen] for item in fields(self)})
-
-
-@dataclass(frozen=True, slots=True)
-class _EndTension:
-    """The physics of a law seen from the end tension, to first order.
-
-    Its ln F_A is as far off the one that was set as the law's ln F_B is off the measured one, the other way:
-    (ln F_A − set)/(∂ ln F_A/∂ ln F_B). A slope of zero leaves the end tension open, however small the rest.
-    """
-
-    physics: Any
-
-    def rise_and_slopes(self, columns: Columns, conditions: _SetLoads) -> tuple[FloatArray, Columns]:
-        """Return the rise as seen, and its slopes by the parameters."""
-        known = conditions.log_lift - conditions.log_end_tension
-        rise, slopes = self.physics.rise_and_slopes(columns, conditions)
-        slope = np.maximum(self.physics.condition_slopes(columns, conditions)[2], 1e-12)
-        more = replace(conditions, end_tension_N=conditions.end_tension_N * (1.0 + _STEP))
-        after = self.physics.rise_and_slopes(columns, more)[1]
-        off = (rise - known) / slope
-        # The slope by ln F_B changes with a parameter as the slope by the parameter changes with ln F_B.
-        seen = ((by - off * (later - by) / _STEP) / slope for by, later in zip(slopes, after, strict=True))
-        return known + off, tuple(seen)
-
-    def rise(self, columns: Columns, conditions: _SetLoads) -> FloatArray:
-        """Return the rise as seen."""
-        return self.rise_and_slopes(columns, conditions)[0]
-
-    def refusals(self, columns: Columns, conditions: _SetLoads) -> Iterable[Refusal]:
-        """Return where the law itself has no answer."""
-        return tuple(self.physics.refusals(columns, conditions))
-
-
-def standing(
-    problem: FitProblem, means: ConditionMeans, theta: npt.ArrayLike, *, slack: bool = False
-) -> Standing:
-    """Return how the law of a problem stands on condition means, in the force that was measured."""
-    starts, K = np.atleast_2d(np.asarray(theta, dtype=np.float64)), len(means)
-    law, conditions = problem.law, means.conditions
-    if slack and "end-tension" in law.effects:
-        seen: Any = _EndTension(law.physics)
-        law = replace(law, physics=seen)
-        settings = {name: getattr(conditions, name) for name in SETTINGS}
-        conditions = _SetLoads(log_lift=means.log_lift, **settings)
-        # A fit of ln F_A may have gone to where F_A does not depend on F_B, from which no gradient leads back.
-        declared = [parameter.start for parameter in law.parameters]
-        starts = np.vstack([starts, np.where(problem.vary, declared, starts)])
-    on_means = replace(
-        problem, law=law, conditions=conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
-    )
-    for _ in range(_ROUNDS):
-        at, _converged = refit(on_means, starts)
-        residual = law.log_lift(at, conditions) - means.log_lift
-        scatter = scatter_fit(residual, means)
-        on_means = replace(on_means, std=np.sqrt(scatter.variance))
-        starts = np.vstack([at, starts[1:]])
-        if not means.repeated or float(np.ptp(means.std)) <= 1e-9 * float(means.std[0]):
-            break
-    k = problem.n_varying + 1
-    chi2 = float((residual**2 / scatter.variance).sum())
-    criteria = (aicc(scatter.deviance, K, k), bic(scatter.deviance, K, k))
-    return Standing(on_means, at, scatter, chi2, k, *criteria)
-
-
-def refit(problem: FitProblem, starts: FloatArray) -> tuple[FloatArray, bool]:
-    """Return the parameters of the best of some searches, and whether it converged."""
-    found = batched_fit(problem, starts=starts)
-    best = int(np.argmin(found.chi2))
-    return (found.theta if np.isfinite(found.chi2[best]) else starts)[best], bool(found.converged[best])
-
-
-def leave_one_out(law: Standing) -> float:
-    """Return the leave-one-condition-out error: RMS of the ln F predicted by a fit to all other means, less measured.
-
-    This is the relative error of the force at conditions the law has not seen. NaN where the other means cannot fix
-    the parameters (K ≤ number of parameters) or a refit fails.
-    """
-    problem, K = law.problem, law.problem.n_points
-    if problem.n_varying >= K:
-        return math.nan
-    found = batched_fit(problem, starts=law.theta, multiplicity=1.0 - np.eye(K))
-    if not (found.converged & problem.law.admissible(found.theta, problem.conditions)).all():
-        return math.nan
-    missed = np.diagonal(problem.law.log_lift(found.theta, problem.conditions) - problem.log_lift)
-    return float(np.sqrt(np.mean(missed**2)))
-
-
-def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:
-    """Return the test of two laws, both weighted as the fuller; None without degrees of freedom.
-
-    Where the simpler law lies on a bound of the fuller (a = 0), the p-value is too large rather than too small.
-    """
-    n, p_simpler, p_fuller = fuller.problem.n_points, simpler.problem.n_varying, fuller.problem.n_varying
-    if n <= p_fuller or p_fuller <= p_simpler:
-        return None
-    weighted = replace(simpler.problem, std=fuller.problem.std)
-    at, _converged = refit(weighted, simpler.theta[np.newaxis])
-    chi2 = float((weighted.residuals(at) ** 2).sum())
-    F, dof, p_value = f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
-    names = (simpler.problem.law.name, fuller.problem.law.name)
-    return FTest(simpler=names[0], fuller=names[1], f=F, dof=dof, p_value=p_value)
 
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -451,6 +356,7 @@ class Choice:
     verdict: Verdict
     doubts: tuple[str, ...]
     rivals: tuple[FitResult, ...]
+    undecided: Mapping[str, float]
 
     @property
     def how(self) -> str:
@@ -464,15 +370,30 @@ class Choice:
         return {"law": self.fit.law, "verdict": self.verdict.to_dict()}
 
     def of(self, prediction: Prediction) -> Prediction:
-        """Return a prediction of one condition with this verdict, and beside it what the rivals answer."""
-        candidates = _candidates(prediction, (self.fit, *self.rivals))
-        return replace(prediction, judged=self.verdict, candidates=candidates if len(candidates) > 1 else ())
+        """Return a prediction of one condition with this verdict, averaged over the laws that are undecided.
+
+        Beside it stands what each rival answers.
+        """
+        answers = _answers(prediction, (self.fit, *self.rivals))
+        judged = replace(prediction, judged=self.verdict, candidates=_candidates(answers))
+        weights = {
+            answer.law: self.undecided[answer.law] for answer in answers if answer.law in self.undecided
+        }
+        if len(weights) < 2:
+            return judged
+        return averaged(
+            judged, [answer for answer in answers if answer.law in weights], list(weights.values())
+        )
 
 
 def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
-    """Return the best law of a comparison whose fit may be used as it stands, or the law that is asked for."""
+    """Return the law of a comparison that is to be used, or the law that is asked for.
+
+    That is the best one whose fit may be used as it stands, or a simpler one that chance alone leaves behind it.
+    """
     fits = {entry.law: entry.fit for entry in comparison.ranking if entry.fit is not None}
     fitted = [entry for entry in comparison.ranking if entry.law in fits]
+    contests = comparison.contests if comparison.conclusive else ()
     if law:
         chosen = comparison[law]
         if law not in fits:
@@ -480,20 +401,44 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     else:
         good = [entry for entry in fitted if entry.counted and fits[entry.law].trustworthy]
         chosen = (good or fitted)[0]
+        while lost := {c.simpler for c in contests if c.fuller == chosen.law and c.preferred == "simpler"}:
+            if (simpler := next((entry for entry in good if entry.law in lost), None)) is None:
+                break
+            chosen = simpler
     fit = fits[chosen.law]
+    # What the three criteria say of the law used: laws that it beats, and laws of which they do not agree.
+    beaten = {c.simpler for c in contests if c.fuller == chosen.law and c.preferred == "fuller"}
+    open_ = {
+        c.fuller if c.simpler == chosen.law else c.simpler: c
+        for c in contests
+        if chosen.law in {c.simpler, c.fuller} and c.preferred == "undecided"
+    }
     # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
     others = [(entry, fits[entry.law]) for entry in fitted if entry is not chosen]
     if comparison.conclusive:
-        near = [(entry, other) for entry, other in others if entry.counted and entry.delta_aicc <= RIVAL]
+        near = [
+            (entry, other)
+            for entry, other in others
+            if entry.law in open_ or (entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten)
+        ]
         rivals = tuple(other for _, other in near if other.status in _ANSWERING)
     else:
         rivals = tuple(other for _, other in others if other.status is FitStatus.OK)
     doubts = [*_of_place(comparison, chosen, fitted[0], forced=bool(law)), *fit.doubts]
-    other = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
-    if other:
+    doubts += [("undecided", contest.text) for contest in open_.values()]
+    doubts += [
+        (
+            "undecided",
+            f"trial {name} lies far off what all the others agree on: look at it, and set it aside if it is bad",
+        )
+        for name in comparison.wild
+    ]
+    apart = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
+    if other := [name for name in apart if name not in open_]:
         where = "on the conditions tested" if wheel is None else "for the wheel asked for"
         text = f"are within {RIVAL:g} in AICc and answer differently {where}"
         doubts.append(("undecided", f"{chosen.law} and {' and '.join(other)} {text}"))
+    undecided = [chosen.law, *dict.fromkeys([*apart, *open_])] if comparison.conclusive else []
     weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"
     names = " and ".join(rival.law for rival in rivals)
     alike = f"; {names} answer{'s' * (len(rivals) == 1)} alike" if rivals else ""
@@ -506,6 +451,10 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         verdict=verdict_of(doubts, text),
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
         rivals=rivals,
+        # Where criteria disagree none of them may outvote the others by more than laws that are not told apart.
+        undecided={
+            name: math.exp(-0.5 * min(max(comparison[name].delta_aicc, 0.0), RIVAL)) for name in undecided
+        },
     )
 
 
@@ -526,6 +475,8 @@ def _of_place(
     text = f"{first.law} stands {lead:.1f} in AICc before"
     if forced:
         text = f"{chosen.law} was asked for; {text} it"
+    elif any(c.simpler == chosen.law and c.preferred == "simpler" for c in comparison.contests):
+        return []
     else:
         text = f"{text} {chosen.law}, but is not to be used as it stands: {first.status}"
     return [("undecided" if lead > RIVAL else "supported", text)]
@@ -553,19 +504,25 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
     )
 
 
-def _candidates(prediction: Prediction, fits: Sequence[FitResult]) -> tuple[Candidate, ...]:
-    """Return the answers of several laws for one condition, the same one once."""
-    found: list[Candidate] = []
+def _answers(prediction: Prediction, fits: Sequence[FitResult]) -> list[Prediction]:
+    """Return the answers of several laws for the conditions of a prediction, the same one once."""
+    found: list[Prediction] = []
+    settings: dict[str, Any] = {"level": prediction.level, "method": prediction.method, "check": False}
     for fit in fits:
         try:
-            other = predict(
-                fit, prediction.conditions, level=prediction.level, method=prediction.method, check=False
-            )
+            other = predict(fit, prediction.conditions, **settings)
         except RopefricError:
             continue
-        lift_N = float(other.lift_force_N[0])
-        if not any(math.isclose(lift_N, item.lift_force_N, rel_tol=1e-6) for item in found):
-            low, high = other.interval_N[0].tolist()
-            std_N = float(other.std_N[0])
-            found.append(Candidate(law=fit.law, lift_force_N=lift_N, std_N=std_N, interval_N=(low, high)))
+        if not any(np.allclose(other.lift_force_N, item.lift_force_N, rtol=1e-6, atol=0.0) for item in found):
+            found.append(other)
+    return found
+
+
+def _candidates(answers: Sequence[Prediction]) -> tuple[Candidate, ...]:
+    """Return the answers of several laws for the first condition as one row each, if there is more than one."""
+    found = []
+    for item in answers if len(answers) > 1 else ():
+        low, high = item.interval_N[0].tolist()
+        numbers = {"lift_force_N": float(item.lift_force_N[0]), "std_N": float(item.std_N[0])}
+        found.append(Candidate(law=item.law, interval_N=(low, high), **numbers))
     return tuple(found)

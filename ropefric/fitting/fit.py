@@ -172,8 +172,9 @@ def common_errors(
     if not np.isnan(of("end_tension_set_N")).all():  # a second cell, which all trials share
         set_N = np.zeros_like(set_N)
     by_rope = rope_slopes(law, theta, at) if stated[4].any() else np.zeros(len(at))
-    cells, ropes = (np.array(words)[used] for words in (table.cell, table.rope_id))
-    values = (cells, set_N, at.wheel_radius_m, at.wrap_angle_rad, ropes if ropes.all() else at.rope_radius_m)
+    names = {name: np.array(words)[used] for name, words in table.labels.items()}
+    cells, ropes = names.get("cell", np.full(len(at), "")), names.get("rope_id", at.rope_radius_m)
+    values = (cells, set_N, at.wheel_radius_m, at.wrap_angle_rad, ropes)
     kinds = zip(_COMMON, stated, (*by_force, *slopes.T[:2], by_rope), values, strict=True)
     found, effects = list[CommonError](), list[FloatArray]()
     for (words, unit), std, slope, value in kinds:

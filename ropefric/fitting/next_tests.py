@@ -18,6 +18,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import csv_text
 from ropefric.fitting.predict import REGRESSORS, outside_words
+from ropefric.fitting.resolution import law_outlook
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.statistics import decomposed, plain_covariance
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
@@ -647,8 +648,31 @@ def plan_tests(
         starts=starts,
         agreeing_starts=agreeing,
         seed=seed,
-        notes=(*planned.notes, *notes, *_on_trust(planned, limits, wanted, plan)),
+        notes=(
+            *planned.notes,
+            *notes,
+            *_told(planned, plan, repeats),
+            *_on_trust(planned, limits, wanted, plan),
+        ),
     )
+
+
+def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
+    """Return what the conditions tested so far can tell of the law and its parameters, and what with the plan."""
+    tested = planned.tested
+    parts = [plan] if tested is None else [tested, plan]
+    often = [np.broadcast_to(planned.tested_repeats, len(tested))] if tested is not None else []
+    often += [np.full(len(plan), float(repeats))]
+    words = []
+    for name, count in (("what was tested", len(parts) - 1), ("with this plan", len(parts))):
+        if count:
+            columns = ([getattr(at, setting) for at in parts[:count]] for setting in SETTINGS)
+            at = Conditions(**dict(zip(SETTINGS, map(np.concatenate, columns), strict=True)))
+            variance = planned.scatter.variance(
+                planned.law.log_lift(planned.theta, at), np.concatenate(often[:count])
+            )
+            words.append(f"{name}: {law_outlook(planned.law, at, variance, planned.theta).text}")
+    return words
 
 
 def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int) -> None:

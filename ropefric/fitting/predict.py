@@ -4,12 +4,12 @@ The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ, 
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from scipy.special import ndtri, stdtrit
+from scipy.special import ndtri, stdtr, stdtrit
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
@@ -41,6 +41,8 @@ _MOST_DRAWS = 10_000_000
 _CHECKING_DRAWS = 2000
 # Draws times conditions held in memory at once.
 _BLOCK = 1_000_000
+# Student's t of so many degrees of freedom is normal; beyond so many scales lies none of a mixture's ends.
+_MANY_DOF, _FARTHEST, _HALVINGS = 1e6, 1e3, 80
 _ONE_SIGMA = 0.8413447460685429
 # Nothing is left to estimate an interval from: what was not found could be anything.
 _NOTHING_TOLD = (FitStatus.TOO_FEW_POINTS, FitStatus.NOT_CONVERGED)
@@ -123,6 +125,8 @@ class Prediction:
         On the law: by its own fit, or by the comparison it comes from.
     candidates : tuple of Candidate
         What the laws answer that the data do not tell apart, the law used first; empty where there is one only.
+    averaged : tuple of str
+        The laws whose answers were averaged, because the data leave them undecided; empty for one law.
     of : {"peak", "kinetic"}
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     """
@@ -146,6 +150,7 @@ class Prediction:
     seed: int
     judged: Verdict
     candidates: tuple[Candidate, ...] = ()
+    averaged: tuple[str, ...] = ()
     of: str = "peak"
 
     def __len__(self) -> int:
@@ -207,6 +212,7 @@ class Prediction:
             "notes": list(self.notes(i)),
             "verdict": self.verdict(i).to_dict(),
             "candidates": [asdict(item) for item in self.candidates],
+            "averaged": list(self.averaged),
         }
         return {"law": self.law, **given, **rounded_tree(found)}
 
@@ -337,6 +343,55 @@ def half_width(
         spread = shared**2 + pulls**2 / max(found.n - found.n_conditions, 1)
         dof = np.where(spread > 0.0, (variance + new2) ** 2 / spread, np.inf)
     return np.asarray(_quantiles(probability, dof) * np.sqrt(variance + new2))
+
+
+def averaged(own: Prediction, answers: Sequence[Prediction], weights: Sequence[float]) -> Prediction:
+    """Return the weighted average of the answers of several laws; its intervals hold the spread between them.
+
+    An end of an interval is a quantile of the mixture of the laws' Student distributions of ln F_A. A law whose own
+    interval is not known enters with that of the first.
+    """
+    share = np.array(weights)[:, np.newaxis] / sum(weights)
+    centre = np.stack([item.log_lift for item in answers])
+    dof = np.stack([item.dof for item in answers])
+    dof = np.where((dof > 0.0) & (dof < _MANY_DOF), dof, _MANY_DOF)
+    reach = stdtrit(dof, 0.5 + 0.5 * own.level)
+
+    def known(values: list[FloatArray]) -> FloatArray:
+        table = np.stack(values)
+        return np.asarray(np.where(np.isfinite(table) & (table > 0.0), table, table[0]))
+
+    def ends_N(of: str) -> FloatArray:
+        halves = [0.5 * np.diff(np.log(getattr(item, of)), axis=1)[:, 0] for item in answers]
+        scale = known(halves) / reach
+        ends = []
+        for side in (0.5 - 0.5 * own.level, 0.5 + 0.5 * own.level):
+            low, high = ((centre + sign * _FARTHEST * scale).T for sign in (-1.0, 1.0))
+            low, high = low.min(axis=1), high.max(axis=1)
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                below = (share * stdtr(dof, (middle - centre) / scale)).sum(axis=0) < side
+                low, high = np.where(below, middle, low), np.where(below, high, middle)
+            ends.append(0.5 * (low + high))
+        return np.asarray(np.exp(np.stack(ends, axis=1)))
+
+    mean = (share * centre).sum(axis=0)
+    std = np.sqrt(
+        (share * (known([item.std_log for item in answers]) ** 2 + (centre - mean) ** 2)).sum(axis=0)
+    )
+    with np.errstate(invalid="ignore"):
+        return replace(
+            own,
+            log_lift=mean,
+            std_log=std,
+            lift_force_N=np.exp(mean),
+            std_N=np.exp(mean) * std,
+            interval_N=ends_N("interval_N"),
+            prediction_interval_N=ends_N("prediction_interval_N"),
+            linear_agrees=None,
+            drawn_interval_N=None,
+            averaged=tuple(item.law for item in answers),
+        )
 
 
 def degrees_of_freedom(fit: FitResult) -> float:

@@ -92,7 +92,7 @@ RIVAL = 2.0
 _WORDS: tuple[Word, ...] = ("supported", "undecided", "not judged")
 _ONLY_DOUBTED = (FitStatus.EXTREME_SCATTER, FitStatus.RESIDUAL_STRUCTURE)
 # Conditions beyond the fitted parameters: one for the scatter, one more for the small-sample term of AICc.
-_SPARE = 3
+SPARE = 3
 _MANY_SPARE = 10
 _SCATTER_RATIO = 2.0
 _LACK_OF_FIT_P = 1e-3
@@ -141,10 +141,10 @@ def doubts_of_fit(
         doubts.append((word, advice[0] if advice else status.advice))
     n, n_fitted = found.n_conditions, found.n - found.dof
     within, between, spare = found.scatter_within, found.scatter_between, n - n_fitted
-    if spare < _SPARE and status is not FitStatus.TOO_FEW_POINTS:
+    if spare < SPARE and status is not FitStatus.TOO_FEW_POINTS:
         text = (
             f"{counted(n, 'condition')} cannot test {counted(n_fitted, 'fitted parameter')} of {law}: "
-            f"{n_fitted + _SPARE} are needed"
+            f"{n_fitted + SPARE} are needed"
         )
         doubts.append(("not judged", text))
     elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within:

@@ -41,6 +41,8 @@ _SAME = 1e-9
 _ROUNDING = 1e-9
 # ln F of double precision is known no better than this.
 _RESOLVED = 1e-12
+# To the last bit of a variance that is no smaller than 1e-6 of the largest square.
+_HALVINGS = 72
 
 
 # ---- scatter of ln F_A about a law ----
@@ -527,39 +529,42 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
 
 
 class ScatterFit(NamedTuple):
-    """The scatter of condition means about a law that makes them likeliest."""
+    """The scatter of condition means about a law that makes them likeliest, of one data set or of m."""
 
-    deviance: float
+    deviance: FloatArray
     variance: FloatArray
-    between: float
+    between: FloatArray
 
 
-def scatter_fit(residual: FloatArray, means: ConditionMeans) -> ScatterFit:
-    """Return the likeliest scatter for residuals of the means, shape (K,).
+def scatter_fit(residual: FloatArray, means: ConditionMeans, factor: npt.ArrayLike = 1.0) -> ScatterFit:
+    """Return the likeliest scatter for residuals of the means, shape (K,) or (m, K).
 
     With repeats the variance of a mean is τ² + s_i², with s_i known from the repeats and τ ≥ 0 estimated: a law
     earns nothing by following the means closer than their repeats allow. Without repeats it is a multiple of
-    s_i², estimated too; the deviance is then Σ ln s_i² + K ln(χ²/K).
+    s_i², estimated too; the deviance is then Σ ln s_i² + K ln(χ²/K). The s_i² of a data set may be a factor larger.
     """
-    K, known = len(means), means.std**2
+    K, known = len(means), means.std**2 * np.asarray(factor)[..., np.newaxis]
     if not means.repeated:
-        variance = np.maximum(float((residual**2 / known).sum()) / K * known, _RESOLVED**2)
-        return ScatterFit(float(np.log(variance).sum()), variance, sqrt(variance.mean()))
+        scale = (residual**2 / known).sum(axis=-1, keepdims=True) / K
+        variance = np.maximum(scale * known, _RESOLVED**2)
+        return ScatterFit(np.log(variance).sum(axis=-1), variance, np.sqrt(variance.mean(axis=-1)))
     extra = _between_variance(residual**2, known)
     variance = known + extra
-    deviance = float((np.log(variance) + residual**2 / variance).sum()) - K
-    return ScatterFit(deviance, variance, sqrt(extra))
+    deviance = (np.log(variance) + residual**2 / variance).sum(axis=-1) - K
+    return ScatterFit(deviance, variance, np.sqrt(extra[..., 0]))
 
 
-def _between_variance(squared: FloatArray, known: FloatArray) -> float:
-    """Return the τ² ≥ 0 of greatest likelihood, by bisection of its score."""
-    from scipy.optimize import bisect  # noqa: PLC0415  (a stored fit is shown without)
+def _between_variance(squared: FloatArray, known: FloatArray) -> FloatArray:
+    """Return the τ² ≥ 0 of greatest likelihood, shape (…, 1), by bisection of its score."""
+    low, high = np.zeros((*squared.shape[:-1], 1)), squared.max(axis=-1, keepdims=True)
 
-    def score(extra: float) -> float:
+    def rising(extra: FloatArray) -> BoolArray:
         variance = known + extra
-        return float(((squared - variance) / variance**2).sum())
+        return np.asarray(((squared - variance) / variance**2).sum(axis=-1, keepdims=True) > 0.0)
 
-    high = float(squared.max())
-    if high <= 0.0 or score(0.0) <= 0.0:
-        return 0.0
-    return float(bisect(score, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=2000))
+    high = np.where(rising(low), high, 0.0)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        above = rising(middle)
+        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    return np.asarray(0.5 * (low + high))

@@ -1,21 +1,29 @@
-"""What a report shows beyond the answer: budgets, what the design is sensitive to, what to measure next."""
+"""What a report shows beyond the answer: budgets, sensitivities, next tests; and where the result comes from."""
 
+import json
 import math
+import os
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ropefric.errors import RopefricError
+from ropefric.errors import DataError, RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
+from ropefric.files.read import hash_file, read_file
 from ropefric.fitting import budgets, next_tests
 from ropefric.fitting.design import DesignChart, design_chart
+from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignRun
+from ropefric.trials.outliers import RULES
 from ropefric.uncertainty.budget import LinearBudget, Statement, linear_budget, state_uncertainty
 
 T = TypeVar("T")
@@ -29,24 +37,15 @@ _LEVELS = 12
 _PLANNED = 6
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MeasuredBudget:
-    """The uncertainty of one condition's measured force, by its budget alone."""
-
-    condition: budgets.MeasuredCondition
-    budget: LinearBudget
-
-    @property
-    def relative(self) -> float:
-        """Return u_c over the force [-]."""
-        return self.budget.combined / abs(self.budget.estimate)
+Measured = tuple[tuple[budgets.MeasuredCondition, LinearBudget], ...]
+"""Each condition with the uncertainty of its measured force, by the budget alone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evidence:
     """What stands behind a campaign's answer; None where there is no design, or where it could not be made."""
 
-    measured: tuple[MeasuredBudget, ...] = ()
+    measured: Measured = ()
     typical: Statement | None = None
     typical_number: int = 0
     lift: Statement | None = None
@@ -54,6 +53,7 @@ class Evidence:
     chart: DesignChart | None = None
     plan: next_tests.LabPlan | None = None
     hand: tuple[str, ...] = ()
+    rejection: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
 
 
@@ -69,10 +69,10 @@ def gather_evidence(run: CampaignRun) -> Evidence:
             return None
 
     measured = attempt("budgets of the measured forces", lambda: _measured(run)) or ()
-    middle = sorted(measured, key=lambda item: item.relative)[len(measured) // 2] if measured else None
-    typical = None
-    if middle is not None:
-        model, notes = budgets.force_model(middle.condition.measured), middle.condition.notes
+    typical, number = None, 0
+    if measured:
+        middle = sorted(measured, key=lambda item: item[1].relative)[len(measured) // 2][0]
+        model, notes, number = budgets.force_model(middle.measured), middle.notes, middle.number
         typical = attempt("budget of a typical force", lambda: state_uncertainty(model, notes=notes))
     prediction, design = run.answer.prediction, dict[str, Any]()
     if prediction is not None:
@@ -84,20 +84,44 @@ def gather_evidence(run: CampaignRun) -> Evidence:
             "plan": attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
             "hand": attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
         }
-    number = 0 if middle is None else middle.condition.number
+    design["rejection"] = attempt("result without the outlier rule", lambda: rejection_words(run)) or ()
     return Evidence(
         measured=measured, typical=typical, typical_number=number, **design, missing=tuple(missing)
     )
 
 
-def _measured(run: CampaignRun) -> tuple[MeasuredBudget, ...]:
-    conditions = budgets.conditions_of_extraction(
-        run.extraction, weights_tolerance=run.campaign.weights_tolerance
-    )
-    return tuple(
-        MeasuredBudget(condition=item, budget=linear_budget(budgets.force_model(item.measured)))
-        for item in conditions
-    )
+def rejection_words(run: CampaignRun) -> tuple[str, ...]:
+    """Return how many good trials the campaign's rule takes on average, and what the result is without it."""
+    rule, trials, answer = RULES[run.campaign.rejection], run.extraction.trials, run.answer
+    usable = {trial.trial for trial in trials if trial.usable}
+    sizes = [len(usable.intersection(item.trials)) for item in run.extraction.conditions]
+    rejected = np.array([bool(trial.rejected_by) for trial in trials])
+    lost, words = math.fsum(map(rule.good_lost, sizes)), []
+    if rule.can_reject(10**6) and math.isfinite(lost):
+        few, many = min(sizes), max(sizes)
+        n = f"{few}" if few == many else f"{few} to {many}"
+        took = f"{np.count_nonzero(rejected)} of {sum(sizes)}"
+        words.append(
+            f"with n = {n} {rule.label} takes {lost:.2g} good trials on average; here it took {took}"
+        )
+    if rejected.any():
+        fit = fit_law(replace(answer.table, kept=answer.table.kept | rejected), answer.fit.law)
+        shown = [item for item in fit.parameters if item.vary]
+        values = ", ".join(f"{item.name} = {item.value:.4g} ± {item.std:.2g}" for item in shown)
+        text = f"without it {fit.law} has {values}"
+        if (asked := answer.prediction) is not None:
+            with_N, without_N = (
+                _lift_N(one, asked.conditions, "wrap_angle_rad", 1.0) for one in (answer.fit, fit)
+            )
+            text += f", and lifts {without_N:.5g} N in the design instead of {with_N:.5g} N"
+        words.append(text)
+    return tuple(words)
+
+
+def _measured(run: CampaignRun) -> Measured:
+    tolerance = run.campaign.weights_tolerance
+    conditions = budgets.conditions_of_extraction(run.extraction, weights_tolerance=tolerance)
+    return tuple((item, linear_budget(budgets.force_model(item.measured))) for item in conditions)
 
 
 def evidence_files(evidence: Evidence) -> dict[str, str]:
@@ -127,7 +151,7 @@ def swings_of_design(
     NaN stands where the law has no answer, or the fit knows no scatter.
     """
     at = prediction.conditions.select([index])
-    base_N = float(prediction.lift_force_N[index])
+    base_N = _lift_N(fit, at, "wrap_angle_rad", 1.0)  # of this law, where the prediction averages several
     rows = []
     for name, (title, _unit, _factor) in REGRESSORS.items():
         low_N, high_N = (_lift_N(fit, at, name, 1.0 + step) for step in (-STEP, STEP))
@@ -198,3 +222,79 @@ def _between(low: float, high: float, step: float | None = None) -> tuple[float,
         if step is None
         else next_tests.linear_levels(low, high, _LEVELS, step=step)
     )
+
+
+SCHEMA = "ropefric.run/1"
+MOST_BYTES = 256 * 2**20
+"""The manifest of a million recordings is smaller."""
+MANIFEST = "manifest.json"
+"""Name of the file in a folder of results that says what they were made from."""
+
+_DRAWN_WITH = ("matplotlib", "jinja2")
+_NO_SETTINGS = frozenset({"trials", "warnings", "path", "folder"})
+
+
+def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
+    """Return all that is needed to make a result again, without time or place, as a tree of schema `ropefric.run/1`.
+
+    The inputs are the campaign, the trial list and the recordings, each with its path relative to the campaign's
+    folder and the SHA-256 of its bytes, "" if it was not read.
+    """
+    campaign, fit, prediction = run.campaign, run.answer.fit, run.answer.prediction
+    law = fit.law if run.answer.winner.forced else ""
+    words = ["ropefric", "run", campaign.path.name, "--out", "out", *(("--law", law) if law else ())]
+    seeds = {"fit": fit.provenance.get("settings", {}).get("seed", 0)}
+    if prediction is not None:
+        seeds["prediction"] = prediction.seed
+    if evidence.lift is not None:
+        seeds["uncertainty budget"] = evidence.lift.drawn.seed
+    if evidence.plan is not None:
+        seeds["plan of tests"] = evidence.plan.seed
+    recordings: dict[str, str] = {}
+    for trial in run.extraction.trials:
+        recordings.setdefault(trial.file, trial.sha256)
+    inputs = [
+        (campaign.path.name, hash_file(campaign.path)),
+        (campaign.relative(campaign.trial_list), hash_file(campaign.trial_list)),
+        *recordings.items(),
+    ]
+    return {
+        "schema": SCHEMA,
+        "command": shlex.join(words),
+        "law": law,
+        "inputs": [{"path": path, "sha256": sha256} for path, sha256 in inputs],
+        "versions": fit.provenance.get("versions", {}) | {name: version(name) for name in _DRAWN_WITH},
+        "seeds": seeds,
+        "settings": {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS},
+    }
+
+
+def manifest_text(provenance: dict[str, Any], campaign: Path, folder: Path) -> str:
+    """Return the manifest, by which a folder of results finds its campaign again."""
+    try:
+        shown = Path(os.path.relpath(campaign, folder)).as_posix()
+    except ValueError:  # another drive on Windows
+        shown = campaign.resolve().as_posix()
+    return json_document(provenance | {"campaign": shown})
+
+
+def recorded_run(folder: Path) -> tuple[Path, str]:
+    """Return the campaign file that a folder of results was made from, and the law that was asked for."""
+    path = folder / MANIFEST
+    try:
+        tree = json.loads(read_file(path, limit=MOST_BYTES))
+    except DataError:
+        raise DataError(
+            "no results stand here",
+            code="RF101",
+            path=path.as_posix(),
+            fix="give a folder that `ropefric run` wrote, or the campaign",
+        ) from None
+    except (ValueError, RecursionError):
+        tree = None
+    known = isinstance(tree, dict) and tree.get("schema") == SCHEMA
+    if not known or not all(isinstance(tree.get(key), str) for key in ("campaign", "law")):
+        raise DataError(
+            f"this is no {SCHEMA}", code="RF101", path=path.as_posix(), fix="give the campaign itself"
+        )
+    return Path(os.path.normpath(folder / tree["campaign"])), tree["law"]

@@ -3,10 +3,9 @@
 In come results; out go a figure with its tables and its words, as PNG and CSV files or as SVG for a page.
 - `figure`: a figure with its data, its legends and its files; `svg`: the same for the inside of a page
 - `style`: how figures look, and the words on them
-- `conditions`, `overview`: recordings and trials of a campaign
-- `fits`: fitted laws against what was measured; `rankings`: laws, budgets and swings in order of size
-- `design_chart`, `chart`, `press`, `saw_chart`: designs, scenes and their sweeps, machines
-- `work_precision`: what accuracy costs in time
+- `campaign`: trials against checks, and each condition's recordings and repeatability
+- `fits`: fitted laws against what was measured; `design`: laws, budgets and swings in order of size, a design's chart
+- `machines`: scenes, their sweeps and machines; `work_precision`: what accuracy costs in time
 """
 
 import os

@@ -20,22 +20,12 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
-from ropefric.errors import InputError
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.glossary import counted
 from ropefric.plotting.style import GREY, figure_text, house_style, plain_text
-from ropefric.registry import did_you_mean
 
 T = TypeVar("T")
-
-# Dates and version strings would change the bytes of an unchanged figure.
-FORMATS: dict[str, dict[str, None]] = {
-    "png": {"Software": None},
-    "svg": {"Date": None, "Creator": None},
-    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-}
-"""File formats and the metadata left out of them."""
 
 _PARSERS: dict[str, Any] = {}
 
@@ -203,28 +193,20 @@ def say_instead(axes: Axes, text: str) -> None:
 
 
 def save_figure(
-    figure: FigureWithData,
-    folder: Folder | str | os.PathLike[str],
-    stem: str,
-    *,
-    formats: tuple[str, ...] = ("png",),
+    figure: FigureWithData, folder: Folder | str | os.PathLike[str], stem: str
 ) -> tuple[Path, ...]:
-    """Write a figure and the CSV of its data; return the paths, pictures first."""
-    return as_folder(folder).write(figure_files(figure, stem, formats=formats))
+    """Write a figure as PNG and the CSV of its data; return the paths, the picture first."""
+    return as_folder(folder).write(figure_files(figure, stem))
 
 
-def figure_files(
-    figure: FigureWithData, stem: str, *, formats: tuple[str, ...] = ("png",)
-) -> dict[str, bytes]:
+def figure_files(figure: FigureWithData, stem: str, *, picture: bool = True) -> dict[str, bytes]:
     """Return what `save_figure` writes, by file name: the same input gives the same bytes."""
     contents: dict[str, bytes] = {}
-    for name in formats:
-        if name not in FORMATS:
-            raise InputError(f"no figures in format {name!r}", fix=did_you_mean(name, FORMATS))
+    if picture:
         stream = io.BytesIO()
-        with house_style():
-            figure.figure.savefig(stream, format=name, metadata=FORMATS[name])
-        contents[f"{stem}.{name}"] = stream.getvalue()
+        with house_style():  # without matplotlib's version, which would change an unchanged figure
+            figure.figure.savefig(stream, format="png", metadata={"Software": None})
+        contents[f"{stem}.png"] = stream.getvalue()
     for table in figure.tables:
         rows = zip(*map(_cells, zip(*table.rows, strict=True)), strict=True)
         text = csv_text([table.header, *rows])
@@ -236,6 +218,9 @@ def _cells(column: tuple[object, ...]) -> list[object]:
     if all(type(value) is float for value in column):
         # All in one go: the traces of a campaign are half a million numbers.
         return [*("%.8g\n" * len(column) % column).replace("nan", "").split("\n")[:-1]]
+    if all(type(value) is str for value in column):
+        shown = {word: csv_cell(word) for word in set(column)}  # names of trials, at each of their samples
+        return [shown[word] for word in column]
     return [
         f"{value:.8g}".replace("nan", "") if isinstance(value, float) else csv_cell(value) for value in column
     ]

@@ -15,21 +15,8 @@ from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, levels, same_setting
 from ropefric.glossary import counted
+from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, say_instead
-from ropefric.plotting.style import (
-    BLUE,
-    GREY,
-    INK,
-    MARKERS,
-    ORANGE,
-    figure_label,
-    line_look,
-    regressor_label,
-    shades,
-    shown,
-    shown_regressor,
-    typeset,
-)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,10 +32,10 @@ _BAND = ("lift_force_N", "low_N", "high_N", "new_rope_low_N", "new_rope_high_N")
 _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
 _BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
-_OTHERS = {"label": "other conditions", "color": GREY, "markerfacecolor": "white", "markersize": 3.5}
+_OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": "white", "markersize": 3.5}
 _CHOSEN: dict[str, Any] = {
     "label": "conditions as in the heading",
-    "color": INK,
+    "color": style.INK,
     "markersize": 5.5,
     "zorder": 4,
 }
@@ -97,12 +84,8 @@ def _have(conditions: Conditions, settings: Mapping[str, float]) -> BoolArray:
     return chosen
 
 
-def _settings_of(fit: FitResult, over: str, given: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Return the settings to hold while one regressor is swept: those given, else those that most conditions share."""
-    for name in (over, *(given or ())):
-        if name not in SETTINGS:
-            fix = f"one of {', '.join(SETTINGS)}"
-            raise InputError(f"{name!r} is no setting of a pull", key=name, fix=fix)
+def _settings_of(fit: FitResult, over: str) -> dict[str, float]:
+    """Return the settings to hold while one regressor is swept: those that most conditions share."""
     others = [name for name in SETTINGS if name != over]
     known = {name: math.sqrt(max(low, 0.0) * high) for name, (low, high) in fit.validity.items()}
     conditions = condition_points(fit).conditions
@@ -112,7 +95,6 @@ def _settings_of(fit: FitResult, over: str, given: Mapping[str, float] | None = 
         sizes = [np.unique(along[group == number]).size for number in range(int(group.max()) + 1)]
         first = int(np.argmax(group == int(np.argmax(sizes))))  # the first of equals
         known |= {name: float(values[first]) for name, values in zip(others, held, strict=True)}
-    known |= dict(given or {})
     return {name: known[name] for name in others}
 
 
@@ -180,15 +162,15 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     with drawing(10.0, 4.6) as figure:
         for axes, over in zip(figure.subplots(1, 3, sharey=True), FACETS, strict=True):
             settings = _settings_of(first, over)
-            held = ",  ".join(shown_regressor(name, settings[name]) for name in FACETS if name != over)
-            axes.set_xlabel(regressor_label(over))
-            axes.set_title(typeset(held), fontsize=9)
+            held = ",  ".join(style.shown_regressor(name, settings[name]) for name in FACETS if name != over)
+            axes.set_xlabel(style.regressor_label(over))
+            axes.set_title(style.typeset(held), fontsize=9)
             if over == "end_tension_N":
                 _plain_log(axes, "x")
             factor = REGRESSORS[over][2]
             for place, fit in enumerate(fits):
                 x, values = _average_mu(fit, settings, over)
-                axes.plot(factor * x, values, linewidth=1.6, label=fit.law, **line_look(place))
+                axes.plot(factor * x, values, linewidth=1.6, label=fit.law, **style.line_look(place))
                 rows += [(over, fit.law, *pair) for pair in zip(x.tolist(), values.tolist(), strict=True)]
             if not mu.size:
                 say_instead(axes, _NO_TRIALS)
@@ -196,7 +178,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             x = factor * getattr(points.conditions, over)
             for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN)):
                 _draw_means(axes, x[mask], mu[mask], mu_std[mask], **look)
-        figure.axes[0].set_ylabel(figure_label("mu_average"))
+        figure.axes[0].set_ylabel(style.figure_label("mu_average"))
         figure.suptitle(f"{counts}; bars: ±2 u (k = 2)")
         legend_of_figure(figure)
     laws, known = ", ".join(fit.law for fit in fits), mu[np.isfinite(mu)]
@@ -257,20 +239,24 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
         axes = figure.subplots()
         for place, (law, curve) in enumerate(curves.items(), start=1 - ("straight line" in curves)):
             straight = law == "straight line"
-            look = {"color": INK, "linewidth": 1.2} if straight else line_look(place) | {"linewidth": 1.8}
+            look = (
+                {"color": style.INK, "linewidth": 1.2}
+                if straight
+                else style.line_look(place) | {"linewidth": 1.8}
+            )
             label = f"straight line, μ = {slope:.3g}" if straight else law
             axes.plot(np.degrees(grid), curve, label=label, **look)
         if rise.size:
             _draw_wheels(axes, points)
         else:
             say_instead(axes, _NO_TRIALS)
-        axes.set(xlabel=regressor_label("wrap_angle_rad"), ylabel=typeset("ln(F_A/F_B) [-]"))
+        axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.typeset("ln(F_A/F_B) [-]"))
         axes.set_xlim(0.0, float(np.degrees(grid[-1])))
         axes.set_ylim(bottom=0.0)
         held = ", ".join(
-            shown_regressor(name, settings[name]) for name in ("wheel_radius_m", "end_tension_N")
+            style.shown_regressor(name, settings[name]) for name in ("wheel_radius_m", "end_tension_N")
         )
-        axes.set_title(f"{counts}; bars: ±2 u (k = 2); laws drawn for {typeset(held)}")
+        axes.set_title(f"{counts}; bars: ±2 u (k = 2); laws drawn for {style.typeset(held)}")
         legend_of_figure(figure)
     laws = ", ".join(fit.law for fit in fits)
     alt = f"ln(F_A/F_B) against the wrap angle by the laws {laws}; no trials are stored with the fit."
@@ -294,30 +280,24 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
 def _draw_wheels(axes: "Axes", points: ConditionPoints) -> None:
     radii_m = points.conditions.wheel_radius_m
     wheel = levels(radii_m)
-    for place, color in enumerate(shades(int(wheel.max()) + 1)):
+    for place, color in enumerate(style.shades(int(wheel.max()) + 1)):
         mask = wheel == place
         x, rise, std = np.degrees(points.conditions.wrap_angle_rad), points.log_rise, points.std_log
-        label = typeset(shown_regressor("wheel_radius_m", float(radii_m[mask][0])))
-        look = {"color": color, "fmt": MARKERS[place % len(MARKERS)], "label": label, "zorder": 4}
+        label = style.typeset(style.shown_regressor("wheel_radius_m", float(radii_m[mask][0])))
+        look = {"color": color, "fmt": style.MARKERS[place % len(style.MARKERS)], "label": label, "zorder": 4}
         edge = {"markersize": 6, "markeredgecolor": "black", "markeredgewidth": 0.6}
         _draw_means(axes, x[mask], rise[mask], std[mask], **look | edge)
 
 
-def draw_fit_band(
-    fit: FitResult,
-    *,
-    over: str = "wrap_angle_rad",
-    at: Mapping[str, float] | None = None,
-    level: float = 0.95,
-) -> FigureWithData:
+def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWithData:
     """Return F_A of a fitted law over one quantity with confidence and prediction band, extrapolation hatched.
 
     The upper panel has the forces on a logarithmic axis, the lower one the same off the mean law, in per cent. The
     inner band holds the mean law, the outer one a single pull with a new rope. Points are the means of the measured
     conditions that have the settings drawn, crosses their trials where the fit still has them.
     """
-    settings = _settings_of(fit, over, at)
-    x, columns = _band(fit, settings, over, level)
+    settings = _settings_of(fit, over)
+    x, columns = _band(fit, settings, over)
     low, high = fit.validity[over]
     points = condition_points(fit)
     chosen = _have(points.conditions, settings)
@@ -333,22 +313,22 @@ def draw_fit_band(
         }
         for panel in (axes, below):
             lines = 100.0 * (columns / columns[0] - 1.0) if panel is below else columns
-            _draw_band(panel, factor * x, lines, f"{100 * level:g} %")
+            _draw_band(panel, factor * x, lines)
             for start, stop in ((x[0], low), (high, x[-1])):
                 if stop > start:
                     ends, label = (factor * start, factor * stop), "not tested: extrapolated"
                     panel.axvspan(*ends, **hatch, zorder=0.5, label=label)
             _draw_measured(panel, fit, points, settings, over, off=panel is below)
-        axes.set_ylabel(figure_label("lift_force_N"))
+        axes.set_ylabel(style.figure_label("lift_force_N"))
         _plain_log(axes, "y")
         axes.yaxis.set_minor_formatter("")
-        below.set(xlabel=regressor_label(over), ylabel="Off the mean law [%]")
+        below.set(xlabel=style.regressor_label(over), ylabel="Off the mean law [%]")
         if over == "end_tension_N":
             _plain_log(below, "x")
         axes.set_xlim(factor * x[0], factor * x[-1])
-        held = ",  ".join(shown_regressor(name, value) for name, value in settings.items())
+        held = ",  ".join(style.shown_regressor(name, value) for name, value in settings.items())
         shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
-        axes.set_title(typeset(f"Law {fit.law} at {held};  {shown_trials}"))
+        axes.set_title(style.typeset(f"Law {fit.law} at {held};  {shown_trials}"))
         legend_of_figure(figure)
     outside = (x < low * (1 - 1e-9)) | (x > high * (1 + 1e-9))
     law = {over: x} | dict(zip(_BAND, columns, strict=True)) | {"extrapolated": outside}
@@ -358,38 +338,39 @@ def draw_fit_band(
         "n": points.n[chosen],
         "std_log": points.std_log[chosen],
     }
-    lift_N, low_N, high_N, wide_low_N, wide_high_N = columns[:, int(np.searchsorted(x, high))].tolist()
+    at_end = zip(columns[:, int(np.searchsorted(x, high))].tolist(), ("N", "", "N", "", "N"), strict=True)
+    lift, low_N, high_N, wide_low_N, wide_high_N = (style.shown(force, of) for force, of in at_end)
     there = f"{factor * high:.4g} {unit}"
     alt = (
         f"Lift force of the law {fit.law} over the {title}, tested from {factor * low:.4g} to {there}, with "
-        f"{counted(n, 'trial')}. At {there} it is {shown(lift_N, 'N')}, {100 * level:g} % confidence "
-        f"{shown(low_N)} to {shown(high_N, 'N')}, new pulls {shown(wide_low_N)} to {shown(wide_high_N, 'N')}."
+        f"{counted(n, 'trial')}. At {there} it is {lift}, 95 % confidence {low_N} to "
+        f"{high_N}, new pulls {wide_low_N} to {wide_high_N}."
     )
     tables = DataTable.of_columns(law), DataTable.of_columns(measured, "measured")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _band(
-    fit: FitResult, settings: Mapping[str, float], over: str, level: float
-) -> tuple[FloatArray, FloatArray]:
+def _band(fit: FitResult, settings: Mapping[str, float], over: str) -> tuple[FloatArray, FloatArray]:
     """Return a grid in SI and the law on it, five columns as in `_BAND`, NaN where it has no answer."""
     low, high = fit.validity[over]
     beyond = _BEYOND * (high - low) or _BEYOND * high
     x = np.union1d(np.linspace(max(low - beyond, 0.5 * low), high + beyond, _BAND_STEPS), [low, high])
 
     def law(at: Conditions) -> FloatArray:
-        found = predict(fit, at, level=level, check=False)
+        found = predict(fit, at, level=0.95, check=False)
         return np.vstack([found.lift_force_N, found.interval_N.T, found.prediction_interval_N.T])
 
     return x, _evaluated(fit, _swept(settings, over, x), law, len(_BAND))
 
 
-def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, level: str) -> None:
+def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray) -> None:
     line, low, high, wide_low, wide_high = columns
-    edge: dict[str, Any] = {"edgecolor": ORANGE, "linestyle": "--", "linewidth": 1.0}
-    axes.fill_between(x, wide_low, wide_high, facecolor=(ORANGE, 0.15), label=f"{level} of new pulls", **edge)
-    axes.fill_between(x, low, high, facecolor=(BLUE, 0.4), linewidth=0, label=f"{level} for the mean law")
-    axes.plot(x, line, "-", color=BLUE, linewidth=1.4, label="mean law")
+    edge: dict[str, Any] = {"edgecolor": style.ORANGE, "linestyle": "--", "linewidth": 1.0}
+    axes.fill_between(
+        x, wide_low, wide_high, facecolor=(style.ORANGE, 0.15), label="95 % of new pulls", **edge
+    )
+    axes.fill_between(x, low, high, facecolor=(style.BLUE, 0.4), linewidth=0, label="95 % for the mean law")
+    axes.plot(x, line, "-", color=style.BLUE, linewidth=1.4, label="mean law")
 
 
 def _draw_measured(
@@ -413,7 +394,9 @@ def _draw_measured(
         mine = _have(fit.problem.conditions, settings)
         trials = fit.problem.conditions.select(mine)
         forces = placed(trials, np.exp(fit.problem.log_lift[mine]))
-        axes.plot(factor * getattr(trials, over), forces, "x", color=GREY, markersize=4, label="one trial")
+        axes.plot(
+            factor * getattr(trials, over), forces, "x", color=style.GREY, markersize=4, label="one trial"
+        )
     chosen = _have(points.conditions, settings)
     means, mean_N = points.conditions.select(chosen), np.exp(points.log_lift[chosen])
     spread = 2.0 * np.nan_to_num(points.std_log[chosen])
@@ -440,7 +423,7 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
     what = counted(z.size, "trial" if by_trial else "condition mean")
     with drawing(10.0, 4.2) as figure:
         panels = figure.subplots(1, 3 if by_trial else 2, sharey=True)
-        panels[0].set(xlabel=figure_label("lift_force_N").replace(" [", ", fitted ["), xscale="log")
+        panels[0].set(xlabel=style.figure_label("lift_force_N").replace(" [", ", fitted ["), xscale="log")
         panels[0].xaxis.set_major_formatter("{x:g}")
         _scatter(panels[0], np.exp(fitted), z)
         if by_trial:
@@ -448,7 +431,7 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
             _scatter(panels[1], order, z)
         panels[-1].set_xlabel("Normal quantile [-]")
         ends = float(np.abs(quantile).max(initial=1.0)) * np.array([-1.0, 1.0])
-        panels[-1].plot(ends, ends, "--", color=INK, linewidth=1.0, label="normal law")
+        panels[-1].plot(ends, ends, "--", color=style.INK, linewidth=1.0, label="normal law")
         _scatter(panels[-1], quantile, z)
         panels[0].set_ylabel("Residual of ln F, standardised [-]")
         share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
@@ -485,12 +468,12 @@ def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray) -> None:
-    axes.axhline(0.0, color=INK, linewidth=0.8)
+    axes.axhline(0.0, color=style.INK, linewidth=0.8)
     for limit in (-_LIMIT, _LIMIT):
-        axes.axhline(limit, color=INK, linewidth=1.0, linestyle=":", label="±2 standard deviations")
+        axes.axhline(limit, color=style.INK, linewidth=1.0, linestyle=":", label="±2 standard deviations")
     if not z.size:
         say_instead(axes, "nothing to show")
         return
     far = np.abs(z) > _LIMIT
-    axes.plot(x[~far], z[~far], "o", color=BLUE, markersize=3.5, alpha=0.7, label="within ±2")
-    axes.plot(x[far], z[far], "X", color=ORANGE, markersize=6, label="beyond ±2")
+    axes.plot(x[~far], z[~far], "o", color=style.BLUE, markersize=3.5, alpha=0.7, label="within ±2")
+    axes.plot(x[far], z[far], "X", color=style.ORANGE, markersize=6, label="beyond ±2")

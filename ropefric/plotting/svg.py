@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 import matplotlib as mpl
 
 from ropefric.files.plain_text import visible
-from ropefric.plotting.figure import FORMATS, FigureWithData, rewrite_words
+from ropefric.plotting.figure import FigureWithData, rewrite_words
 from ropefric.plotting.style import TYPESET, house_style
 
 _NUMBER = re.compile(r"-?(?:\d++(?:\.\d++)?|\.\d++)(?:e-?\d++)?")
@@ -50,7 +50,7 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
                 # The layout is made once and held: left to itself, matplotlib draws everything twice to find it.
                 engine.execute(drawn)
                 drawn.set_layout_engine(None)
-            drawn.savefig(stream, format="svg", metadata=FORMATS["svg"])
+            drawn.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
         finally:
             rewrite_words(drawn, lambda text: _INDEX.sub(r"$\1_{\\mathrm{\2}}$", text))
             drawn.set_layout_engine(engine)

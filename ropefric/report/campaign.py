@@ -7,35 +7,23 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
-from ropefric.errors import Problem
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
-from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence
-from ropefric.pipeline.provenance import MANIFEST, manifest_text, trace_provenance
-from ropefric.pipeline.run import CampaignRun
-from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
-from ropefric.report.parts import (
-    comparison_section,
-    diagnosis_section,
-    fit_section,
-    notes_sections,
-    plan_sections,
-    prediction_section,
-    tested_ranges,
-    uncertainty_sections,
-    verdict_section,
+from ropefric.pipeline.evidence import (
+    MANIFEST,
+    Evidence,
+    evidence_files,
+    gather_evidence,
+    manifest_text,
+    trace_provenance,
 )
+from ropefric.pipeline.run import CampaignRun
+from ropefric.report import parts
+from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
 from ropefric.report.section import Section, as_text, interval, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
+from ropefric.trials import result
 from ropefric.trials.outliers import RULES
-from ropefric.trials.result import (
-    SUMMARISED,
-    ConditionSummary,
-    Extraction,
-    TrialResult,
-    count_trials,
-    outcome_words,
-)
 
 Pictures = Mapping[str, Sequence[Picture]]
 """Pictures by the chapter they belong to, in order."""
@@ -96,7 +84,7 @@ def write_report(
 
 def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
     """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""
-    answer, counts = run.answer, count_trials(run.extraction)
+    answer, counts = run.answer, result.count_trials(run.extraction)
     lines = [f"{run.campaign.name}: {_tally(run.extraction)}"]
     if counts["n_rejected"]:
         lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
@@ -109,26 +97,26 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
     ]
     sections = (
         Section(lines=lines),
-        verdict_section(answer.verdict, "The verdict"),
+        parts.verdict_section(answer.verdict, "The verdict"),
         _law_section(run),
-        comparison_section(answer.comparison),
-        diagnosis_section(answer.diagnosis),
+        parts.comparison_section(answer.comparison),
+        parts.diagnosis_section(answer.diagnosis),
         Section("Doubts", notes=answer.doubts or ("nothing was found",)),
     )
     if answer.prediction is not None:
-        return (*sections, prediction_section(answer.prediction))
+        return (*sections, parts.prediction_section(answer.prediction))
     nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
     return sections if run.campaign.design is not None else (*sections, nowhere)
 
 
-def _tally(extraction: Extraction) -> str:
-    counts = count_trials(extraction)
+def _tally(extraction: result.Extraction) -> str:
+    counts = result.count_trials(extraction)
     trials, conditions = counted(counts["n_trials"], "trial"), counted(counts["n_conditions"], "condition")
-    return f"{trials} of {conditions}: {outcome_words(counts)}"
+    return f"{trials} of {conditions}: {result.outcome_words(counts)}"
 
 
 def _law_section(run: CampaignRun) -> Section:
-    return fit_section(run.answer.fit, f"The law: {run.answer.fit.law}, {run.answer.winner.how}")
+    return parts.fit_section(run.answer.fit, f"The law: {run.answer.fit.law}, {run.answer.winner.how}")
 
 
 def campaign_report(
@@ -154,21 +142,21 @@ def campaign_report(
             *pictures.get("trials", ())[1:],
         ],
         "friction": [
-            diagnosis_section(answer.diagnosis)._replace(title=""),
+            parts.diagnosis_section(answer.diagnosis)._replace(title=""),
             *pictures.get("friction", ()),
             *([Section("What would decide it", notes=undecided)] if undecided else []),
         ],
         "law": [
-            comparison_section(answer.comparison),
+            parts.comparison_section(answer.comparison),
             *pictures.get("ladder", ()),
             *pictures.get("bands", ()),
-            Section("Tested range: beyond it the law is extrapolated", notes=tested_ranges(answer.fit)),
+            Section("Tested range: beyond it the law is extrapolated", notes=parts.tested_ranges(answer.fit)),
             *pictures.get("residuals", ()),
-            *notes_sections(answer.fit),
+            *parts.notes_sections(answer.fit),
         ],
         "uncertainty": _uncertainty(evidence, pictures),
         "design": pictures.get("design", ()),
-        "next": () if plan is None else [Section(lines=(_WHERE,)), *plan_sections(plan)],
+        "next": () if plan is None else [Section(lines=(_WHERE,)), *parts.plan_sections(plan)],
         "provenance": _provenance(provenance),
     }
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
@@ -186,7 +174,9 @@ def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
         (evidence.typical, "budget_force", typical),
     ):
         if stated is not None:
-            budget, *rest = uncertainty_sections(stated, f"Budget of the {stated.model.name} of {of_what}")
+            budget, *rest = parts.uncertainty_sections(
+                stated, f"Budget of the {stated.model.name} of {of_what}"
+            )
             yield budget
             yield from pictures.get(key, ())
             yield from (part for part in rest if part.lines or part.notes)
@@ -229,8 +219,8 @@ def _alerts_of_answer(run: CampaignRun, evidence: Evidence) -> Iterator[Alert]:
     yield from (Alert("note", "Left out of this report", text) for text in evidence.missing)
 
 
-def _alerts_of_trials(extraction: Extraction) -> Iterator[Alert]:
-    groups: dict[tuple[int, int, str], list[TrialResult]] = {}
+def _alerts_of_trials(extraction: result.Extraction) -> Iterator[Alert]:
+    groups: dict[tuple[int, int, str], list[result.TrialResult]] = {}
     statuses, outcomes = [str(status) for status in Status], ("without a force", "rejected", "excluded")
     for trial in extraction.trials:
         if trial.outcome in outcomes:
@@ -254,7 +244,7 @@ def _rule_label(rule: str) -> str:
     return RULES[rule].label if rule in RULES else rule
 
 
-def _advice(status: Status, flagged: Sequence[TrialResult]) -> str:
+def _advice(status: Status, flagged: Sequence[result.TrialResult]) -> str:
     """Return what to do about a status; for a file that could not be read, the reader's own words."""
     if status is not Status.UNREADABLE:
         return ADVICE[status]
@@ -263,15 +253,10 @@ def _advice(status: Status, flagged: Sequence[TrialResult]) -> str:
     return f"{'; '.join([*details][:_SAID])}. To do: {'; '.join([*fixes][:_SAID]) or 'record again'}."
 
 
-def _alerts_of_problems(extraction: Extraction) -> Iterator[Alert]:
+def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
     """Give what else was wrong or doubtful, by kind; what a flagged recording says of itself is said already."""
     flagged = [trial for trial in extraction.trials if trial.breakaway.status is not Status.OK]
-    said = {problem for trial in flagged for problem in trial.problems}
-    by_code: dict[str, list[Problem]] = {}
-    for problem in extraction.problems:
-        if problem not in said:
-            by_code.setdefault(problem.code, []).append(problem)
-    for code, alike in by_code.items():
+    for code, alike in result.problems_by_code(extraction, said_of=flagged).items():
         messages = [problem.message for problem in alike[:_SAID]]
         if len(alike) > _SAID:
             messages.append(f"{len(alike) - _SAID} more like these, listed in problems.csv")
@@ -287,7 +272,7 @@ def _facts(run: CampaignRun, evidence: Evidence) -> list[Fact]:
     fit, found = run.answer.fit, run.answer.prediction
     if found is not None:
         at = found.conditions
-        cells = _setting_cells(at.wheel_radius_m[0], at.wrap_angle_rad[0], at.end_tension_N[0])
+        cells = parts.setting_cells(at.wheel_radius_m[0], at.wrap_angle_rad[0], at.end_tension_N[0])
         (wheel, wrap, tension), rope = cells, plain(2e3 * at.rope_radius_m[0])
         where = f"on average, for R_w = {wheel} mm, φ = {wrap} deg, F_B = {tension} N, rope of {rope} mm"
         facts.append(Fact("Lift force of the design", f"{plain(found.lift_force_N[0], '.5g')} N", where))
@@ -335,17 +320,13 @@ def _measured_section(run: CampaignRun) -> Section:
         ", ".join(filter(None, of_rope)),
         f"wheels: {', '.join(wheels)}" if wheels else "",
         f"force cells: {', '.join(cells)}" if cells else "",
-        f"tested: {', '.join(tested_ranges(run.answer.fit))}",
+        f"tested: {', '.join(parts.tested_ranges(run.answer.fit))}",
         f"protocol {campaign.protocol.name}; smoothing {smoothing}; outliers by {campaign.rejection}",
     )
     return Section(notes=tuple(filter(None, notes)))
 
 
-def _setting_cells(wheel_m: float, wrap_rad: float, known_N: float) -> tuple[str, str, str]:
-    return plain(1e3 * wheel_m), plain(math.degrees(wrap_rad)), plain(known_N)
-
-
-def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section, Section]:
+def _trial_sections(extraction: result.Extraction, evidence: Evidence) -> tuple[Section, Section]:
     """Return all trials that do not count, with what became of them and why; and all conditions.
 
     Of a condition: how many trials, their mean force, scatter and uncertainty, and which do not count.
@@ -354,31 +335,29 @@ def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
     place = {name: summary for summary in extraction.conditions for name in summary.trials}
     gone = {trial.trial: trial for trial in extraction.trials if not trial.kept}
-    counts = count_trials(extraction)
-    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {outcome_words(counts)})"
-    aside = Section(title, ("Every trial gave a force and counts.",))
+    counts = result.count_trials(extraction)
+    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
+    aside = Section(title, ("Every trial gave a force and counts.",), notes=evidence.rejection)
     rows: list[tuple[str, ...]] = []
     headings: tuple[str, ...]
     if gone:
         for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
             fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
             known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
-            cells = _setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
+            cells = parts.setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
             why = _why(trial, place.get(trial.trial))
             rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
         headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-        aside = Section(title, headings=headings, rows=rows, left=2)
-    budgets = {item.condition.number: item for item in evidence.measured}
+        aside = Section(title, headings=headings, rows=rows, left=2, notes=evidence.rejection)
+    budgets = {condition.number: budget for condition, budget in evidence.measured}
     rows = []
     for number, item in enumerate(extraction.conditions, start=1):
         uncertainty = ("–", "–", "")
         if (stated := budgets.get(number)) is not None:
-            largest = stated.budget.lines[0]
+            largest = stated.lines[0]
             part = f"{largest.label} ({percent(largest.share, '.0f')})"
-            uncertainty = (plain(stated.budget.combined, ".2g"), percent(stated.relative), part)
-        known_N = item.lift_force_N if slack else item.end_tension_N
-        cells = _setting_cells(item.wheel_radius_m, item.wrap_angle_rad, known_N)
-        forces = plain(item.mean_kept_N), plain(item.std_kept_N, ".2g")
+            uncertainty = (plain(stated.combined, ".2g"), percent(stated.relative), part)
+        cells, forces = parts.condition_cells(item, slack=slack)
         not_kept = ", ".join(name for name in item.trials if name in gone)
         kept = f"{item.n_kept} of {item.n_recorded}"
         rows.append((str(number), *cells, kept, *forces, *uncertainty, not_kept))
@@ -393,10 +372,12 @@ def _trial_sections(extraction: Extraction, evidence: Evidence) -> tuple[Section
     return aside, Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
 
 
-def _sliding_section(extraction: Extraction) -> Iterator[Section]:
+def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
     """Yield what was measured beside the break-away force, by condition: mean ± s of the kept trials."""
     conditions = extraction.conditions
-    shown = [name for name in SUMMARISED if any(item.of_kept.get(name, _NONE)[2] for item in conditions)]
+    shown = [
+        name for name in result.SUMMARISED if any(item.of_kept.get(name, _NONE)[2] for item in conditions)
+    ]
     if not shown:
         return
     rows = []
@@ -404,12 +385,12 @@ def _sliding_section(extraction: Extraction) -> Iterator[Section]:
         found = [item.of_kept.get(name, _NONE) for name in shown]
         cells = (f"{plain(mean)} ± {plain(std, '.2g')}" if n > 1 else plain(mean) for mean, std, n in found)
         rows.append((str(number), str(max(n for *_, n in found)), *cells))
-    headings = ("no.", "n", *(SUMMARISED[name] for name in shown))
+    headings = ("no.", "n", *(result.SUMMARISED[name] for name in shown))
     note = "mean ± s of the kept trials, n of them at most; every trial stands in trials.csv"
     yield Section("Beside the break-away force", headings=headings, rows=rows, left=0, notes=(note,))
 
 
-def _decided_section(extraction: Extraction) -> Iterator[Section]:
+def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
     """Yield what people decided about single trials, where they did: what, who and why."""
     rows = tuple(
         (
@@ -428,12 +409,11 @@ def _decided_section(extraction: Extraction) -> Iterator[Section]:
         yield Section("Decided by people", headings=headings, rows=rows, left=1)
 
 
-def _why(trial: TrialResult, summary: ConditionSummary | None) -> str:
+def _why(trial: result.TrialResult, summary: result.ConditionSummary | None) -> str:
     if trial.excluded:
         return trial.excluded
     if trial.breakaway.status is not Status.OK:
-        candidates = trial.measured("candidates")
-        return trial.breakaway.detail + (f"; candidates: {candidates}" if candidates else "")
+        return trial.why_no_force
     rule = _rule_label(trial.rejected_by)
     if summary is None:
         return rule

@@ -6,17 +6,17 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ropefric.fitting.compare import Comparison
-from ropefric.fitting.diagnose import Diagnosis
+from ropefric.fitting.diagnose import WORDS, Diagnosis
 from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import REGRESSORS, Candidate, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import counted
 from ropefric.report.section import Section, interval, percent, plain, shorthand
+from ropefric.trials.result import ConditionSummary
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement, numerical_tolerance
 from ropefric.uncertainty.quantity import Quantity
 
-_VERDICTS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 
 
@@ -92,7 +92,7 @@ def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
     """
     if full:
         return Section(lines=diagnosis.text.splitlines())
-    notes = [f"{cause.cause}: {_VERDICTS[cause.supported]}; {cause.evidence}" for cause in diagnosis.causes]
+    notes = [f"{cause.cause}: {WORDS[cause.supported]}; {cause.evidence}" for cause in diagnosis.causes]
     return Section("Does it obey the capstan equation?", (diagnosis.summary,), notes=notes)
 
 
@@ -102,9 +102,10 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
     lift, std = plain(prediction.lift_force_N[index], ".5g"), _newtons(prediction.std_N[index])
     is_kinetic = prediction.of == "kinetic"
     title, symbol = ("Kinetic force", "F_A while sliding") if is_kinetic else ("Lift force", "F_A")
+    by = f"{' and '.join(prediction.averaged)}, averaged" if prediction.averaged else prediction.law
     lines = [
         f"{_where(prediction.conditions, index, rope=True)}:",
-        f"{symbol} = {lift} N by {prediction.law}, standard error {std}",
+        f"{symbol} = {lift} N by {by}, standard error {std}",
         f"{level} confidence interval of the mean: {_span(prediction.interval_N[index])}",
     ]
     wide = prediction.prediction_interval_N[index]
@@ -118,6 +119,18 @@ def prediction_section(prediction: Prediction, index: int = 0) -> Section:
         lines.append(f"laws that the data do not tell apart answer {plain(low)} … {plain(high)} N:")
         notes[:0] = [_candidate(item) for item in prediction.candidates]
     return Section(title, lines, notes=notes)
+
+
+def setting_cells(wheel_m: float, wrap_rad: float, known_N: float) -> tuple[str, ...]:
+    """Return a condition's wheel radius [mm], wrap [deg] and known force [N] as cells."""
+    return plain(1e3 * wheel_m), plain(math.degrees(wrap_rad)), plain(known_N)
+
+
+def condition_cells(item: ConditionSummary, *, slack: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the settings of a condition as cells, and mean and scatter of the trials kept."""
+    known_N = item.lift_force_N if slack else item.end_tension_N
+    settings = setting_cells(item.wheel_radius_m, item.wrap_angle_rad, known_N)
+    return settings, (plain(item.mean_kept_N), plain(item.std_kept_N, ".2g"))
 
 
 def _where(at: Conditions, i: int, *, rope: bool = False) -> str:

@@ -8,12 +8,10 @@ from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignAnswer, CampaignRun
-from ropefric.plotting.conditions import conditions_of, draw_condition
-from ropefric.plotting.design_chart import draw_design_chart
+from ropefric.plotting.campaign import conditions_of, draw_condition, draw_overview
+from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
 from ropefric.plotting.figure import FigureWithData, begin, figure_files
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
-from ropefric.plotting.overview import draw_overview
-from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
 from ropefric.plotting.svg import svg_text
 from ropefric.report.page import Picture
 from ropefric.trials.result import Extraction
@@ -56,7 +54,7 @@ def draw_pictures(
 
 def _drawn(stem: str, draw: Draw) -> tuple[str, dict[str, bytes]]:
     figure = draw()
-    files = figure_files(figure, f"{FOLDER}/{stem}", formats=())
+    files = figure_files(figure, f"{FOLDER}/{stem}", picture=False)
     return svg_text(figure, stem=stem), files
 
 

@@ -83,11 +83,12 @@ def explanation_sections(told: "Explanation") -> list[Section]:
     if told.is_measured:
         for row, one in zip(rows, plan.decisions, strict=True):
             share = "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"
-            row += [plain(one.worth, ".2g"), share]
+            row += [plain(one.worth, ".2g"), "–" if math.isnan(one.time_s) else _time(one.time_s), share]
         times = f"{_time(told.planned_s)} as planned, {_time(told.all_s)} with everything"
-        lines.append(f"measured: difference {told.difference:.2g}; {times}")
-    headings = ("effect", "fate ", "worth at most", "measured worth", "share of time")
-    shown = headings[: 5 if told.is_measured else 3]
+        saved = f", which saves {_time(told.saved_s)}" if plan.left_out and told.saved_s > 0.0 else ""
+        lines.append(f"measured: difference {told.difference:.2g}; {times}{saved}")
+    headings = ("effect", "fate ", "worth at most", "measured worth", "takes", "share of time")
+    shown = headings[: 6 if told.is_measured else 3]
     notes = [f"{one.name}: {_why(one)}" for one in plan.decisions]
     return [Section(f"Effects of this {told.system} scene", lines, shown, rows, 2, notes)]
 
@@ -122,8 +123,8 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
     labels = [_label(name) for name in sweep.columns]
     rows: list[tuple[str, ...]]
     if total > _SHOWN_POINTS:
-        found = (values[values == values] for values in sweep.columns.values())  # noqa: PLR0124  (without NaN)
-        rows = [(label, f"{x.min():.6g}", f"{x.max():.6g}") for label, x in zip(labels, found, strict=True)]
+        ends = sweep.ranges.values()
+        rows = [(label, f"{low:.6g}", f"{high:.6g}") for label, (low, high) in zip(labels, ends, strict=True)]
         headings: Sequence[str] = ("quantity", "lowest", "highest")
         return [Section(title, lines, headings, rows, notes=sweep.warnings)]
     headings = [f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes]

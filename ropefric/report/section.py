@@ -4,7 +4,9 @@ The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` 
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from itertools import zip_longest
 from textwrap import wrap
 from typing import Any, NamedTuple
 
@@ -63,28 +65,43 @@ def percent(share: float, form: str = ".2g") -> str:
     return f"{format(100 * share, form)} %" if math.isfinite(share) else "–"
 
 
-def as_text(sections: Sequence[Section]) -> str:
-    """Return sections as text with aligned columns."""
-    return "\n".join("".join(f"{line}\n" for line in _text_lines(section)) for section in sections)
+def as_text(sections: Sequence[Section], width: int | None = None) -> str:
+    """Return sections as text with aligned columns; for a terminal of some width, tables folded to it too."""
+    return "\n".join("".join(f"{line}\n" for line in _text_lines(section, width)) for section in sections)
 
 
-def _text_lines(section: Section) -> list[str]:
+def _text_lines(section: Section, width: int | None) -> list[str]:
     indent = "  " if section.title else ""
+    fold = partial(_folded, indent=indent, width=min(WIDTH, width or WIDTH))
     lines = [section.title] if section.title else []
     for line in section.lines:
-        lines += [f"{indent}{line}"] if section.verbatim else _folded(line, indent)
+        lines += [f"{indent}{line}"] if section.verbatim else fold(line)
     if section.headings:
-        rows = [tuple(heading.rstrip() for heading in section.headings), *section.rows]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        forms = [f"{'<' if section.is_words(place) else '>'}{width}" for place, width in enumerate(widths)]
-        for row in rows:
-            cells = (f"{cell:{form}}" for cell, form in zip(row, forms, strict=True))
-            lines.append(f"{indent}{'  '.join(cells)}".rstrip())
-    return lines + [part for note in section.notes for part in _folded(f"- {note}", indent)]
+        lines += [f"{indent}{line}".rstrip() for line in _table_lines(section, width and width - len(indent))]
+    return lines + [part for note in section.notes for part in fold(f"- {note}")]
 
 
-def _folded(line: str, indent: str) -> list[str]:
+def _table_lines(section: Section, width: int | None) -> Iterator[str]:
+    rows = [tuple(heading.rstrip() for heading in section.headings), *section.rows]
+    columns = [*zip(*rows, strict=True)]
+    widths = [max(map(len, column)) for column in columns]
+    if width is not None and sum(widths) + 2 * len(widths) - 2 > width:
+        least = [max(len(word) for cell in column for word in cell.split() or [""]) for column in columns]
+        # The widest column gives way first, within words only where no blank is left to fold at.
+        while sum(widths) + 2 * len(widths) - 2 > width and max(widths) > 1:
+            can = [place for place, one in enumerate(widths) if one > least[place]] or range(len(widths))
+            widths[max(can, key=widths.__getitem__)] -= 1
+    forms = [f"{'<' if section.is_words(place) else '>'}{one}" for place, one in enumerate(widths)]
+    for row in rows:
+        cells = (
+            wrap(cell, one) if len(cell) > one else [cell] for cell, one in zip(row, widths, strict=True)
+        )
+        for line in zip_longest(*cells, fillvalue=""):
+            yield "  ".join(f"{part:{form}}" for part, form in zip(line, forms, strict=True))
+
+
+def _folded(line: str, indent: str, width: int) -> list[str]:
     """Return a line folded at blanks, what follows standing a little further in than its beginning."""
     inner = indent + " " * (len(line) - len(line.lstrip(" -")))
     whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
-    return wrap(line, WIDTH, initial_indent=indent, subsequent_indent=inner, **whole) or [""]
+    return wrap(line, width, initial_indent=indent, subsequent_indent=inner, **whole) or [""]

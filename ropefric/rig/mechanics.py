@@ -37,6 +37,13 @@ class RecordingTruth:
     phases: tuple[Phase, ...] = ()
 
 
+def phases_of(*ends_s: float, slides: bool) -> tuple[Phase, ...]:
+    """Return the phases of a pull by their ends [s]."""
+    names = ("idle", "loading", "sliding" if slides else "held", "unloading")
+    spans = zip(names, (0.0, *ends_s), ends_s, strict=False)
+    return tuple(Phase(name=name, start_s=start_s, end_s=end_s) for name, start_s, end_s in spans)
+
+
 def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArray], FloatArray]:
     """Return the force [N] of tones between 3 and 15 Hz, of a standard deviation, at times since sliding began [s]."""
     amplitude_N = std_N * np.sqrt(2.0 * rng.dirichlet(np.full(_TONES, 3.0)))
@@ -210,17 +217,12 @@ class BreakawayPull:
 
     def truth(self) -> RecordingTruth:
         """Return what a perfect reading of this recording would find."""
-        spans = (
-            ("idle", 0.0, self.hang_s),
-            ("loading", self.hang_s, self.breakaway_s),
-            ("sliding" if self.breaks_away else "held", self.breakaway_s, self.off_s),
-            ("unloading", self.off_s, self.end_s),
-        )
+        ends_s = (self.hang_s, self.breakaway_s, self.off_s, self.end_s)
         truth = RecordingTruth(
             status=Status.NO_BREAKAWAY,
             lift_force_N=self.lift_force_N,
             dwell_s=self.ramp_s - self.settle_s,
-            phases=tuple(Phase(name=name, start_s=start_s, end_s=end_s) for name, start_s, end_s in spans),
+            phases=phases_of(*ends_s, slides=self.breaks_away),
         )
         if not self.breaks_away:
             return truth

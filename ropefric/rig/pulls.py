@@ -11,8 +11,8 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
 from ropefric.rig.bench import Bench
 from ropefric.rig.dynamics import Motion, Slider, simulate, stops
-from ropefric.rig.mechanics import SETTLED_S, RecordingTruth
-from ropefric.traces.breakaway import Phase, Status
+from ropefric.rig.mechanics import SETTLED_S, RecordingTruth, phases_of
+from ropefric.traces.breakaway import Status
 
 Rng = np.random.Generator
 _SLIPPING = 0.1  # of the driving speed: from here on the contact slips
@@ -314,14 +314,12 @@ class SliderPull:
         """Return what a perfect reading of this recording would find."""
         off_s = min(stops(self.slider, self.breakaway_s), self.end_s)
         slides = self.known.status in {Status.OK, Status.NO_PEAK}
-        limits = (0.0, self.hang_s, self.breakaway_s, off_s, self.end_s)
-        names = ("idle", "loading", "sliding" if slides else "held", "unloading")
         sliding_s = np.linspace(min(self.breakaway_s + SETTLED_S, off_s), off_s, 4001)
         return RecordingTruth(
             status=self.known.status, lift_force_N=self.lift_force_N, dwell_s=0.7 * (self.ramp_s - self.hang_s),
             breakaway_time_s=self.known.time_s,
             kinetic_N=float(self.force_N(sliding_s).mean()) if slides else nan,
-            phases=tuple(Phase(name=n, start_s=a, end_s=b) for n, a, b in zip(names, limits, limits[1:], strict=False)),
+            phases=phases_of(self.hang_s, self.breakaway_s, off_s, self.end_s, slides=slides),
         )  # fmt: skip
 
 

@@ -10,20 +10,10 @@ import numpy as np
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import InputError
 from ropefric.registry import Registry
+from ropefric.rig import mechanics
 from ropefric.rig.bench import Bench, Sensor
-from ropefric.rig.disturbances import IMPACT_S, SNAG_S, touched
-from ropefric.rig.mechanics import (
-    RIG_PROTOCOLS,
-    BreakawayPull,
-    RecordingTruth,
-    RigProtocol,
-    Snap,
-    Teeth,
-    draw_roughness,
-    draw_teeth,
-    lay_teeth,
-)
 from ropefric.rig.pulls import NO_PEAK, SLOW, SliderPull, draw_slider_pull
+from ropefric.rig.strangers import IMPACT_S, SNAG_S, touched
 from ropefric.traces.breakaway import Status
 
 SATURATION_MARGIN = 1.02
@@ -37,7 +27,7 @@ _SEVERITY = (
 )
 
 Rng = np.random.Generator
-Pull = BreakawayPull | SliderPull
+Pull = mechanics.BreakawayPull | SliderPull
 Samples = tuple[FloatArray, FloatArray]
 """What the logger wrote: times [s] and counts."""
 
@@ -50,7 +40,7 @@ class SimulatedRecording:
     counts: FloatArray
     true_time_s: FloatArray
     true_force_N: FloatArray
-    truth: RecordingTruth
+    truth: mechanics.RecordingTruth
 
     def __post_init__(self) -> None:
         for key in ("time_s", "counts", "true_time_s", "true_force_N"):
@@ -69,7 +59,7 @@ class Fault:
     rate: float
     expected_status: Status | None = None
     protocols: tuple[str, ...] = ()
-    on_pull: Callable[[BreakawayPull, Rng], BreakawayPull] | None = None
+    on_pull: Callable[[mechanics.BreakawayPull, Rng], mechanics.BreakawayPull] | None = None
     on_setup: Callable[[Any, Sensor, Bench, Rng], tuple[Any, Sensor]] | None = None
     on_force: Callable[[FloatArray, Pull, Rng], FloatArray] | None = None
     on_samples: Callable[[Samples, Sensor, float, Rng], Samples] | None = None
@@ -166,7 +156,7 @@ def _saturation(pull: Pull, sensor: Sensor, bench: Bench, rng: Rng) -> tuple[Pul
     return pull.raised(lift_N / pull.lift_force_N), sensor
 
 
-def _no_breakaway(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
+def _no_breakaway(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
     """Stop the ramp below the static friction and hold it, or end the recording while it rises."""
     reached = rng.uniform(0.7, 0.95)
     top_N = pull.pretension_N + reached * (pull.lift_force_N - pull.pretension_N)
@@ -182,7 +172,7 @@ def _no_breakaway(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     return stopped
 
 
-def _no_peak(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
+def _no_peak(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
     """Let the whole slope be lost to micro-slip, and slide on roughly at the force reached, without teeth."""
     return replace(
         pull,
@@ -190,30 +180,34 @@ def _no_peak(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
         micro_slip_loss=1.0,
         kinetic_N=pull.lift_force_N,
         drift=rng.uniform(0.0, 0.015),
-        roughness=draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
+        roughness=mechanics.draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
         teeth=pull.teeth.scaled(0.0),
         has_peak=False,
     )
 
 
-def _high_tooth(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
+def _high_tooth(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
     """Raise one to three of the first later teeth to 2-8 % above F_A; each then takes longer to reload."""
     sliding_s = pull.off_s - pull.breakaway_s
     drop_N = pull.lift_force_N - pull.kinetic_N
     # Where one tooth can stand so high, all teeth are large: redraw them.
     height_N, rate_Hz = 0.6 * drop_N, float(rng.uniform(8.0, 25.0))
-    teeth = draw_teeth(rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=4.0 * sliding_s)
+    teeth = mechanics.draw_teeth(
+        rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=4.0 * sliding_s
+    )
     n = int(rng.integers(1, 4))
     chosen = rng.choice(np.arange(2, 5), size=n, replace=False)
     top_N = teeth.top_N.copy()
     top_N[chosen] = pull.lift_force_N * rng.uniform(1.02, 1.08, n) - pull.kinetic_N
     # The last of them must come before the motor is off, if need be by a faster reload.
     needed_N_s = float((top_N[1:5] - teeth.bottom_N[:4]).sum()) / (0.8 * sliding_s)
-    laid = lay_teeth(top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s))
+    laid = mechanics.lay_teeth(
+        top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s)
+    )
     return replace(pull, teeth=laid, drift=0.0)
 
 
-def _drift(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
+def _drift(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
     """Let the sliding level climb slowly to 3 to 8 % above the break-away."""
     # `drift` counts 1/1.03 of itself at the end, see BreakawayPull.
     climb = 1.03 * (rng.uniform(1.03, 1.08) * pull.lift_force_N / pull.kinetic_N - 1.0)
@@ -271,20 +265,22 @@ def _precursor(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
     return np.asarray(-rng.uniform(0.02, 0.12) * pull.lift_force_N * slipped * left)
 
 
-def _rounded(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
+def _rounded(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
     """Let the climb bend over to nothing while micro-slip spreads, and the force fall over 40 to 200 ms."""
     bent = replace(pull, micro_slip=rng.uniform(0.1, 0.4), micro_slip_loss=rng.uniform(0.7, 1.0))
     return _slow_fall(bent, rng, (0.04, 0.2))
 
 
-def _slow_fall(pull: BreakawayPull, rng: Rng, lasting_s: tuple[float, float] = (0.2, 0.6)) -> BreakawayPull:
+def _slow_fall(
+    pull: mechanics.BreakawayPull, rng: Rng, lasting_s: tuple[float, float] = (0.2, 0.6)
+) -> mechanics.BreakawayPull:
     """Let the force fall over 0.2 to 0.6 s to sliding without teeth."""
     # A snap damped so much that it hardly swings back has fallen by nine tenths after 0.65 of its period.
     natural_Hz = 0.65 / float(np.exp(rng.uniform(*np.log(lasting_s))))
-    rough = draw_roughness(rng, pull.lift_force_N * rng.uniform(0.0005, 0.003))
+    rough = mechanics.draw_roughness(rng, pull.lift_force_N * rng.uniform(0.0005, 0.003))
     drop_N = pull.lift_force_N - pull.kinetic_N
-    teeth = Teeth(time_s=np.array([0.0, 1e3]), top_N=np.array([drop_N, 0.0]), bottom_N=np.zeros(2))
-    snap = Snap(natural_Hz=natural_Hz, damping_ratio=0.9)
+    teeth = mechanics.Teeth(time_s=np.array([0.0, 1e3]), top_N=np.array([drop_N, 0.0]), bottom_N=np.zeros(2))
+    snap = mechanics.Snap(natural_Hz=natural_Hz, damping_ratio=0.9)
     return replace(pull, snap=snap, teeth=teeth, roughness=rough)
 
 
@@ -321,7 +317,7 @@ def _drawn(
     forces_N: tuple[float, float],
     rng: Rng,
     faults: Sequence[Fault],
-    way: tuple[RigProtocol, str],
+    way: tuple[mechanics.RigProtocol, str],
 ) -> Any:
     protocol, physics = way
     if physics == "coulomb":
@@ -355,7 +351,7 @@ def simulate_recording(
             key="end_tension_N",
             fix="give the slack-side force as end_tension_N and the larger, tight-side force as lift_force_N",
         )
-    way = RIG_PROTOCOLS[protocol]
+    way = mechanics.RIG_PROTOCOLS[protocol]
     chosen = [FAULTS[name] for name in faults]
     for fault in chosen:
         fault.check_protocol(protocol)

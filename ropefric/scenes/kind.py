@@ -228,20 +228,25 @@ class SceneTable(Table):
 
 
 class Quantity(NamedTuple):
-    """One number of an answer that people read, and that friction may make uncertain."""
+    """One number of an answer that people read, and that friction may make uncertain.
+
+    `scale` is what it errs by a share of where that is not the number itself: of a difference one of its terms.
+    """
 
     name: str
     value: FloatArray
     positive: bool = False
+    scale: FloatArray | None = None
 
 
 class Failure(NamedTuple):
-    """A way in which a machine does not do what it is for, however well that is known."""
+    """A way in which a machine does not do what it is for, however well that is known: on one side of a limit."""
 
     words: str
     measure: str
     value: FloatArray
     fails: BoolArray
+    limit: float = 1.0
 
     def text(self) -> str:
         """Return what the first case that fails does not do."""
@@ -283,7 +288,7 @@ class Figure(NamedTuple):
     """A figure of a kind: what it shows, None where a scene has nothing to show, and what draws it in plotting."""
 
     data: Callable[[Any, Any], Any]
-    drawn_by: str = "chart.draw_chart"
+    drawn_by: str = "draw_chart"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -308,6 +313,9 @@ class Kind:
         friction enters.
     tree : callable
         `tree(answer, problem)` returns the JSON shape of the answer, without what all scenes share.
+    identified : callable
+        `identified(answer, problem)` returns what measurements in the scene tell of the machine, to be merged into the
+        tree; None where there are none. Only where somebody asks for it, because it takes long.
     contacts : callable
         `contacts(problem)` returns the conditions at which the friction is used, as a mapping from the regressor's
         name to an array; for telling an extrapolation.
@@ -316,6 +324,8 @@ class Kind:
         solving them.
     failures : callable
         `failures(answer, problem)` returns the ways in which the machine may not do what it is for.
+    kept : callable
+        `kept(problem)` returns which effects are never left out, and why: something beside the numbers depends on them.
     in_one_call : callable
         `in_one_call(problem)` returns whether a problem can be solved for many cases at once.
     keys : mapping of str to str
@@ -347,6 +357,8 @@ class Kind:
     contacts: Callable[[Any], Mapping[str, FloatArray]]
     answerable: Callable[[Any], BoolArray]
     failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
+    identified: Callable[[Any, Any], dict[str, Any] | None] = lambda answer, problem: None  # noqa: ARG005
+    kept: Callable[[Any], Mapping[str, str]] = lambda problem: {}  # noqa: ARG005  (none)
     in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)
     keys: Mapping[str, str] = field(default_factory=dict)
     sections: Callable[[Mapping[str, Any]], tuple[Part, ...]] = lambda tree: ()  # noqa: ARG005  (no more to say)

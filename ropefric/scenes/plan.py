@@ -2,11 +2,12 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from statistics import median
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeVar
 
 from ropefric.errors import InputError, RopefricError
@@ -20,12 +21,14 @@ A = TypeVar("A")
 
 _METHOD_SHARE = 0.1
 """What the method may err by at least, of the accuracy: no effects are left out for the sake of the last tenth."""
+_LEAST_SAVED_S = 2e-3
+"""An effect that takes less time than this in all is not worth asking whether it can go."""
 
 Fate = Literal["simulated", "left out", "not applicable"]
 
 
 class Decision(NamedTuple):
-    """What became of one effect and why; what it turned out to be worth, and its share of the time, if measured."""
+    """What became of one effect and why; what it turned out to be worth, and the time it takes, if measured."""
 
     name: str
     fate: Fate
@@ -36,6 +39,7 @@ class Decision(NamedTuple):
     instead: str = ""
     worth: float = math.nan
     time_share: float = math.nan
+    time_s: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,28 +74,28 @@ def make_plan(
     accuracy: float,
     effects: str | tuple[str, ...],
     all_bounds: bool = False,
+    kept: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Plan, M]:
     """Return the plan for a problem, and the model assembled to it.
 
-    With "auto" the effects with the smallest bounds are left out as long as all bounds together, and the method's
-    error, stay within the accuracy; none where to solve it whole is quicker than that. Bounds are of
-    |Δ ln answer|, so they add up.
+    With "auto" the effects that cost time and have the smallest bounds are left out as long as all bounds together,
+    and the method's error, stay within the accuracy; not those that are `kept`, by why. Bounds are of |Δ ln answer|,
+    so they add up.
     """
     every = list(system.effects.values())
     missing = {effect.name: effect.needs(problem) for effect in every}
     simulated = {name for name, keys in missing.items() if not keys}
     applicable = [effect for effect in every if effect.name in simulated]
-    chosen = effects == "auto" and not system.solved_whole
+    spare = [one for one in worth_asking(applicable, 1) if one.name not in kept] if effects == "auto" else []
     if isinstance(effects, tuple):
         simulated = {system.effects[name].name for name in effects}
         _refuse_impossible({name: missing[name] for name in effects if missing[name]})
     bounds = {
         effect.name: effect.influence(problem)
         for effect in applicable
-        if all_bounds or chosen or effect.name not in simulated
+        if all_bounds or effect in spare or effect.name not in simulated
     }
-    if chosen:
-        simulated -= _left_out(applicable, bounds, accuracy)
+    simulated -= _left_out(spare, bounds, accuracy)
     total = sum(bound for name, bound in bounds.items() if name not in simulated)
     model = assemble(system, problem, simulated)
     left_out_error = _relative(total)
@@ -101,19 +105,42 @@ def make_plan(
     error_bound = left_out_error
     if left_out_error < math.inf:
         error_bound += method.error * (1.0 + left_out_error)
-    spared = -1.0 if chosen else accuracy
-    decisions = tuple(
-        _decide(one, missing[one.name], bounds, is_in=one.name in simulated, effects=effects, spared=spared)
-        for one in every
-    )
-    return Plan(decisions=decisions, method=method, accuracy=accuracy, error_bound=error_bound), model
+    asked = {"all": "all effects are asked for", "auto": ""}.get(str(effects), "asked for by name")
+    spared = {one.name: "" for one in spare} | dict(kept)
+    decisions = []
+    for one in every:
+        bound = _relative(bounds.get(one.name, math.nan))
+        is_in, keys = one.name in simulated, missing[one.name]
+        why = "" if math.isnan(bound) else _worth("up to" if is_in else "at most", bound)
+        if keys:
+            why = f"the scene does not give {' and '.join(keys)}"
+        elif asked and is_in:
+            why = asked
+        elif not is_in or not bound > accuracy:
+            reason = spared.get(one.name, "leaving it out would save no time") if is_in else one.instead
+            why = "; ".join(part for part in (why, reason) if part)
+        fate: Fate = "not applicable" if keys else "simulated" if is_in else "left out"
+        decisions.append(Decision(one.name, fate, bound, why, keys, one.adds, one.instead))
+    return Plan(decisions=tuple(decisions), method=method, accuracy=accuracy, error_bound=error_bound), model
 
 
-def _left_out(applicable: list[Effect[Any, Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
+def worth_asking(
+    applicable: list[Effect[Any, Any]], cases: int, least_s: float = _LEAST_SAVED_S
+) -> list[Effect[Any, Any]]:
+    """Return the effects that take so long to simulate that leaving them out may save time."""
+    return [one for one in applicable if one.cost * cases >= least_s]
+
+
+def room_for_effects(accuracy: float) -> float:
+    """Return what |Δ ln answer| all effects left out may come to."""
+    return math.log1p((1.0 - _METHOD_SHARE) * accuracy)
+
+
+def _left_out(spare: list[Effect[Any, Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
     """Return what can be left out: the smallest influence first, the dearer of two equal ones first."""
-    order = sorted(applicable, key=lambda one: (bounds[one.name], -one.cost))
+    order = sorted(spare, key=lambda one: (bounds[one.name], -one.cost))
     spent = accumulate(bounds[one.name] for one in order)
-    budget = math.log1p((1.0 - _METHOD_SHARE) * accuracy)
+    budget = room_for_effects(accuracy)
     return {one.name for one, sum_so_far in zip(order, spent, strict=True) if sum_so_far <= budget}
 
 
@@ -128,32 +155,10 @@ def _refuse_impossible(missing: dict[str, tuple[str, ...]]) -> None:
         )
 
 
-def _decide(
-    effect: Effect[Any, Any],
-    missing: tuple[str, ...],
-    bounds: dict[str, float],
-    *,
-    is_in: bool,
-    effects: str | tuple[str, ...],
-    spared: float,
-) -> Decision:
-    """Return what became of an effect; `spared` is the bound below which it is in because that costs no time."""
-    bound = _relative(bounds.get(effect.name, math.nan))
-    fate: Fate = "simulated" if is_in else "left out"
-    worth = f"worth {'up to' if is_in else 'at most'} {bound:.2g} of the answer"
+def _worth(much: str, bound: float) -> str:
     if bound in {0.0, math.inf}:
-        worth = "no bound is known" if bound else "cannot change the answer"
-    if missing:
-        fate, why = "not applicable", f"the scene does not give {' and '.join(missing)}"
-    elif not is_in:
-        why = f"{worth}; {effect.instead}"
-    elif effects != "auto":
-        why = "all effects are asked for" if effects == "all" else "asked for by name"
-    elif bound > spared:
-        why = worth
-    else:
-        why = f"{'' if math.isnan(bound) else worth + '; '}leaving it out would save no time"
-    return Decision(effect.name, fate, bound, why, missing, effect.adds, effect.instead)
+        return "no bound is known" if bound else "cannot change the answer"
+    return f"worth {much} {bound:.2g} of the answer"
 
 
 def _relative(log_change: float) -> float:
@@ -167,6 +172,8 @@ def method_tree(method: Method) -> dict[str, Any]:
 
 
 _REPEATS = 5
+_LONG_S = 0.3
+"""What has taken so long is not timed more than once."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,7 +187,7 @@ class Explanation:
     plan : Plan
         With the bounds of all effects, and what they turned out to be worth if that was measured.
     planned_s, all_s : float
-        Median time of solving as planned and with all effects [s]; NaN where it was not measured.
+        Median time of planning and solving, as asked and with all effects [s]; NaN where it was not measured.
     difference : float
         Relative difference of the planned answer to that with all effects; NaN where it was not measured.
     """
@@ -192,13 +199,19 @@ class Explanation:
     difference: float = math.nan
 
     @property
+    def saved_s(self) -> float:
+        """Return the time that leaving effects out saves, planning included [s]; NaN where it was not measured."""
+        return self.all_s - self.planned_s
+
+    @property
     def is_measured(self) -> bool:
         """Return whether the effects were solved with and without, and the clock read."""
         return not math.isnan(self.planned_s)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the explanation as a JSON tree; what is not known is null."""
-        measured = {"planned_s": self.planned_s, "all_effects_s": self.all_s, "difference": self.difference}
+        measured = {name: getattr(self, name) for name in ("planned_s", "saved_s", "difference")}
+        measured["all_effects_s"] = self.all_s
         return {
             "system": self.system,
             "accuracy": self.plan.accuracy,
@@ -206,7 +219,7 @@ class Explanation:
             "method": method_tree(self.plan.method),
             "effects": [
                 one._asdict()
-                | {name: finite(getattr(one, name)) for name in ("bound", "worth", "time_share")}
+                | {name: finite(getattr(one, name)) for name in ("bound", "worth", "time_share", "time_s")}
                 | {"simulated": one.fate == "simulated", "missing": list(one.missing)}
                 for one in self.plan.decisions
             ],
@@ -220,8 +233,9 @@ def explain_scene(
     """Return why a scene is solved the way it is."""
     system = scene.kind.system
     try:
+        kept = scene.kind.kept(scene.problem)
         plan, _ = make_plan(
-            system, scene.problem, accuracy=scene.accuracy, effects=scene.effects, all_bounds=True
+            system, scene.problem, accuracy=scene.accuracy, effects=scene.effects, all_bounds=True, kept=kept
         )
         told = Explanation(system=scene.kind.name, plan=plan)
         return _measured(scene, told, clock) if measure else told
@@ -230,39 +244,51 @@ def explain_scene(
 
 
 def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Explanation:
-    system, plan = scene.kind.system, told.plan
+    system, plan, problem = scene.kind.system, told.plan, scene.problem
     simulated = set(plan.simulated)
 
-    def solved(names: set[str]) -> tuple[Any, float]:
-        def once() -> Any:
-            return system.solve(assemble(system, scene.problem, names), plan.method)
-
-        answer = once()
-        times = []
-        for _ in range(_REPEATS):
+    def timed(once: Callable[[], Any]) -> tuple[Any, float]:
+        times: list[float] = []
+        # The first call warms up what is kept between calls.
+        while len(times) < 2 or (len(times) <= _REPEATS and sum(times) < _LONG_S):
             start = clock()
-            once()
+            answer = once()
             times.append(clock() - start)
-        return answer, median(times)
+        return answer, median(times[1:])
 
-    planned, planned_s = solved(simulated)
+    def solved(names: set[str]) -> tuple[Any, float]:
+        return timed(lambda: system.solve(assemble(system, problem, names), plan.method))
+
+    def as_asked(effects: str | tuple[str, ...]) -> tuple[Any, float]:
+        def once() -> Any:
+            made, model = make_plan(
+                system, problem, accuracy=scene.accuracy, effects=effects, kept=scene.kind.kept(problem)
+            )
+            return system.solve(model, made.method)
+
+        return timed(once)
+
+    own, own_s = solved(simulated)
     decisions = []
     for one in plan.decisions:
         found = one
         # A model may have no answer without an effect that another one in it relies on.
         with suppress(RopefricError):
-            if one.fate == "simulated":
-                other, other_s = solved(simulated - {one.name})
-                share = max(0.0, 1.0 - other_s / planned_s) if planned_s > 0.0 else math.nan
-                found = one._replace(worth=system.distance(other, planned), time_share=share)
-            elif one.fate == "left out":
-                found = one._replace(worth=system.distance(planned, solved(simulated | {one.name})[0]))
+            if one.fate != "not applicable":
+                other, other_s = solved(simulated ^ {one.name})
+                is_in = one.fate == "simulated"
+                takes_s = max(0.0, own_s - other_s if is_in else other_s - own_s)
+                found = one._replace(
+                    worth=system.distance(*((other, own) if is_in else (own, other))),
+                    time_share=takes_s / own_s if is_in and own_s > 0.0 else math.nan,
+                    time_s=takes_s,
+                )
         decisions.append(found)
-    everything, all_s = solved(simulated | set(plan.left_out))
+    planned_s, (everything, all_s) = as_asked(scene.effects)[1], as_asked("all")
     return replace(
         told,
         plan=replace(plan, decisions=tuple(decisions)),
         planned_s=planned_s,
         all_s=all_s,
-        difference=system.distance(planned, everything),
+        difference=system.distance(own, everything),
     )

@@ -125,15 +125,17 @@ def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
     place[f"{prefix}interval{unit}"] = [finite(end) for end in quantity.interval[0]]
 
 
-def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
-    """Return the answer to a scene."""
+def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) -> Solution:
+    """Return the answer to a scene; with `identify`, and what its measurements tell of the machine."""
     if not 0.0 < level < 1.0:
         raise InputError(
             f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
         )
     kind, problem, source = scene.kind, scene.problem, scene.source
     try:
-        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=scene.effects)
+        plan, model = make_plan(
+            kind.system, problem, accuracy=scene.accuracy, effects=scene.effects, kept=kind.kept(problem)
+        )
         answer = kind.system.solve(model, plan.method)
         quantities = kind.quantities(answer, problem)
 
@@ -143,6 +145,17 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
                 kind.system.solve(assemble(kind.system, other, plan.simulated), plan.method), other
             )
 
+        tree = kind.tree(answer, problem)
+        if identify:
+            found = kind.identified(answer, problem)
+            if found is None:
+                raise InputError(
+                    "the scene has no measurements, from which its machine could be identified",
+                    key="--identify",
+                    fix="add [[measured]] tables to a band saw with a wheel",
+                )
+            for name, part in found.items():
+                tree[name] |= part
         return Solution(
             scene=scene,
             plan=plan,
@@ -151,7 +164,7 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
             level=level,
             extrapolation=_extrapolation(scene),
             failures=tuple(one.text() for one in kind.failures(answer, problem) if one.fails.any()),
-            tree=kind.tree(answer, problem),
+            tree=tree,
         )
     except RopefricError as error:
         raise placed(error, scene.document) from error

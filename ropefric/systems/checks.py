@@ -88,7 +88,14 @@ class Cases:
     def product(self, *names: str) -> FloatArray:
         """Return the product of quantities, shape (n,); zero where one of them is not given."""
         factors = [getattr(self, name) for name in names]
-        return np.zeros(self.n) if any(one is None for one in factors) else np.asarray(math.prod(factors))
+        if any(one is None for one in factors):
+            return np.zeros(self.n)
+        return np.broadcast_to(math.prod(map(lean, factors)), (self.n,))
+
+
+def lean(values: FloatArray) -> FloatArray:
+    """Return one value where an array has been spread from one: what is the same in all cases is reckoned once."""
+    return values[:1] if values.strides == (0,) else values
 
 
 @lru_cache(maxsize=32)

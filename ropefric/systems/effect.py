@@ -1,8 +1,10 @@
-"""What an effect of a system is: something the mechanics may be assembled with, or done without, and its bound."""
+"""What an effect of a machine is: something its mechanics may be put together with or without, and its worth."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from itertools import combinations
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
@@ -22,7 +24,7 @@ A = TypeVar("A")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effect(Generic[P, M]):
-    """Something physical that a model may contain or not.
+    """Something physical that a model may contain or not: all that the planner knows of it.
 
     Attributes
     ----------
@@ -35,17 +37,20 @@ class Effect(Generic[P, M]):
     needs : callable
         `needs(problem)` returns the scene keys that are missing for it; empty where it can be simulated.
     influence : callable
-        `influence(problem)` returns an upper bound of |ln(answer with it / answer without it)|, whatever other
-        effects are simulated; `inf` where no bound is known. Called only where nothing is missing.
+        `influence(problem)` returns an upper bound of |ln(with it / without it)| of every number of the answer,
+        whatever other effects are simulated; `inf` where none is known. Called only where nothing is missing.
+    each : callable or None
+        `each(problem)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of solving
+        them. Where there is none, a sweep solves the corners of its box with the effect and without.
     apply : callable or None
         `apply(model, problem)` returns the model with the effect in it. Called only where it is simulated. Without
         it the name is added to `model.effects`, which the mechanics look into.
     cost : float
-        Time it adds to a solution, as a share of solving without it; for deciding which of two to leave out.
+        Time that it adds to each case, roughly [s]. An effect that costs none is not left out to save time.
 
     Examples
     --------
-    >>> heavier = Effect(name="weight", adds="its weight", instead="no weight", cost=0.1,
+    >>> heavier = Effect(name="weight", adds="its weight", instead="no weight",
     ...     influence=lambda problem: 0.02, apply=lambda model, problem: model + problem)
     >>> heavier.apply(1.0, 0.5)
     1.5
@@ -55,7 +60,8 @@ class Effect(Generic[P, M]):
     adds: str
     instead: str
     influence: Callable[[P], float]
-    cost: float
+    each: Callable[[P], FloatArray] | None = None
+    cost: float = 0.0
     needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
     apply: Callable[[M, P], M] | None = None
 
@@ -72,10 +78,7 @@ class Method:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System(Generic[P, M, A]):
-    """A kind of machine: its bare model, the effects it may have, how it is solved.
-
-    `solved_whole`: simulating everything is quicker than to find out what could be left out.
-    """
+    """A kind of machine: its bare model, the effects it may have, how it is solved."""
 
     name: str
     effects: Registry[Effect[P, M]]
@@ -83,7 +86,6 @@ class System(Generic[P, M, A]):
     method: Callable[[M, float], Method]
     solve: Callable[[M, Method], A]
     distance: Callable[[A, A], float]
-    solved_whole: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes
@@ -115,6 +117,102 @@ def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M
 def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
     """Return the `needs` of an effect: fields of the problem that may be None, and how scenes call them."""
     return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
+
+
+_ROUNDING = 1e-12
+
+
+def largest_changes(
+    names: Iterable[str], logs: Callable[[frozenset[str]], FloatArray], *, rounding: float = _ROUNDING
+) -> dict[str, float]:
+    """Return how much each effect changes any of the numbers at most, whatever others are simulated.
+
+    `logs(effects)` returns their logarithms. From leaving out one effect after the other, what several change is at
+    most the sum of what each does. A number that is there with an effect and not without it, or the other way round,
+    has no bound, nor has anything where a subset of the effects has no answer.
+    """
+    worst = dict.fromkeys(names, 0.0)
+    subsets = [frozenset(some) for k in range(len(worst) + 1) for some in combinations(worst, k)]
+    try:
+        with np.errstate(all="ignore"):
+            found = {some: logs(some) for some in subsets}
+    except RopefricError:
+        return dict.fromkeys(worst, math.inf)
+    for subset in subsets:
+        for one in subset:
+            worst[one] = max(worst[one], log_change(found[subset], found[subset - {one}]))
+    return {one: most and most * (1.0 + rounding) + rounding for one, most in worst.items()}
+
+
+def log_change(logs: FloatArray, others: FloatArray) -> float:
+    """Return the largest |difference|; inf where only one of two is a number."""
+    same = (logs == others) | (np.isnan(logs) & np.isnan(others))
+    with np.errstate(invalid="ignore"):
+        apart = np.where(same, 0.0, np.abs(logs - others))
+    return float(np.max(np.where(np.isnan(apart), math.inf, apart)))
+
+
+class Subsets:
+    """What the effects of a machine are worth whose answer costs next to nothing: found by solving all their subsets.
+
+    `solve(model)` gives an answer with `logs`, the logarithms of its numbers; `effects()` all effects.
+    """
+
+    def __init__(
+        self, solve: Callable[[Any], Any], effects: Callable[[], Mapping[str, Effect[Any, Any]]]
+    ) -> None:
+        def changes(problem: Any) -> dict[str, float]:
+            names = [name for name, one in effects().items() if not one.needs(problem)]
+            return largest_changes(names, lambda some: solve(Model(problem=problem, effects=some)).logs)
+
+        self._changes = lru_cache(maxsize=2)(changes)
+
+    def of(self, name: str) -> Callable[[Any], float]:
+        """Return the `influence` of an effect."""
+        return lambda problem: self._changes(problem)[name]
+
+
+def closed_form_system(
+    name: str, effects: Registry[Effect[Any, Any]], solve: Callable[[Any], Any], *, error: float, why: str
+) -> System[Any, Any, Any]:
+    """Return the system of a machine whose answers have `logs`, the logarithms of their numbers."""
+    method = Method(name="closed form", error=error, why=why)
+    return System(
+        name=name,
+        effects=effects,
+        bare=lambda problem: Model(problem=problem),
+        method=lambda model, budget: method,  # noqa: ARG005
+        solve=lambda model, method: solve(model),  # noqa: ARG005
+        distance=lambda answer, reference: float(np.expm1(log_change(answer.logs, reference.logs))),
+    )
+
+
+def law_effects(
+    wheel: str,
+    rope: str,
+    worth: Subsets,
+    needs: Callable[[Any], tuple[str, ...]],
+    cost: float,
+) -> tuple[Effect[Any, Any], Effect[Any, Any]]:
+    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope."""
+    return (
+        Effect(
+            name="wrap-dependence",
+            adds="a coefficient that depends on wrap and tension",
+            instead="its average at the reference wrap and tension",
+            needs=needs,
+            influence=worth.of("wrap-dependence"),
+            cost=cost,
+        ),
+        Effect(
+            name="size",
+            adds=f"a coefficient that depends on the {wheel}'s radius over the {rope}'s",
+            instead="the coefficient at the reference wheel and rope",
+            needs=needs,
+            influence=worth.of("size"),
+            cost=cost,
+        ),
+    )
 
 
 def worst_case(

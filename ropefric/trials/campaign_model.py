@@ -31,7 +31,9 @@ from ropefric.files.toml_model import (
 from ropefric.quantities import si_unit_of
 from ropefric.traces.breakaway import ENDINGS, PEAKS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
+from ropefric.traces.readers import READERS
 from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.trials.outliers import RULES
 from ropefric.trials.workers import Limits
 
 SCHEMA = "ropefric.campaign/1"
@@ -157,12 +159,6 @@ class Smoothing(StrictTable):
         return "auto" if self.window_s is None else "fixed" if self.window_s else "none"
 
 
-def _rule_names() -> Collection[str]:
-    from ropefric.trials.outliers import RULES  # noqa: PLC0415  (few files name a rule)
-
-    return tuple(RULES)
-
-
 class DesignWheel(StrictTable):
     """`[design]`: a wheel whose lift force is to be predicted."""
 
@@ -173,12 +169,6 @@ class DesignWheel(StrictTable):
         alias="wrap_angle"
     )
     end_tension_N: Annotated[float, PlainValidator(_FORCE)] = Field(alias="end_tension")
-
-
-def _format_names() -> Collection[str]:
-    from ropefric.traces.readers import READERS  # noqa: PLC0415  (brings the readers, and few files name one)
-
-    return ("auto", *READERS)
 
 
 def _channel(value: object) -> Channel:
@@ -282,7 +272,7 @@ _LIMITS = Table(
 _IMPORT = Table(
     _import_profile,
     {
-        "format": choice(_format_names),
+        "format": choice(lambda: ("auto", *READERS)),
         "separator": _separator,
         "decimal": choice(lambda: ("", ".", ",")),
         "encoding": _encoding,
@@ -325,7 +315,7 @@ class CampaignFile(StrictTable):
         tuple[float, float] | None, _of_one_key("interval", _interval), Field(alias="tare")
     ] = None
     smoothing: Smoothing = Smoothing()
-    rejection: Annotated[str, Table(lambda rule="two-sigma": rule, {"rule": choice(_rule_names)})] = (
+    rejection: Annotated[str, Table(lambda rule="two-sigma": rule, {"rule": choice(lambda: RULES)})] = (
         "two-sigma"
     )
     weights_tolerance: Annotated[

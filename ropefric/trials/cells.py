@@ -80,6 +80,57 @@ class CellTable:
         message = error.problem.message.removeprefix(f"{key}: ")
         return self.problem(line, key, error.code, message, error.fix)
 
+    def bind(
+        self, quantities: Mapping[str, Quantity], texts: Collection[str]
+    ) -> tuple[dict[str, "Column"], list[str], list[Problem]]:
+        """Return the columns that are known, by field, the names of the others, and what is wrong with the header.
+
+        Columns whose name is empty or starts with "_" are neither.
+        """
+        bound: dict[str, Column] = {}
+        others: list[str] = []
+        problems: list[Problem] = []
+        for index, name in enumerate(self.header):
+            word = word_of(name)
+            if not word or word.startswith("_"):
+                continue
+            column: Column | None = Column(index=index, header=name, field=word)
+            try:
+                if word not in texts:
+                    column = _quantity_column(index, name, quantities)
+            except InputError as error:
+                problems.append(self.refusal(self.header_line, name, error))
+                continue
+            if column is None:
+                others.append(name)
+            elif column.field in bound:
+                message = f"this column says the same as '{bound[column.field].header}'"
+                problems.append(
+                    self.problem(self.header_line, name, "RF122", message, "remove one of the two")
+                )
+            else:
+                bound[column.field] = column
+        return bound, others, problems
+
+    def near_miss(
+        self, name: str, quantities: Mapping[str, Quantity], texts: Collection[str]
+    ) -> list[Problem]:
+        """Return a warning if a column that is not known has nearly the name of a quantity that is."""
+        stem = stem_of(name)
+        if not get_close_matches(stem[:80], quantities, n=1, cutoff=SLIP):
+            return []
+        known = (*texts, *(example_of(stem, quantities) for stem in quantities))
+        fix = f"{did_you_mean(name[:80], known)} Otherwise nothing is to be done."
+        message = "this column is not known; it is kept, but not used"
+        return [self.problem(self.header_line, name, "RF120", message, fix, warning=True)]
+
+    def decimal_mark(self, columns: Mapping[str, "Column"]) -> str:
+        """Return "," where columns are not separated by it and any number has one, else "."."""
+        numeric = [column.index for column in columns.values() if column.si_unit]
+        if self.separator != "," and any("," in cells[index] for _, cells in self.rows for index in numeric):
+            return ","
+        return "."
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
@@ -175,41 +226,20 @@ def _ragged(table: CellTable, split: _Split) -> Iterator[Problem]:
         yield table.problem(line, "", "RF103", f"{len(cells)} cells, but the header has {n} columns", fix)
 
 
+def word_of(name: str) -> str:
+    """Return a column's name as it is looked up."""
+    return "_".join(name.lower().split())
+
+
+def stem_of(name: str) -> str:
+    """Return a column's name without its unit, as it is looked up."""
+    return word_of(split_unit_suffix(name)[0])
+
+
 def example_of(stem: str, quantities: Mapping[str, Quantity]) -> str:
     """Return how a header may call a column."""
     si_unit = quantities[stem][1]
     return f"{stem}_{'turns' if stem == 'wrap' else _UNITS.get(si_unit, si_unit)}"
-
-
-def bind_columns(
-    table: CellTable, quantities: Mapping[str, Quantity], texts: Collection[str]
-) -> tuple[dict[str, Column], list[str], list[Problem]]:
-    """Return the columns that are known, by field, the names of the others, and what is wrong with the header.
-
-    Columns whose name is empty or starts with "_" are neither.
-    """
-    bound: dict[str, Column] = {}
-    others: list[str] = []
-    problems: list[Problem] = []
-    for index, name in enumerate(table.header):
-        word = word_of(name)
-        if not word or word.startswith("_"):
-            continue
-        column: Column | None = Column(index=index, header=name, field=word)
-        try:
-            if word not in texts:
-                column = _quantity_column(index, name, quantities)
-        except InputError as error:
-            problems.append(table.refusal(table.header_line, name, error))
-            continue
-        if column is None:
-            others.append(name)
-        elif column.field in bound:
-            message = f"this column says the same as '{bound[column.field].header}'"
-            problems.append(table.problem(table.header_line, name, "RF122", message, "remove one of the two"))
-        else:
-            bound[column.field] = column
-    return bound, others, problems
 
 
 def _quantity_column(index: int, name: str, quantities: Mapping[str, Quantity]) -> Column | None:
@@ -223,32 +253,6 @@ def _quantity_column(index: int, name: str, quantities: Mapping[str, Quantity]) 
         raise InputError("the column has no unit", code="RF130", fix=fix)
     unit_factor(unit, si_unit, name=name)
     return Column(index=index, header=name, field=field, unit=unit, si_unit=si_unit, scale=scale)
-
-
-def near_miss(
-    table: CellTable, name: str, quantities: Mapping[str, Quantity], texts: Collection[str]
-) -> list[Problem]:
-    """Return a warning if a column that is not known has nearly the name of a quantity that is."""
-    stem = word_of(split_unit_suffix(name)[0])
-    if not get_close_matches(stem[:80], quantities, n=1, cutoff=SLIP):
-        return []
-    known = (*texts, *(example_of(stem, quantities) for stem in quantities))
-    fix = f"{did_you_mean(name[:80], known)} Otherwise nothing is to be done."
-    message = "this column is not known; it is kept, but not used"
-    return [table.problem(table.header_line, name, "RF120", message, fix, warning=True)]
-
-
-def word_of(name: str) -> str:
-    """Return a column's name as it is looked up."""
-    return "_".join(name.lower().split())
-
-
-def decimal_mark(table: CellTable, columns: Mapping[str, Column]) -> str:
-    """Return "," where columns are not separated by it and any number has one, else "."."""
-    numeric = [column.index for column in columns.values() if column.si_unit]
-    if table.separator != "," and any("," in cells[index] for _, cells in table.rows for index in numeric):
-        return ","
-    return "."
 
 
 @lru_cache(maxsize=64)

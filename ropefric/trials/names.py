@@ -11,7 +11,7 @@ from pathlib import Path, PurePath
 from ropefric.errors import DataError, InputError, data_error
 from ropefric.files.plain_text import to_spreadsheet
 from ropefric.glossary import counted
-from ropefric.trials.cells import CellTable, bind_columns
+from ropefric.trials.cells import CellTable
 from ropefric.trials.trial_list import QUANTITIES, TEXTS
 
 _DIGITS, _WILD = re.compile(r"([0-9]+)"), re.compile(r"[*?\[]")
@@ -52,7 +52,7 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
         raise InputError(why, key="--pattern", fix=f"{fix}; * stands for anything")
     names = list(rows[0])
     header = CellTable(path="--pattern", separator=",", header=tuple(names), header_line=None, rows=())
-    columns, _, problems = bind_columns(header, QUANTITIES, TEXTS)
+    columns, _, problems = header.bind(QUANTITIES, TEXTS)
     if problems:
         raise data_error(problems)
     known = columns.keys() | ({"wheel_radius_m"} if "wheel" in columns else set())
@@ -112,7 +112,7 @@ def _compiled(pattern: str) -> re.Pattern[str] | None:
 
 def _of_column(name: str) -> str:
     table = CellTable(path="", separator=",", header=(name,), header_line=None, rows=())
-    columns, _, _ = bind_columns(table, QUANTITIES, TEXTS)
+    columns, _, _ = table.bind(QUANTITIES, TEXTS)
     return _NUMBER if any(column.si_unit for column in columns.values()) else ".+?"
 
 

@@ -35,6 +35,8 @@ class OutlierRule:
         Says of three or more deviations (see `Scaled`), shape (n,), which are rejected.
     can_reject : callable
         `can_reject(n)` returns whether the rule can flag anything at all among n values.
+    good_lost : callable
+        `good_lost(n)` returns how many values of a clean normal series of n it rejects on average; NaN if not known.
     trimming : tuple of (n, ratio, share)
         For clean normal series of n values: expected s of the kept values over σ, and the share of series that
         lose a value. From simulation, to 0.002.
@@ -52,6 +54,7 @@ class OutlierRule:
     description: str
     judge: Callable[[FloatArray], BoolArray]
     can_reject: Callable[[int], bool]
+    good_lost: Callable[[int], float] = lambda _n: math.nan
     trimming: tuple[tuple[int, float, float], ...] = field(default=(), repr=False)
 
     def flag(self, values: npt.ArrayLike) -> BoolArray:
@@ -150,6 +153,18 @@ def max_z(n: int) -> float:
     return (n - 1) / math.sqrt(n) if n > 0 else 0.0
 
 
+def expected_beyond(n: int, z_limit: float) -> float:
+    """Return how many of n normal values lie further than `z_limit` of their own s from their own mean, on average.
+
+    (x − mean)²/s² · n/(n − 1)² follows the beta distribution of 1/2 and (n − 2)/2 (Thompson 1935).
+    """
+    if n < 3 or z_limit >= max_z(n):
+        return 0.0
+    from scipy.special import betainc  # noqa: PLC0415  (as below)
+
+    return n * (1.0 - float(betainc(0.5, 0.5 * (n - 2), n * (z_limit / (n - 1)) ** 2)))
+
+
 def chauvenet_limit(n: int) -> float:
     """Return the |z| that half a value of n normal ones is expected to exceed: n·P(|z| > limit) = 1/2.
 
@@ -231,6 +246,7 @@ RULES: Registry[OutlierRule] = Registry(
             description="all values further than 2 sample standard deviations from the mean of all; one pass",
             judge=lambda deviations: beyond(deviations, 2.0),
             can_reject=lambda n: max_z(n) > 2.0,
+            good_lost=lambda n: expected_beyond(n, 2.0),
             trimming=_trimming(0),
         ),
         OutlierRule(
@@ -241,6 +257,7 @@ RULES: Registry[OutlierRule] = Registry(
             "two-sided, alpha 0.05",
             judge=_judge_by_grubbs,
             can_reject=lambda n: n >= 3,
+            good_lost=lambda n: 0.05 if n >= 3 else 0.0,
             trimming=_trimming(1),
         ),
         OutlierRule(
@@ -250,6 +267,7 @@ RULES: Registry[OutlierRule] = Registry(
             description="all values so far from the mean that less than half a value of n was expected there; one pass",
             judge=lambda deviations: beyond(deviations, chauvenet_limit(deviations.size)),
             can_reject=lambda n: max_z(n) > chauvenet_limit(n),
+            good_lost=lambda n: expected_beyond(n, chauvenet_limit(n)),
             trimming=_trimming(2),
         ),
         OutlierRule(
@@ -268,6 +286,7 @@ RULES: Registry[OutlierRule] = Registry(
             description="nothing",
             judge=lambda deviations: np.zeros(deviations.shape, dtype=np.bool_),
             can_reject=lambda _n: False,
+            good_lost=lambda _n: 0.0,
         ),
     ],
 )

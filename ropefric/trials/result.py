@@ -3,7 +3,7 @@
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from math import isfinite, nan
@@ -18,10 +18,10 @@ from ropefric.errors import DataError, Problem
 from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text
-from ropefric.quantities import split_unit_suffix
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.trials.campaign_model import TrialRow
+from ropefric.trials.cells import stem_of
 
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
@@ -153,6 +153,12 @@ class TrialResult(TrialRow):
             / self.wrap_angle_rad
         )
 
+    @property
+    def why_no_force(self) -> str:
+        """Return why the recording gave no usable force, with the forces that it may have been."""
+        candidates = self.measured("candidates")
+        return self.breakaway.detail + (f"; candidates: {candidates}" if candidates else "")
+
     def measured(self, name: str) -> Any:
         """Return what a column of the trial's row holds."""
         if name in _OF_BREAKAWAY:
@@ -171,7 +177,7 @@ class TrialResult(TrialRow):
         taken = _names_of((*row, "sha256")) if self.own else frozenset[str]()
         for name, cell in self.own:
             # What a fit would take for a number of the tool's own gets another name.
-            free = split_unit_suffix(name)[0].strip().lower().replace(" ", "_") not in taken
+            free = stem_of(name) not in taken
             row[name if free else f"given_{name}"] = cell
         row["sha256"] = self.sha256  # last, and of known length: a table that was cut off shows it
         return {key: _finite_or_none(value) for key, value in row.items()}
@@ -180,7 +186,7 @@ class TrialResult(TrialRow):
 @lru_cache(maxsize=4)
 def _names_of(columns: tuple[str, ...]) -> frozenset[str]:
     """Return what a reader of the table takes for its own: names without their units."""
-    return frozenset(split_unit_suffix(name)[0].lower() for name in columns) | _MEANT
+    return frozenset(map(stem_of, columns)) | _MEANT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -286,6 +292,16 @@ def alike(trials: Sequence[TrialResult]) -> list[list[TrialResult]]:
             key = (problem.code, message, problem.key, problem.fix)
         groups.setdefault(key, []).append(trial)
     return sorted(groups.values(), key=len, reverse=True)
+
+
+def problems_by_code(extraction: Extraction, said_of: Iterable[TrialResult]) -> dict[str, list[Problem]]:
+    """Return what was wrong or doubtful by its code, beside what is said of these trials anyway."""
+    said = {problem for trial in said_of for problem in trial.problems}
+    found: dict[str, list[Problem]] = {}
+    for problem in extraction.problems:
+        if problem not in said:
+            found.setdefault(problem.code, []).append(problem)
+    return found
 
 
 def no_force(extraction: Extraction, path: Path) -> DataError | None:

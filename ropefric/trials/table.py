@@ -17,19 +17,7 @@ from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.glossary import counted
 from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
-from ropefric.trials.cells import (
-    SETTINGS,
-    SLIP,
-    STANDARD_GRAVITY_M_S2,
-    CellTable,
-    Column,
-    bind_columns,
-    decimal_mark,
-    near_miss,
-    read_cells,
-    read_number,
-    word_of,
-)
+from ropefric.trials import cells
 from ropefric.trials.result import Extraction
 
 if TYPE_CHECKING:
@@ -54,13 +42,13 @@ _BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
 """Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
-_TEXTS = ("trial", "kept", "status", "cell", "rope_id")
+_TEXTS = ("trial", "kept", "status")
 _QUANTITIES = {
-    **SETTINGS,
+    **cells.SETTINGS,
     "peak": ("peak_N", "N", 1.0),
     "breakaway_force": ("peak_N", "N", 1.0),
     "lift_force": ("peak_N", "N", 1.0),
-    "lift_mass": ("peak_N", "kg", STANDARD_GRAVITY_M_S2),
+    "lift_mass": ("peak_N", "kg", cells.STANDARD_GRAVITY_M_S2),
     "peak_std": ("peak_std_N", "N", 1.0),
     "lift_force_std": ("peak_std_N", "N", 1.0),
     "end_tension_std": ("end_tension_std_N", "N", 1.0),
@@ -72,6 +60,8 @@ _QUANTITIES = {
     "rope_diameter_std": ("rope_radius_std_m", "m", 0.5),
     "cell_std": ("cell_std_N", "N", 1.0),
 }
+LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
+"""Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
     "kinetic": ("kinetic_N", "N", 1.0),
     "kinetic_force": ("kinetic_N", "N", 1.0),
@@ -82,7 +72,7 @@ _QUANTITIES_BESIDE = {
 _PASSED_OVER = frozenset(
     {
         "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
-        "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes",
+        "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
         "sliding", "drop", "trough", "n_slips", "recurrence", "measured_dwell", "mu", "mu_std", "mu_kinetic",
         "candidates", "dwell", "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
     }
@@ -121,8 +111,6 @@ class TrialTable:
     cell_std_N : ndarray, shape (N,)
         The part of the measured force's uncertainty that all trials of a force cell share [N]; NaN where unknown,
         and then the whole is taken as shared.
-    cell, rope_id : tuple of str
-        Which force cell and which rope, by name; empty where unknown.
     kinetic_N, kinetic_mean_std_N : ndarray, shape (N,)
         Mean force while sliding, and its standard uncertainty [N]; NaN where unknown.
     end_tension_set_N : ndarray, shape (N,)
@@ -137,6 +125,8 @@ class TrialTable:
         Where the table comes from, for messages and provenance.
     warnings : tuple of Problem
         What is doubtful about it.
+    labels : mapping of str to tuple of str
+        What stands beside the trials in columns of `LABELS`: their rope, wheel, operator, dwell, order and force cell.
 
     Raises
     ------
@@ -171,10 +161,9 @@ class TrialTable:
     force: str = "peak"
     kept: BoolArray = True  # type: ignore[assignment]
     status: tuple[str, ...] = ()
-    cell: tuple[str, ...] = ()
-    rope_id: tuple[str, ...] = ()
     source: str = ""
     warnings: tuple[Problem, ...] = field(default=())
+    labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.trial)
@@ -188,11 +177,9 @@ class TrialTable:
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         object.__setattr__(self, "trial", tuple(self.trial))
-        for name, default in (("status", "ok"), ("cell", ""), ("rope_id", "")):
-            words = tuple(getattr(self, name)) or (default,) * n
-            object.__setattr__(self, name, words)
-            if len(words) != n:
-                raise InputError(f"{len(words)} {name} words for {n} trials", key=name)
+        object.__setattr__(self, "status", tuple(self.status) or ("ok",) * n)
+        if len(self.status) != n:
+            raise InputError(f"{len(self.status)} status words for {n} trials", key="status")
 
     def __len__(self) -> int:
         return len(self.trial)
@@ -281,7 +268,7 @@ class TrialTable:
         data: dict[str, Any] = {"trial": list(self.trial)}
         data |= {_FRAME_NAMES.get(name, name): getattr(self, name) for name in _NUMBERS}
         data |= {name: getattr(self, name) for name in _BESIDE if not np.isnan(getattr(self, name)).all()}
-        data |= {name: list(words) for name in ("cell", "rope_id") if any(words := getattr(self, name))}
+        data |= {name: list(words) for name, words in self.labels.items()}
         return pd.DataFrame(data | {"kept": self.kept, "status": list(self.status)})
 
 
@@ -293,7 +280,7 @@ def read_trial_table(path: str | os.PathLike[str]) -> TrialTable:
     `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`. Other columns are passed over.
     Separators ";", tab and "," and decimal commas are found out.
     """
-    return _table(*read_cells(path))
+    return _table(*cells.read_cells(path))
 
 
 def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
@@ -306,7 +293,9 @@ def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
         columns.append(["" if missing else str(value).strip() for value, missing in values])
     rows = tuple(enumerate(zip(*columns, strict=True), start=1))
     # The separator of no text: numbers from a frame have a decimal point.
-    return _table(CellTable(path="DataFrame", separator=",", header=header, header_line=None, rows=rows), ())
+    return _table(
+        cells.CellTable(path="DataFrame", separator=",", header=header, header_line=None, rows=rows), ()
+    )
 
 
 def table_of_extraction(extraction: Extraction) -> TrialTable:
@@ -318,23 +307,37 @@ def table_of_extraction(extraction: Extraction) -> TrialTable:
     kept &= (columns["peak_N"] > columns["end_tension_N"]) | _below_by_scatter(columns, kept)
     status = tuple(trial.breakaway.status.value for trial in trials)
     rows = tuple((line, ()) for line in range(1, 1 + len(trials)))
-    place = CellTable(path="extraction", separator=",", header=(), header_line=None, rows=rows)
+    place = cells.CellTable(path="extraction", separator=",", header=(), header_line=None, rows=rows)
     doubts = (*_rows_twice(place, columns, kept), *_too_few(place, kept, status))
     raise_problems(doubts)
-    columns |= {
-        name: tuple(getattr(trial, name) for trial in trials) for name in ("trial", "cell", "rope_id")
+    names_of = tuple(trial.trial for trial in trials)
+    own = [
+        {**dict(trial.own), "rope_id": trial.rope_id, "cell": trial.cell, "dwell": f"{trial.dwell_s:g}"}
+        for trial in trials
+    ]
+    labels = {name: tuple(str(row.get(name, "")) for row in own) for name in LABELS}
+    return TrialTable(
+        trial=names_of, kept=kept, status=status, source=place.path, warnings=doubts, labels=_filled(labels), **columns
+    )  # fmt: skip
+
+
+def _filled(labels: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    """Return the labels that say something of every trial."""
+    return {
+        name: tuple(values)
+        for name, values in labels.items()
+        if all(word not in {"", "nan"} for word in values)
     }
-    return TrialTable(kept=kept, status=status, source=place.path, warnings=doubts, **columns)
 
 
-def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
+def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     """Return a table of cells as trials, all at once, or refuse it with everything that is wrong.
 
     A row that is not kept, or whose recording gave no force, may lack numbers; a row that is to be used may not.
     """
-    united = {word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
+    united = {cells.word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
-    columns, others, found = bind_columns(table, {**_QUANTITIES, **beside}, _TEXTS)
+    columns, others, found = table.bind({**_QUANTITIES, **beside}, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
     texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
     n = len(table.rows)
@@ -368,8 +371,13 @@ def _table(table: CellTable, problems: Sequence[Problem]) -> TrialTable:
     )
     raise_problems(every)
     arrays: dict[str, Any] = dict(numbers)
-    arrays |= {name: tuple(texts[name]) for name in ("cell", "rope_id") if name in texts}
-    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **arrays)
+    stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
+    labels = _filled(
+        {name: _known([row[1][stems[name]] for row in table.rows]) for name in LABELS if name in stems}
+    )
+    return TrialTable(
+        trial=trial, status=status, kept=kept, source=table.path, warnings=every, labels=labels, **arrays
+    )
 
 
 def _known(cells: list[str]) -> list[str]:
@@ -377,15 +385,15 @@ def _known(cells: list[str]) -> list[str]:
     return [meaning[cell] for cell in cells]
 
 
-def _strange_columns(table: CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
+def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
     """Yield what columns that are not known may have meant, and which are missing.
 
     A column with a wrong unit is there; that it is missing as well would only confuse.
     """
     for name in others:
-        if word_of(split_unit_suffix(name)[0]) in _PASSED_OVER:
+        if cells.stem_of(name) in _PASSED_OVER:
             continue
-        near, meant = near_miss(table, name, _QUANTITIES, _TEXTS), _field_like(name)
+        near, meant = table.near_miss(name, _QUANTITIES, _TEXTS), _field_like(name)
         if near and meant in _REQUIRED and meant not in there:
             there.add(meant)
             near = [replace(near[0], message="this column is not known", severity="error")]
@@ -399,18 +407,18 @@ def _strange_columns(table: CellTable, others: Sequence[str], there: set[str]) -
 
 
 def _field_like(name: str) -> str:
-    close = get_close_matches(word_of(split_unit_suffix(name)[0]), _QUANTITIES, n=1, cutoff=SLIP)
+    close = get_close_matches(cells.stem_of(name), _QUANTITIES, n=1, cutoff=cells.SLIP)
     return _QUANTITIES[close[0]][0] if close else ""
 
 
 def _numbers(
-    table: CellTable,
-    columns: Mapping[str, Column],
+    table: cells.CellTable,
+    columns: Mapping[str, cells.Column],
     texts: Mapping[str, Sequence[str]],
     wrong: dict[int, list[Problem]],
 ) -> dict[str, FloatArray]:
     """Return the numbers of all columns in SI, NaN where there is none; say of each row what cannot be read."""
-    decimal = decimal_mark(table, columns)
+    decimal = table.decimal_mark(columns)
     numbers = {name: np.full(len(table.rows), np.nan) for name in (*_NUMBERS, *_BESIDE)}
     for name, column in columns.items():
         if not column.si_unit:
@@ -418,7 +426,7 @@ def _numbers(
         meaning, refused = {"": math.nan}, dict[str, InputError]()
         for cell in set(texts[name]) - {""}:
             try:
-                meaning[cell] = read_number(cell, column, decimal)
+                meaning[cell] = cells.read_number(cell, column, decimal)
             except InputError as error:
                 meaning[cell] = math.nan
                 if name not in _BESIDE:
@@ -456,7 +464,7 @@ def _below_by_scatter(numbers: Mapping[str, FloatArray], used: BoolArray) -> Boo
     return np.asarray(below & (rise >= mean[group] - _FAR * spread) & (rise >= -_FAR * spread))
 
 
-def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, Column]) -> BoolArray:
+def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, cells.Column]) -> BoolArray:
     """Return which rows lack a number, or have one that cannot be, if they are to be used."""
     wrong = (numbers["peak_N"] <= numbers["end_tension_N"]) | (numbers["peak_N"] == 0.0)
     for name in given.keys() & set(_NUMBERS):
@@ -465,10 +473,10 @@ def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, Column]) ->
 
 
 def _why_unusable(
-    table: CellTable,
+    table: cells.CellTable,
     line: int,
     numbers: Mapping[str, float],
-    columns: Mapping[str, Column],
+    columns: Mapping[str, cells.Column],
     *,
     by_scatter: bool,
 ) -> Iterator[Problem]:
@@ -497,7 +505,7 @@ def _why_unusable(
         yield table.problem(line, columns["peak_N"].header, "RF411", message, fix)
 
 
-def _names_twice(table: CellTable, names: Sequence[str]) -> Iterator[Problem]:
+def _names_twice(table: cells.CellTable, names: Sequence[str]) -> Iterator[Problem]:
     first: dict[str, int] = {}
     for name, (line, _) in zip(names, table.rows, strict=True):
         if name in first:
@@ -507,7 +515,9 @@ def _names_twice(table: CellTable, names: Sequence[str]) -> Iterator[Problem]:
         first.setdefault(name, line)
 
 
-def _rows_twice(table: CellTable, numbers: Mapping[str, FloatArray], kept: BoolArray) -> Iterator[Problem]:
+def _rows_twice(
+    table: cells.CellTable, numbers: Mapping[str, FloatArray], kept: BoolArray
+) -> Iterator[Problem]:
     """Yield a warning for rows that agree in every number: measured twice alike, or pasted twice."""
     values = np.stack([numbers[name] for name in _REQUIRED], axis=-1)
     rows = np.flatnonzero(kept & ~np.isnan(values).any(axis=1))
@@ -526,7 +536,7 @@ def _rows_twice(table: CellTable, numbers: Mapping[str, FloatArray], kept: BoolA
         yield table.problem(None, "", "RF122", message, fix, warning=True)
 
 
-def _cut_off(table: CellTable) -> Iterator[Problem]:
+def _cut_off(table: cells.CellTable) -> Iterator[Problem]:
     """Yield where a table that `extract` wrote ends within a row; its last column is a hash of known length."""
     if table.rows and table.header[-1] == "sha256":
         line, row = table.rows[-1]
@@ -538,7 +548,7 @@ def _cut_off(table: CellTable) -> Iterator[Problem]:
             )
 
 
-def _too_few(table: CellTable, kept: BoolArray, status: Sequence[str]) -> Iterator[Problem]:
+def _too_few(table: cells.CellTable, kept: BoolArray, status: Sequence[str]) -> Iterator[Problem]:
     used = sum(is_kept and word == "ok" for is_kept, word in zip(kept.tolist(), status, strict=True))
     if used < 2:
         of_all = f"{used} of {len(status)} trials can be used"

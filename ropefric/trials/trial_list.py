@@ -16,21 +16,9 @@ from ropefric.files.plain_text import from_spreadsheet
 from ropefric.files.read import kind_of_file
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
-from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
+from ropefric.trials import cells
 from ropefric.trials.campaign_model import TrialSpec
-from ropefric.trials.cells import (
-    SETTINGS,
-    STANDARD_GRAVITY_M_S2,
-    CellTable,
-    Column,
-    bind_columns,
-    decimal_mark,
-    near_miss,
-    read_cells,
-    read_number,
-    word_of,
-)
 
 MISSING_RECORDING = "RF124"
 """Code of the problem that a recording is not there."""
@@ -41,9 +29,9 @@ FEWEST_REPEATS = 6
 _SLIP = 0.75
 TEXTS = ("trial", "file", "sample", "wheel", "cell", "end_cell", "rope_id", "exclude", "note", "why", "by")
 QUANTITIES = {
-    **SETTINGS,
+    **cells.SETTINGS,
     "lift_force": ("lift_force_N", "N", 1.0),
-    "lift_mass": ("lift_force_N", "kg", STANDARD_GRAVITY_M_S2),
+    "lift_mass": ("lift_force_N", "kg", cells.STANDARD_GRAVITY_M_S2),
     "dwell": ("dwell_s", "s", 1.0),
     "from": ("start_s", "s", 1.0),
     "until": ("stop_s", "s", 1.0),
@@ -101,21 +89,21 @@ def read_trials(
 ) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
     """Return the rows that can be used, of recordings in a folder, and all problems of the table."""
     try:
-        table, problems_of_rows = read_cells(path)
+        table, problems_of_rows = cells.read_cells(path)
     except DataError as error:
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-    decided = _DECIDED if {"why", "by"} <= {word_of(name) for name in table.header} else {}
-    columns, others, found = bind_columns(table, {**QUANTITIES, **decided}, TEXTS)
+    decided = _DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
+    columns, others, found = table.bind({**QUANTITIES, **decided}, TEXTS)
     own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
     reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)
     # A mistyped header says more than the consequence that its column is missing.
     missing = [] if found else list(reader.missing_columns())
     mistyped = {problem.key for problem in missing}
     for name in others:
-        found += [] if name in mistyped else near_miss(table, name, QUANTITIES, TEXTS)
-        if word_of(split_unit_suffix(name)[0]) == "peak":
+        found += [] if name in mistyped else table.near_miss(name, QUANTITIES, TEXTS)
+        if cells.stem_of(name) == "peak":
             message, fix = (
                 "kept, but not used",
                 "add the columns why and by, if it is a decision about the break-away",
@@ -125,8 +113,8 @@ def read_trials(
     if not table.rows and not problems_of_rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
         problems.append(table.problem(table.header_line, "", "RF101", message, fix))
-    decimal = decimal_mark(table, columns)
-    rows = [reader.row(line, cells, decimal) for line, cells in table.rows]
+    decimal = table.decimal_mark(columns)
+    rows = [reader.row(line, written, decimal) for line, written in table.rows]
     problems += _listed_twice(rows, table)
     if context.folder is not None:
         problems += _not_there(rows, context.folder, table)
@@ -141,7 +129,7 @@ def read_trials(
     return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
 
-def _unnamed_columns(table: CellTable) -> Iterator[Problem]:
+def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
     """Yield a problem for every column without a name that holds something."""
     for index, name in enumerate(table.header):
         held = next((row for row in table.rows if not name and row[1][index]), None)
@@ -155,8 +143,8 @@ def _unnamed_columns(table: CellTable) -> Iterator[Problem]:
 class _Reader:
     """What the header and the campaign file say of every row."""
 
-    table: CellTable
-    columns: dict[str, Column]
+    table: cells.CellTable
+    columns: dict[str, cells.Column]
     own: Mapping[str, int]
     context: TrialContext
     header_is_good: bool
@@ -193,16 +181,16 @@ class _Reader:
                 message, fix = "this column is not known", did_you_mean(key, [known])
             yield self.table.problem(self.table.header_line, key, code, message, fix)
 
-    def row(self, line: int, cells: tuple[str, ...], decimal: str) -> _Row:
+    def row(self, line: int, written: tuple[str, ...], decimal: str) -> _Row:
         """Return a row's cells as texts and SI numbers, with what is wrong, missing or contradictory in it."""
-        row = _Row(line=line, cells=cells)
+        row = _Row(line=line, cells=written)
         for name, column in self.columns.items():
-            cell = cells[column.index]
+            cell = written[column.index]
             if not column.si_unit:
                 row.texts[name] = from_spreadsheet(cell)
             elif cell:
                 try:
-                    row.numbers[name] = read_number(cell, column, decimal)
+                    row.numbers[name] = cells.read_number(cell, column, decimal)
                 except InputError as error:
                     row.unreadable.add(name)
                     row.problems.append(self.table.refusal(line, column.header, error))
@@ -304,7 +292,7 @@ class _Reader:
 # --- recordings and names ---
 
 
-def _not_there(rows: Sequence[_Row], folder: Path, table: CellTable) -> Iterator[Problem]:
+def _not_there(rows: Sequence[_Row], folder: Path, table: cells.CellTable) -> Iterator[Problem]:
     """Yield problems of recordings that are not there, or are no files; warnings where the trial is excluded."""
     kinds = {file: kind_of_file(folder / file) for file in {row.file: 0 for row in rows} if file}
     for row in rows:
@@ -325,7 +313,7 @@ def _not_there(rows: Sequence[_Row], folder: Path, table: CellTable) -> Iterator
             yield table.problem(line, "file", MISSING_RECORDING, message, fix, warning=excluded)
 
 
-def _listed_twice(rows: Sequence[_Row], table: CellTable) -> Iterator[Problem]:
+def _listed_twice(rows: Sequence[_Row], table: cells.CellTable) -> Iterator[Problem]:
     """Yield problems of recordings listed twice; parts that do not overlap in time are different trials."""
     # '*' takes every block, so beside it no block is another recording.
     whole = {row.file for row in rows if row.texts.get("sample") == "*"}
@@ -351,7 +339,7 @@ def _listed_twice(rows: Sequence[_Row], table: CellTable) -> Iterator[Problem]:
                 latest_s, latest = stop_s, row
 
 
-def _names(rows: Sequence[_Row], table: CellTable) -> tuple[list[str], list[Problem]]:
+def _names(rows: Sequence[_Row], table: cells.CellTable) -> tuple[list[str], list[Problem]]:
     """Return a unique name for every row, and problems of names given twice.
 
     A row without a name is called after its file, with the block where there is one, and a number where that

@@ -133,6 +133,11 @@ class LinearBudget:
         return self.coverage_factor * self.combined
 
     @property
+    def relative(self) -> float:
+        """Return u_c over the size of the estimate [-]."""
+        return self.combined / abs(self.estimate)
+
+    @property
     def interval(self) -> tuple[float, float]:
         """Return y − U and y + U."""
         return self.estimate - self.expanded, self.estimate + self.expanded
@@ -366,14 +371,8 @@ def state_uncertainty(
     notes += (f"taken as exact: {', '.join(exact)}",) if exact else ()
     assumed = [item for item in model.quantities if item.assumed and item.std]
     notes += tuple(f"{item.name} is assumed, nobody stated it: state {item.assumed}" for item in assumed)
-    return Statement(
-        model=model,
-        budget=budget,
-        drawn=drawn,
-        improvements=improvements(budget),
-        status=status,
-        notes=notes,
-    )
+    better = improvements(budget)
+    return Statement(model=model, budget=budget, drawn=drawn, improvements=better, status=status, notes=notes)
 
 
 def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
@@ -399,9 +398,8 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
         else:
             action, factor = f"halve the uncertainty of {line.name}", 0.5
         contributions[place] *= factor
-        expanded = quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof)) * math.hypot(
-            *contributions
-        )
+        coverage = quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof))
+        expanded = coverage * math.hypot(*contributions)
         saving = 1.0 - expanded / budget.expanded
         if saving >= _NOTICED:
             found.append(Improvement(source=line.name, action=action, expanded=expanded, saving=saving))

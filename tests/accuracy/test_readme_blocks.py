@@ -43,7 +43,7 @@ def test_every_number_of_the_block_comes_from_a_study(script):
         "off by 4.2 %",
         "order 24 in one",
         "steps of 0.51 ms",
-        "4 of 6 effects",
+        "4 of 5 effects",
     ):
         assert said in block
 

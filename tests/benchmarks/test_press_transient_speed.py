@@ -13,7 +13,7 @@ from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import ElasticPress
-from ropefric.systems.press.transient.start_up import start_up
+from ropefric.systems.press.transient.start_up import GRID_ERROR, largest_difference, start_up
 
 TIMES_S = np.linspace(0.0, 10.0, 201)
 ERROR = 1e-6
@@ -90,3 +90,19 @@ def test_a_start_up_with_slip(benchmark):
         rounds=1,
     )
     assert found.slips
+
+
+def test_a_start_up_with_slip_on_a_grid(benchmark):
+    """Changes of contacts to 0.5 %; how many times the exact moments take is in the extra information."""
+    question = {
+        "speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=0.3),
+        "time_s": np.linspace(0.0, 10.0, 2001),
+        "friction": 0.15,
+    }
+    found = benchmark(start_up, machine(1e-3), exact_switching=False, **question)
+    begun = time.perf_counter()
+    exact = start_up(machine(1e-3), **question)
+    seconds = time.perf_counter() - begun
+    assert largest_difference(found, exact) <= GRID_ERROR
+    if benchmark.stats:
+        benchmark.extra_info["times_faster"] = seconds / benchmark.stats.stats.min

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.api.models import measured_budgets
+from ropefric.api import measured_budgets
 from ropefric.cli.app import find_commands
 from ropefric.errors import InputError
 from ropefric.traces.budget import chain_quantities

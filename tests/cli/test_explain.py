@@ -6,7 +6,19 @@ from pathlib import Path
 import pytest
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
-KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth", "time_share"}
+KEYS = {
+    "name",
+    "simulated",
+    "fate",
+    "bound",
+    "why",
+    "missing",
+    "adds",
+    "instead",
+    "worth",
+    "time_share",
+    "time_s",
+}
 EFFECTS = {
     "climbing-hoist": [
         "wrap-dependence",
@@ -19,7 +31,8 @@ EFFECTS = {
     "fast-belt-press": [
         *("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity"),
         "elastic-creep",
-        *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia", "transient"),
+        *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia"),
+        *("transient-friction", "exact-switching", "transient"),
     ],
     "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion"],
 }
@@ -99,3 +112,20 @@ def test_a_long_list_of_missing_keys_is_cut_short_in_words_and_whole_in_json(cal
         f"transient: the scene does not give {', '.join(transient['missing'][:4])} and {n - 4} more" in told
     )
     assert all(key in transient["why"] for key in transient["missing"])
+
+
+def test_a_picture_and_the_json_of_it_are_written(call, tmp_path):
+    done = call("explain", SCENES / "fast-band-saw.toml", "--measure", "--out", tmp_path / "told", "--json")
+    assert done.code == 0, done.err
+    tree = done.json()
+    assert [Path(one).name for one in tree["files"]] == ["explanation.json", "effects.png", "effects.csv"]
+    assert (
+        json.loads((tmp_path / "told" / "explanation.json").read_text(encoding="utf-8"))["system"]
+        == "bandsaw"
+    )
+    header, *rows = (tmp_path / "told" / "effects.csv").read_text(encoding="utf-8").splitlines()
+    assert header == "effect,fate,bound,worth,time_s"
+    assert [row.split(",")[0] for row in rows] == EFFECTS["fast-band-saw"]
+    assert tree["measured"]["saved_s"] == pytest.approx(
+        tree["measured"]["all_effects_s"] - tree["measured"]["planned_s"]
+    )

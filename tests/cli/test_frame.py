@@ -37,9 +37,7 @@ def run(monkeypatch, capfd):
 
 
 def answer(data=None, text="done", exit_code=0):
-    return Answer(
-        data=data or {"b": 1, "a": 2}, show=lambda console: console.print(text), exit_code=exit_code
-    )
+    return Answer(data=data or {"b": 1, "a": 2}, show=text, exit_code=exit_code)
 
 
 def fail(error):
@@ -271,7 +269,7 @@ def test_a_reader_that_goes_away_is_no_failure():
         "from ropefric.registry import Registry\n"
         "def run(out):\n"
         "    'Say much.'\n"
-        "    return Answer(data={'x': ['y' * 99] * 9999}, show=lambda c: c.print('y' * 99999), exit_code=4)\n"
+        "    return Answer(data={'x': ['y' * 99] * 9999}, show='y' * 99999, exit_code=4)\n"
         "command = Command(name='do', run=run, example='', order=1)\n"
         "app.find_commands = lambda: Registry('command', [command])\n"
         "sys.exit(app.main(sys.argv[1:]))\n"

@@ -404,6 +404,24 @@ def test_what_holds_a_slipping_roller_does_hold_it(call, scene):
         assert call("solve", path, "--json").json()["slips"] == slips
 
 
+def test_a_start_up_is_answered_where_only_its_steady_run_is_slack(call, scene):
+    path = scene("press-start-up", preload=('preload  = "1100 N"', 'preload  = "100 N"'))
+    done, tree = call("solve", path), call("solve", path, "--json").json()
+    assert done.code == 0, done.err
+    assert (
+        min(tree["effective_tension_N"].values()) < 0.0 < min(tree["start_up"]["lowest_tension_N"].values())
+    )
+    assert tree["slip"]["1"]["utilisation"] is None
+    assert tree["critical"]["preload"]["direction"] == "rises"
+    assert tree["critical"]["friction"]["value"] is None
+    assert not tree["start_up"]["settles"]["steady"]
+    assert (
+        "the steady run is not reached: at the end of the time simulated roller 1 slips, 2 slips" in done.out
+    )
+    steady = scene("belt-press", preload=('preload  = "2000 N"', 'preload  = "100 N"'))
+    assert call("solve", steady, "--json").json()["error"]["code"] == "RF523"
+
+
 def test_a_roller_without_torque_uses_no_friction(call):
     done = call("solve", SCENES / "belt-press.toml")
     (row,) = [

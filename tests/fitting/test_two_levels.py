@@ -167,7 +167,8 @@ def test_cells_and_ropes_are_known_by_name_and_survive_the_file():
     y = 0.2 * np.repeat(WRAPS, 2) + 0.01 * np.sin(np.arange(12.0))
     peak_N = 20 * np.exp(y)
     trials = table(
-        y, 2, peak_std_N=0.02 * peak_N, cell_std_N=0.01 * peak_N, cell=("K1",) * 6 + ("K2",) * 6, rope_id=("red",) * 12,
+        y, 2, peak_std_N=0.02 * peak_N, cell_std_N=0.01 * peak_N,
+        labels={"cell": ("K1",) * 6 + ("K2",) * 6, "rope_id": ("red",) * 12},
         rope_radius_std_m=1e-4, wrap_std_rad=0.05, end_tension_std_N=0.1,
     )  # fmt: skip
     fit = fit_law(trials, "thickness")
@@ -185,7 +186,7 @@ def test_cells_and_ropes_are_known_by_name_and_survive_the_file():
 
 def test_the_budget_of_a_lift_force_names_what_is_in_common():
     y = 0.2 * np.repeat(WRAPS, 2) + 0.01 * np.sin(np.arange(12.0))
-    fit = fit_law(table(y, 2, peak_std_N=0.01 * 20 * np.exp(y), cell=("K1",) * 12), "constant")
+    fit = fit_law(table(y, 2, peak_std_N=0.01 * 20 * np.exp(y), labels={"cell": ("K1",) * 12}), "constant")
     found = state_lift(fit, wheel(), {})
     lines = {line.name: line for line in found.budget.lines}
     expected = found.budget.estimate * 5.0 * fit.common_errors[0].change[0]

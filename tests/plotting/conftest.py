@@ -118,7 +118,7 @@ def assert_repeats(tmp_path):
         assert svg_text(first, stem="f") == svg_text(second, stem="f")
         assert first.alt == second.alt
         written = [
-            save_figure(made, tmp_path / place, "f", formats=())
+            save_figure(made, tmp_path / place, "f")
             for place, made in zip("ab", (first, second), strict=True)
         ]
         assert [path.read_bytes() for path in written[0]] == [path.read_bytes() for path in written[1]]

@@ -12,7 +12,7 @@ from ropefric.fitting.design import design, design_chart
 from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
-from ropefric.plotting.design_chart import draw_design_chart
+from ropefric.plotting.design import draw_design_chart
 from ropefric.plotting.figure import save_figure
 
 FIT = Path(__file__).parents[2] / "fits" / "prth-coupled.json"

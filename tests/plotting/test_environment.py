@@ -25,7 +25,7 @@ with house_style():
     axes.set(xlabel="wrap angle [deg]", ylabel=r"$\\mu$", title="a title")
     axes.legend()
 made = FigureWithData(figure=figure, tables=(DataTable(header=("x",), rows=((1.0,),)),))
-save_figure(made, Path(sys.argv[1]), "figure", formats=("png", "svg"))
+save_figure(made, Path(sys.argv[1]), "figure")
 """
 RC = "text.usetex: True\nfont.family: serif\nsavefig.dpi: 30\naxes.facecolor: red\nfigure.autolayout: True\n"
 
@@ -65,7 +65,7 @@ def test_threads_draw_what_one_draws(tmp_path):
             axes.set(xlabel="wrap angle [deg]", ylabel="force [N]")
             axes.legend()
         made = FigureWithData(figure=figure, tables=(DataTable(header=("x",), rows=((1.0,),)),))
-        paths = save_figure(made, tmp_path / str(number), "figure", formats=("png", "svg"))
+        paths = save_figure(made, tmp_path / str(number), "figure")
         return [path.read_bytes() for path in paths]
 
     alone = draw(0)

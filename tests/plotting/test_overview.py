@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import Problem
-from ropefric.plotting.overview import CHECKS, FAIL, FLAG, NOT_JUDGED, OK, check_trial, draw_overview
+from ropefric.plotting.campaign import CHECKS, FAIL, FLAG, NOT_JUDGED, OK, check_trial, draw_overview
 from ropefric.traces.breakaway import Status
 from ropefric.trials.result import Extraction
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.plotting.figure import save_figure
-from ropefric.plotting.press import draw_press_start_up
+from ropefric.plotting.machines import draw_press_start_up, name_lines
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.start_up import start_up
@@ -79,3 +79,15 @@ def test_the_same_start_gives_the_same_bytes_and_its_data(press, tmp_path):
     assert float(rows[-1]["rim_speed_load_m_s"]) == pytest.approx(
         0.1 * found.roller_speed_rad_s[-1, 1], abs=1e-7
     )
+
+
+def test_names_never_touch_and_keep_their_order():
+    from ropefric.plotting.figure import new_figure
+
+    axes = new_figure().subplots()
+    values = [0.5, 0.505, 0.51, 0.8, 0.2, 0.515]
+    name_lines(axes, [(str(i), value) for i, value in enumerate(values)])
+    places = {text.get_text(): text.xyann[1] for text in axes.texts}
+    heights = [places[str(i)] for i in np.argsort(values)]
+    assert (np.diff(heights) > 0.042 - 1e-9).all()
+    assert places["3"] == pytest.approx(0.8)

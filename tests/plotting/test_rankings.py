@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry, compare_laws
-from ropefric.plotting.rankings import draw_budget, draw_ladder, draw_tornado
+from ropefric.plotting.design import draw_budget, draw_ladder, draw_tornado
 
 NAN = math.nan
 BUDGET = [("gain", 0.3), ("wrap", -1.2), ("tare", 0.4), ("humidity", NAN)]
@@ -160,5 +160,3 @@ def test_rows_of_several_base_cases_are_refused():
         draw_tornado([("a", 1.0, 2.0, 1.5), ("b", 1.0, 2.0, 1.6)])
     with pytest.raises(InputError, match="base case"):
         draw_tornado([("a", 1.0, 2.0, NAN)])
-    with pytest.raises(UnknownNameError):
-        draw_tornado(SWINGS, quantity="lift")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ropefric.plotting.figure import save_figure
-from ropefric.plotting.saw_chart import draw_saw_chart
+from ropefric.plotting.machines import draw_saw_chart
 from ropefric.systems.bandsaw.resonance import fixed_frequency, saw_chart, tooth_passing, wheel_rotation
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
 

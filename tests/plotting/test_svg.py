@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from ropefric.plotting.conditions import draw_condition
+from ropefric.plotting.campaign import draw_condition
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
 from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
 from ropefric.plotting.svg import short_path, svg_text

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.plotting.chart import draw_sweep
+from ropefric.plotting.machines import draw_sweep
 from ropefric.scenes.sweep import Axis, Sweep
 
 DEG = np.pi / 180.0

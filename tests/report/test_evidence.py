@@ -18,10 +18,10 @@ from ropefric.pipeline.evidence import (
     chart_of_design,
     evidence_files,
     gather_evidence,
+    recorded_run,
     state_design,
     swings_of_design,
 )
-from ropefric.pipeline.provenance import recorded_run
 from ropefric.trials.table import TrialTable
 
 WHEEL = one_condition(0.04, 0.005, 5.0, 60.0)
@@ -76,14 +76,14 @@ def test_the_chart_holds_the_law_on_the_wheel_that_was_asked_for(capstan):
 
 
 def test_each_condition_has_a_budget_and_the_typical_one_is_the_median(run, evidence):
-    assert [item.condition.number for item in evidence.measured] == list(range(1, 10))
-    for item, summary in zip(evidence.measured, run.extraction.conditions, strict=True):
-        assert item.budget.estimate == pytest.approx(summary.mean_kept_N)
-        assert item.budget.combined > summary.std_kept_N / math.sqrt(summary.n_kept)
-    middle = statistics.median(item.relative for item in evidence.measured)
+    assert [condition.number for condition, _ in evidence.measured] == list(range(1, 10))
+    for (_, item), summary in zip(evidence.measured, run.extraction.conditions, strict=True):
+        assert item.estimate == pytest.approx(summary.mean_kept_N)
+        assert item.combined > summary.std_kept_N / math.sqrt(summary.n_kept)
+    middle = statistics.median(item.relative for _, item in evidence.measured)
     found = evidence.typical.budget
     assert found.combined / found.estimate == pytest.approx(middle)
-    assert evidence.measured[evidence.typical_number - 1].relative == pytest.approx(middle)
+    assert evidence.measured[evidence.typical_number - 1][1].relative == pytest.approx(middle)
 
 
 def test_the_plan_stays_within_what_the_rig_has_done_and_helps(run, evidence):

@@ -5,7 +5,7 @@ from itertools import count
 import pytest
 
 from ropefric.scenes.plan import explain_scene
-from ropefric.systems.hoist.contact import SYSTEM
+from ropefric.systems.hoist.effects import SYSTEM
 
 
 def test_every_effect_is_told_of(loaded):

@@ -4,13 +4,14 @@ import math
 from dataclasses import replace
 
 import pytest
+from promise import costly
 
 from ropefric.errors import DataError, InputError
 from ropefric.registry import Registry
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.systems.effect import Effect, Method, System, assemble
-from ropefric.systems.hoist.contact import SYSTEM
+from ropefric.systems.hoist.effects import SYSTEM
 
 
 def toy(bounds, method_error=0.0):
@@ -97,7 +98,7 @@ def test_a_closed_form_is_solved_whole_and_no_bound_of_it_is_searched(loaded, na
 
 @pytest.mark.parametrize("accuracy", [0.3, 0.1, 0.03, 0.01, 1e-4, 1e-8])
 def test_the_promise_would_hold_for_hoists_whose_effects_are_left_out(loaded, accuracy):
-    planning = replace(SYSTEM, solved_whole=False)
+    planning = costly(SYSTEM)
     for name in ("hoist", "climbing-hoist", "small-wheel", "many-turns"):
         scene = loaded(name)
         plan, model = make_plan(planning, scene.problem, accuracy=accuracy, effects="auto")
@@ -120,7 +121,7 @@ def failing(system, names):
 
 def test_what_is_left_out_is_not_evaluated(loaded):
     scene = loaded("climbing-hoist")
-    planning = replace(SYSTEM, solved_whole=False)
+    planning = costly(SYSTEM)
     plan, _ = make_plan(planning, scene.problem, accuracy=0.5, effects="auto")
     assert plan.left_out, plan.simulated
     broken = failing(planning, plan.left_out)

@@ -5,14 +5,15 @@ import math
 import numpy as np
 import pytest
 from hypothesis import strategies as st
-from promise import check_promise
+from promise import check_promise, costly
 
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM, HoistProblem, answerable
+from ropefric.systems.hoist.contact import HoistProblem, answerable
+from ropefric.systems.hoist.effects import SYSTEM
 
 LAWS = {
     "constant": [(0.05, 0.4)],
@@ -97,21 +98,28 @@ def test_an_integrator_asked_for_by_name_promises_nothing(scene_of, loaded):
     assert any("direct solution and rk4) is not known" in warning for warning in solution.warnings)
 
 
-def test_a_start_up_has_no_bounds_so_nothing_of_it_is_left_out(loaded):
+def test_of_a_start_up_only_the_exact_moments_of_slip_have_a_bound(loaded):
     scene = loaded("press-start-up")
     decisions = {
         one.name: one
-        for one in make_plan(scene.kind.system, scene.problem, accuracy=1.0, effects="auto")[0].decisions
+        for one in make_plan(costly(scene.kind.system), scene.problem, accuracy=1.0, effects="auto")[
+            0
+        ].decisions
     }
     assert decisions["transient"].fate == "simulated"
     assert math.isinf(decisions["gravity-load"].bound)
-    assert {name for name, one in decisions.items() if one.fate == "left out"} == {"wrap-dependence", "size"}
+    assert {name for name, one in decisions.items() if one.fate == "left out"} == {
+        "wrap-dependence",
+        "size",
+        "transient-friction",
+        "exact-switching",
+    }
 
 
 def test_the_power_of_a_press_does_not_depend_on_what_is_left_out(loaded, scene_of):
     """Belts without mass still run: the drivers do the work of the loads at the speed asked for."""
     scene = loaded("belt-press")
-    problem, system = scene.problem, scene.kind.system
+    problem, system = scene.problem, costly(scene.kind.system)
     plan, model = make_plan(system, problem, accuracy=0.1, effects="auto")
     assert "belt-inertia" in plan.left_out
     answer = system.solve(model, plan.method)

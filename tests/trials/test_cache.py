@@ -10,11 +10,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ropefric.plotting.conditions import start_condition_figures
-from ropefric.trials import cache as cache_module
-from ropefric.trials.cache import ResultCache
+from ropefric.plotting.campaign import start_condition_figures
+from ropefric.trials import extract as cache_module
 from ropefric.trials.campaign import load_campaign
-from ropefric.trials.extract import extract_campaign
+from ropefric.trials.extract import ResultCache, extract_campaign
 from ropefric.trials.result import write_tables
 from ropefric.trials.workers import AHEAD
 

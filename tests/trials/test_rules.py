@@ -256,3 +256,20 @@ def test_mean_and_scatter_against_fractions(values, offset):
 def test_listing_the_rules_does_not_load_scipy():
     code = "import sys, ropefric.trials.outliers; assert 'scipy' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2])
+
+
+@pytest.mark.parametrize("name", ["two-sigma", "chauvenet", "grubbs"])
+@pytest.mark.parametrize("n", [5, 6, 8, 12, 30])
+def test_good_trials_lost_on_average_against_simulated_series(name, n):
+    """Of 20 000 clean normal series; the average is known to 0.01 at most."""
+    rule = RULES[name]
+    series = np.random.default_rng(n).standard_normal((20_000 if name != "grubbs" else 4_000, n))
+    about = series - series.mean(axis=1, keepdims=True)
+    lost = np.array([rule.judge(row) for row in about[:4000]]).sum(axis=1).mean()
+    if name != "grubbs":
+        limit = 2.0 if name == "two-sigma" else chauvenet_limit(n)
+        lost = (np.abs(about) > limit * series.std(axis=1, ddof=1, keepdims=True)).sum(axis=1).mean()
+    assert rule.good_lost(n) == pytest.approx(lost, abs=0.02)
+    # A series that loses one may lose two.
+    shares = {size: share for size, _, share in rule.trimming}
+    assert rule.good_lost(n) >= shares[n] - 0.003

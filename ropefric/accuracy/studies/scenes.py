@@ -1,25 +1,36 @@
 """Scenes: what leaving effects out saves and costs, against simulating all of them."""
 
+import math
+import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ropefric.accuracy.studies.press_transient import SPEED_M_S, machine
+from ropefric.accuracy.studies.press_transient import RUN_UP_S, SPEED_M_S, machine
 from ropefric.accuracy.study import Case, Measured, Setting, Study, against, by_case, time_text
+from ropefric.files.toml import TomlDocument
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import Plan, make_plan
-from ropefric.systems.bandsaw.answer import SYSTEM as SAW
+from ropefric.scenes.scene import Scene, read_scene
+from ropefric.scenes.scene_templates import bundled_scenes
+from ropefric.scenes.sweep import Axis, Sweep, parse_axis, sweep_scene
 from ropefric.systems.bandsaw.answer import SawProblem
+from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import STEEL_85_09
+from ropefric.systems.beltdrive.effects import SYSTEM as DRIVE
 from ropefric.systems.effect import System
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM as HOIST
 from ropefric.systems.hoist.contact import HoistProblem
+from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
+from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.traction.effects import SYSTEM as TRACTION
 
 N_SWEEP = 8
 """Preloads of the sweep."""
@@ -56,31 +67,73 @@ _PRESS = PressProblem(
     friction=WrapFriction.constant(0.9),
     **_each(speed_m_s=SPEED_M_S, load_factor=1.0),
 )
+_START_UP = replace(
+    _PRESS,
+    start_up={
+        "speed": DRIVE_LAWS["s-curve"](speed_m_s=SPEED_M_S, duration_s=RUN_UP_S),
+        "time_s": np.linspace(0.0, 1.0, 201),
+        "slip": False,
+        "loads": "with-speed",
+    },
+)
+
+
+def _bundled(name: str, **changes: dict[str, Any]) -> Scene:
+    """Return a bundled scene with some keys of its tables changed; None takes one out."""
+    data = tomllib.loads(bundled_scenes()[name])
+    for key, changed in changes.items():
+        data[key] = {k: v for k, v in (data.get(key, {}) | changed).items() if v is not None}
+    return read_scene(TomlDocument(path=f"{name}.toml", data=data, lines={}), Path())
+
+
 PROBLEMS: dict[str, tuple[System[Any, Any, Any], Any, str]] = {
     "hoist": (
-        replace(HOIST, solved_whole=False),  # what a plan of it would be like, were it made
+        HOIST,
         _HOIST,
         "a rope of 9.8 mm climbing on a wheel of 40 mm, 2.5 turns, 25 m of it hanging; law: coupled",
     ),
+    "traction": (TRACTION, _bundled("traction").problem, "a lift of 630 kg on its sheave, four load cases"),
+    "belt-drive": (DRIVE, _bundled("belt-drive").problem, "a flat belt between two pulleys at 7.5 kW"),
+    "press": (PRESS, _PRESS, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
+    "start-up": (PRESS, _START_UP, f"the same press, run up in {RUN_UP_S:g} s without slip"),
     "saw": (SAW, _SAW, "a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side"),
     "saw-sweep": (
         SAW,
         replace(_SAW, preload_N=np.linspace(8_000.0, 16_000.0, N_SWEEP)),
         f"the same blade at {N_SWEEP} preloads from 8 to 16 kN, planned once and solved in one call",
     ),
-    "press": (PRESS, _PRESS, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
 }
 """By the name of their case: the system, a machine to be planned and solved, and what it is."""
 
+_WEAK = {"law": "wrap-power", "parameters": {"a": 0.01, "b": -0.2, "c": 1.0}}
+SWEEPS: dict[str, tuple[Callable[[], Scene], tuple[str, ...], str]] = {
+    "hoist-sweep": (
+        lambda: _bundled(
+            "climbing-hoist",
+            load={"payload": None},
+            rope={"hanging_length": "5 m", "bending_stiffness": "2e-5 N*m^2"},
+            friction={"fit": None, "law": "wrap-power", "parameters": {"a": 0.1, "b": -0.4, "c": 0.1}},
+        ),
+        ("wheel.wrap=180deg:1440deg:200", "load.end_tension=40N:500N:200"),
+        "40 000 wraps and end tensions of a rope a little stiff; law: wrap-power",
+    ),
+    "press-sweep": (
+        lambda: _bundled("belt-press", press={"load_factor": 1.0}, friction={"mu": None} | _WEAK),
+        ("press.preload=1500N:4000N:300", "press.load_factor=0.5:1.5:200"),
+        "60 000 preloads and loads of a press with 13 rollers whose law hardly knows the wrap",
+    ),
+}
+"""By the name of their case: the scene, the axes, and what it is."""
+
 ACCURACIES_WANTED = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 
-_PLANNED = {"hoist": 1e-2, "saw": 1e-2, "saw-sweep": 0.1, "press": 1e-2}
-"""The accuracy for which a quick look makes a plan."""
+_QUICK = {0.1, 1e-2}
+"""The accuracies for which a quick look makes a plan."""
 _REFERENCE_BUDGET = 1e-14
 _NO_ERROR = 1e-15
 _A_SAVING = 0.25
 """Of the time with all effects: a busy machine's clock cannot tell less."""
-_PLAN, _KEPT, _ALL, _NONE = "plan and solve", "plan at hand", "all effects", "no effects"
+_PLAN, _ALL, _NONE = "plan and solve", "all effects", "no effects"
 
 
 @cache
@@ -99,15 +152,10 @@ def _reference(case: str) -> Any:
 
 def _settings(case: str) -> tuple[Setting, ...]:
     system, problem, _ = PROBLEMS[case]
-
     judged = partial(against, _reference(case), error=system.distance)
 
-    def solve(accuracy: float, effects: str = "auto") -> object:
-        plan, model = planned(case, accuracy, effects)
-        return system.solve(model, plan.method)
-
-    def plan_and_solve(accuracy: float) -> object:
-        plan, model = make_plan(system, problem, accuracy=accuracy, effects="auto")
+    def plan_and_solve(accuracy: float, effects: str = "auto") -> object:
+        plan, model = make_plan(system, problem, accuracy=accuracy, effects=effects)
         return system.solve(model, plan.method)
 
     def count(_answer: object, accuracy: float, effects: str = "auto") -> float:
@@ -115,13 +163,10 @@ def _settings(case: str) -> tuple[Setting, ...]:
 
     bare, roughest = system.bare(problem), _roughest(case)
     label = "accuracy {:g}" if len(roughest) > 1 else ""
-    whole, all_of = partial(solve, effects="all"), partial(count, effects="all")
+    whole, all_of = partial(plan_and_solve, effects="all"), partial(count, effects="all")
     return (
         *judged(_NONE, "", lambda: system.solve(bare, system.method(bare, 1.0)), work=0.0),
-        *judged(_KEPT, "accuracy {:g}", solve, over=ACCURACIES_WANTED, work=count),
-        *judged(
-            _PLAN, "accuracy {:g}", plan_and_solve, over=ACCURACIES_WANTED, work=count, quick={_PLANNED[case]}
-        ),
+        *judged(_PLAN, "accuracy {:g}", plan_and_solve, over=ACCURACIES_WANTED, work=count, quick=_QUICK),
         *judged(_ALL, label, whole, over=roughest, work=all_of, quick=roughest[:3:2]),
     )
 
@@ -133,6 +178,50 @@ def _roughest(case: str) -> tuple[float, ...]:
         method = planned(case, wanted, "all")[0].method
         found.setdefault((method.name, *method.settings.items()), wanted)
     return tuple(found.values())
+
+
+@cache
+def swept_scene(case: str, accuracy: float, effects: str = "auto") -> tuple[Scene, tuple[Axis, ...]]:
+    """Return the scene of a sweep at an accuracy, and its axes."""
+    scene, axes = SWEEPS[case][0](), SWEEPS[case][1]
+    table = scene.table.model_copy(update={"accuracy": accuracy, "effects": effects})
+    return replace(scene, table=table), tuple(parse_axis(scene, axis) for axis in axes)
+
+
+def _swept_settings(case: str) -> tuple[Setting, ...]:
+    def sweep(accuracy: float, effects: str = "auto") -> Sweep:
+        return sweep_scene(*swept_scene(case, accuracy, effects))
+
+    judged = partial(against, sweep(1.0, "all"), error=_largest_difference)
+    return (
+        *judged(
+            _PLAN,
+            "accuracy {:g}",
+            sweep,
+            over=ACCURACIES_WANTED,
+            work=lambda found, _: _count(found),
+            quick=_QUICK,
+        ),
+        *judged(_ALL, "", lambda: sweep(1.0, "all"), work=_count),
+    )
+
+
+def _count(found: Sweep) -> float:
+    """Return how many effects are simulated, of those left out at some of the points their share."""
+    return len(found.simulated) - sum(
+        count / math.prod(found.shape) for name, count in found.left_out.items() if name in found.simulated
+    )
+
+
+def _largest_difference(found: Sweep, reference: Sweep) -> float:
+    return max(
+        float(
+            np.max(
+                np.abs(values - reference.columns[name]) / np.maximum(np.abs(reference.columns[name]), 1e-300)
+            )
+        )
+        for name, values in found.columns.items()
+    )
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
@@ -148,7 +237,7 @@ def _left_out(case: str, points: tuple[Measured, ...]) -> str:
     """Return which effects a plan does without at each accuracy, and by how much the answer is then off."""
     groups: dict[tuple[str, ...], list[tuple[float, float]]] = {}
     for point in points:
-        if point.method == _KEPT:
+        if point.method == _PLAN and case in PROBLEMS:
             wanted = _wanted(point)
             groups.setdefault(planned(case, wanted)[0].left_out, []).append((wanted, point.error))
     parts = []
@@ -166,27 +255,21 @@ def _wanted(point: Measured) -> float:
 
 
 def _worth(case: str, points: tuple[Measured, ...]) -> str:
-    """Return at which accuracies a plan saves time, and after how many solutions its making has paid for itself."""
-    kept = {_wanted(point): point.seconds for point in points if point.method == _KEPT}
-    made = {_wanted(point): point.seconds for point in points if point.method == _PLAN}
-    found = []
-    for wanted in (one for one in kept if one in made):
-        whole_s = min((p.seconds for p in points if p.method == _ALL and p.error <= wanted), default=0.0)
-        found.append((wanted, made[wanted] - kept[wanted], whole_s - kept[wanted], whole_s))
+    """Return at which accuracies planning and solving is quicker than solving everything as accurately."""
+    found, whole = [], max(point.evaluations for point in points)
+    for point in points:
+        if point.method == _PLAN and point.evaluations < whole:
+            wanted = _wanted(point)
+            whole_s = min((p.seconds for p in points if p.method == _ALL and p.error <= wanted), default=0.0)
+            if whole_s - point.seconds > _A_SAVING * whole_s:
+                found.append((wanted, whole_s / point.seconds, point.seconds, whole_s))
     if not found:
-        return ""
-    making_s = max(0.0, *(plan_s for _, plan_s, _, _ in found))
-    worth = [one for one in found if one[2] > _A_SAVING * one[3]]
-    head = f"{case}: to make a plan takes {time_text(making_s)}"
-    if not worth:
-        return f"{head}, and what it leaves out saves no time that shows."
-    wanted, _, saved_s, whole_s = max(worth, key=lambda one: one[2])
-    count = max(1, round(making_s / saved_s))
-    solutions = "the first solution" if count == 1 else f"{count} solutions"
-    where = ", ".join(f"{one[0]:g}" for one in worth)
+        return f"{case}: leaving effects out saves no time that shows; what is solved is all of it."
+    wanted, times, planned_s, whole_s = max(found, key=lambda one: one[1])
+    where = ", ".join(f"{one[0]:g}" for one in found)
     return (
-        f"{head}; what it leaves out saves time at an accuracy of {where}, most at {wanted:g}: "
-        f"{time_text(saved_s)} of {time_text(whole_s)} a solution, so that it has paid for itself after {solutions}."
+        f"{case}: planned and solved quicker than everything at an accuracy of {where}, most at {wanted:g}: "
+        f"{time_text(planned_s)} instead of {time_text(whole_s)}, {times:.2g} times as fast."
     )
 
 
@@ -197,6 +280,9 @@ STUDY = Study(
     reference="all effects, by the system's finest method; the tests hold it against other solutions",
     counted="effects in the model",
     used="plan and solve",
-    cases=tuple(Case(name, title, partial(_settings, name)) for name, (_, _, title) in PROBLEMS.items()),
+    cases=(
+        *(Case(name, title, partial(_settings, name)) for name, (_, _, title) in PROBLEMS.items()),
+        *(Case(name, title, partial(_swept_settings, name)) for name, (_, _, title) in SWEEPS.items()),
+    ),
     findings=_findings,
 )

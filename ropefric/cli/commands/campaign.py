@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 
 from typer import Argument, BadParameter, Option
 
-from ropefric.cli import options
-from ropefric.cli.lazily import on_first_use
+from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, command, exit_code_of, out_folder
-from ropefric.cli.output import Console, Output, Progress, make_table, number
+from ropefric.cli.output import Output, Progress
 from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
     from ropefric.files import folder as folders
     from ropefric.friction import laws
-    from ropefric.pipeline import provenance
+    from ropefric.pipeline import evidence
     from ropefric.pipeline import run as pipeline
     from ropefric.report import campaign as pages
+    from ropefric.report import parts, section
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, result, workers
@@ -78,7 +78,7 @@ def extract(
         if not out.json:
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
-    return Answer(data, lambda console: _show(extraction, console), exit_code)
+    return Answer(data, _sections(extraction), exit_code)
 
 
 @contextmanager
@@ -108,7 +108,7 @@ def start_figures(
     extraction: "result.Extraction", folder: "folders.Folder", out: Output, executor: "Executor | None"
 ) -> Callable[[], None]:
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
-    from ropefric.plotting.conditions import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
+    from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
     write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
 
@@ -131,12 +131,7 @@ def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> 
 
     Many problems of one kind are said a few times and then counted.
     """
-    listed = {problem for trial in _without_force(extraction) for problem in trial.problems}
-    by_code: dict[str, list[Problem]] = {}
-    for problem in extraction.problems:
-        if problem not in listed:
-            by_code.setdefault(problem.code, []).append(problem)
-    for alike in by_code.values():
+    for alike in result.problems_by_code(extraction, said_of=_without_force(extraction)).values():
         out.problems(alike[:MAX_ALIKE])
         rest = alike[MAX_ALIKE:]
         if rest:
@@ -153,33 +148,31 @@ def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> 
     out.note(f"{what}: {counts}{reused} → {folder / 'problems.csv'}")
 
 
-def _show(extraction: "result.Extraction", console: Console) -> None:
-    """Print a row a condition, then the recordings without a usable force and what to do about them."""
+def _sections(extraction: "result.Extraction") -> "list[section.Section]":
+    """Return a row a condition, then the recordings without a usable force and what to do about them."""
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
-    columns: dict[str, Callable[[result.ConditionSummary], str]] = {
-        "R_w [mm]": lambda of: number(1e3 * of.wheel_radius_m),
-        "φ [deg]": lambda of: number(math.degrees(of.wrap_angle_rad)),
-        f"{known} [N]": lambda of: number(of.lift_force_N if slack else of.end_tension_N),
-        "trials": lambda of: str(of.n_recorded),
-        "kept": lambda of: str(of.n_kept),
-        f"mean {measured} [N]": lambda of: number(of.mean_kept_N),
-        "s [N]": lambda of: number(of.std_kept_N, ".2g"),
-        "mean kinetic [N]": lambda of: number(of.of_kept.get("kinetic_N", (math.nan,))[0]),
-        "rejected ": lambda of: ", ".join(of.rejected),
-    }
-    rows = [[cell(condition) for cell in columns.values()] for condition in extraction.conditions]
-    console.print(make_table(tuple(columns), rows, left=0))
-    flagged = _without_force(extraction)
-    if not flagged:
-        return
-    console.print(f"\n{len(flagged)} of {len(extraction.trials)} trials are without a force:\n")
-    reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
-    console.print(make_table(("trial", "status", "why "), reasons, left=3))
-    console.print()
-    for status in dict.fromkeys(trial.breakaway.status for trial in flagged):
-        if status in _ADVISED:
-            console.print(f"{status}: {breakaway.ADVICE[status]}", markup=False)
+    headings = (
+        *("R_w [mm]", "φ [deg]", f"{known} [N]", "trials", "kept", f"mean {measured} [N]", "s [N]"),
+        *("mean kinetic [N]", "rejected "),
+    )
+    rows = []
+    for one in extraction.conditions:
+        settings, forces = parts.condition_cells(one, slack=slack)
+        kinetic = section.plain(one.of_kept.get("kinetic_N", (math.nan,))[0])
+        kept = str(one.n_recorded), str(one.n_kept)
+        rows.append((*settings, *kept, *forces, kinetic, ", ".join(one.rejected)))
+    told = [section.Section(headings=headings, rows=rows, left=0)]
+    if flagged := _without_force(extraction):
+        statuses = dict.fromkeys(trial.breakaway.status for trial in flagged)
+        said = f"{len(flagged)} of {len(extraction.trials)} trials are without a force:"
+        reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
+        advice = [f"{one}: {breakaway.ADVICE[one]}" for one in statuses if one in _ADVISED]
+        told += [
+            section.Section(lines=(said,), headings=("trial", "status", "why "), rows=reasons, left=3),
+            section.Section(lines=advice),
+        ]
+    return told
 
 
 def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]":
@@ -192,12 +185,9 @@ def _flagged_rows(group: "Sequence[result.TrialResult]") -> list[tuple[str, str,
     """Return a row for each of some trials, or one for all where many have one reason."""
     rows = []
     for trial in group if len(group) <= MAX_ALIKE else group[:1]:
-        why = trial.breakaway.detail
-        if candidates := trial.measured("candidates"):
-            why += f"; candidates: {candidates}"
-        if trial.breakaway.status not in _ADVISED:
-            why = "; ".join([why, *(problem.fix for problem in trial.problems if problem.fix)])
-        rows.append((trial.trial, str(trial.breakaway.status), why))
+        advised = trial.breakaway.status in _ADVISED
+        fixes = [] if advised else [problem.fix for problem in trial.problems if problem.fix]
+        rows.append((trial.trial, str(trial.breakaway.status), "; ".join([trial.why_no_force, *fixes])))
     if len(group) > MAX_ALIKE:
         rows = [(f"{group[0].trial} … {group[-1].trial} ({len(group)} trials)", *rows[0][1:])]
     return rows
@@ -320,13 +310,13 @@ def report(
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
             raise BadParameter("a folder of results is written to itself", param_hint="--out")
-        folder, (campaign, law_before) = source, provenance.recorded_run(source)
+        folder, (campaign, law_before) = source, evidence.recorded_run(source)
         law = law or law_before
     else:
         campaign = options.campaign_file(source)
         folder = folder or Path("out")
-        if not law and (folder / provenance.MANIFEST).is_file():
-            before, law_before = provenance.recorded_run(folder)
+        if not law and (folder / evidence.MANIFEST).is_file():
+            before, law_before = evidence.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = campaigns.load_campaign(campaign)
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))

@@ -7,10 +7,9 @@ from pathlib import Path
 
 from typer import Argument, Option
 
-from ropefric.cli import options
-from ropefric.cli.lazily import on_first_use
+from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed
-from ropefric.cli.output import Console, Output, Progress, make_table, number
+from ropefric.cli.output import Output, Progress
 
 with on_first_use():
     from ropefric.fitting import compare as comparing
@@ -18,7 +17,7 @@ with on_first_use():
     from ropefric.fitting import fit as fitting
     from ropefric.fitting import intervals as confidence
     from ropefric.fitting import store
-    from ropefric.report import parts
+    from ropefric.report import parts, section
 
 
 _LARGE = 5_000_000
@@ -119,12 +118,22 @@ def compare(
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)
-def diagnose(out: Output, trials: options.TableArgument) -> Answer:
-    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, no gross slip.
+def diagnose(
+    out: Output,
+    trials: options.TableArgument,
+    *,
+    touching_turns: float | None = Option(
+        None, min=0.0, help="Turns that touch the one beside them; by default all beyond the first may."
+    ),
+) -> Answer:
+    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, coil contact.
+
+    Columns rope_id, wheel, operator, dwell and order of the table are looked at too. Of what is not supported the
+    largest effect is stated that the data leave room for.
 
     Exits with 4 unless the best law is supported: when the data leave two laws undecided, or no choice at all.
     """
-    found = diagnosing.diagnose(options.read_table(trials, out))
+    found = diagnosing.diagnose(options.read_table(trials, out), touching_turns=touching_turns)
     return Answer(found.to_dict(), [parts.diagnosis_section(found, full=True)], exit_code_of(found.verdict))
 
 
@@ -151,11 +160,8 @@ def verify(
     found = store.verify_fits(folder)
     n_ok = sum(item.ok for item in found)
     out.note(f"{n_ok} of {len(found)} fits come out of their data again")
-    words = {True: "ok", False: "FAILED"}
-
-    def show(console: Console) -> None:
-        rows = [(Path(i.path).name, words[i.ok], number(i.difference, ".1g"), i.message) for i in found]
-        console.print(make_table(("fit", "", "change [standard errors]", "found "), rows, left=2))
-
-    good = n_ok == len(found)
-    return Answer({"ok": good, "fits": [asdict(item) for item in found]}, show, exit_code_of(good))
+    words, good = {True: "ok", False: "FAILED"}, n_ok == len(found)
+    rows = [(Path(i.path).name, words[i.ok], section.plain(i.difference, ".1g"), i.message) for i in found]
+    headings = ("fit", "", "change [standard errors]", "found ")
+    shown = section.Section(headings=headings, rows=rows, left=2)
+    return Answer({"ok": good, "fits": [asdict(item) for item in found]}, [shown], exit_code_of(good))

@@ -1,14 +1,16 @@
 """The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import asdict
+from enum import StrEnum
+from math import prod
 from pathlib import Path
 from typing import Any
 
 from typer import Argument, Option
 
-from ropefric.cli import options
-from ropefric.cli.lazily import on_first_use
+from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
 from ropefric.cli.output import Output, Progress, json_text
 
@@ -23,7 +25,17 @@ with on_first_use():
     from ropefric.scenes import solve as solving
     from ropefric.scenes import sweep as sweeping
 
+
+class TableFormat(StrEnum):
+    """How the table of a sweep is written."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+
+
 _LISTED_POINTS = 1000
+_KEPT_POINTS = 1_000_000
+"""Of a sweep, for its figure; its table has all."""
 _TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
 
 
@@ -38,9 +50,13 @@ def solve(
         metavar="KEY=START:STOP:COUNT",
         help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
     ),
+    identify: bool = flag("--identify", "Find the preload and mounting that the measured frequencies tell."),
     level: float = Option(0.95, help="Coverage of the intervals, between 0 and 1; a sweep has none."),
     folder: Path | None = out_folder("Write the answer (and a sweep's CSV and figure) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
+    table: TableFormat = Option(
+        TableFormat.CSV, "--table", help="How the table of a sweep is written; Parquet needs pyarrow."
+    ),
     force: Force = False,
 ) -> Answer:
     """Solve a scene: a hoist, belt press, band saw, traction sheave or belt drive, with the effects it calls for.
@@ -51,7 +67,8 @@ def solve(
     points that is so, and exits with 4 for the error alone.
     """
     loaded = scenes.load_scene(scene)
-    names = ("sweep.csv", *options.figure_names("sweep_figure")) if sweep else _solved_names()
+    swept = ("sweep.csv", "sweep.parquet", *options.figure_names("sweep_figure"))
+    names = swept if sweep else _solved_names()
     fit = loaded.document.table("friction").get("fit")
     fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
     family = "sweep" if sweep else "scene"
@@ -60,15 +77,20 @@ def solve(
         folder, family=family, names=names, inputs=(scene, *fits), force=force
     ) as target:
         if not sweep:
-            solution = solving.solve_scene(loaded, level=level)
+            solution = solving.solve_scene(loaded, level=level, identify=identify)
             tree = solution.to_dict()
             files = [] if target is None else _write(out, solution, tree, target)
             shown = pages.solution_sections(solution, tree)
             return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
         axes = tuple(sweeping.parse_axis(loaded, text) for text in sweep)
-        with Progress(out, "solve") as progress:
-            found = sweeping.sweep_scene(loaded, axes, progress=progress.update)
-        files = [] if target is None else _write_sweep(out, found, target, plot)
+        with Progress(out, "solve") as progress, ExitStack() as stack:
+            written = None
+            if target is not None:
+                written = stack.enter_context(sweeping.sweep_table(axes, target, f"sweep.{table}"))
+            found = sweeping.sweep_scene(
+                loaded, axes, progress=progress.update, table=written, keep=_KEPT_POINTS
+            )
+        files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}
         return Answer(data, pages.sweep_sections(found), exit_code_of(found.keeps_accuracy))
 
@@ -83,10 +105,10 @@ def _solved_names() -> tuple[str, ...]:
 def _write(
     out: Output, solution: "solving.Solution", tree: dict[str, Any], folder: "folders.Folder"
 ) -> Sequence[Path]:
-    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+    from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
     files = [*folder.write({"answer.json": json_text(tree)})]
-    for stem, drawn in chart.scene_figures(solution):
+    for stem, drawn in machines.scene_figures(solution):
         files += figure.save_figure(drawn, folder, stem)
     for name, history in solution.scene.kind.histories.items():
         columns = history(solution.answer)
@@ -95,17 +117,19 @@ def _write(
     return options.publish(out, folder, "answer", files)
 
 
-def _write_sweep(out: Output, found: "sweeping.Sweep", folder: "folders.Folder", plot: str) -> Sequence[Path]:
-    from ropefric.plotting import chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+def _publish_sweep(
+    out: Output, found: "sweeping.Sweep", folder: "folders.Folder", name: str, plot: str
+) -> Sequence[Path]:
+    from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
 
-    files = [sweeping.write_sweep(found, folder, "sweep.csv")]
+    files = [folder.path / name]
     if len(found.axes) <= 2:
-        files += figure.save_figure(chart.draw_sweep(found, quantity=plot), folder, "sweep_figure")
+        files += figure.save_figure(machines.draw_sweep(found, quantity=plot), folder, "sweep_figure")
     return options.publish(out, folder, "answer", files)
 
 
 def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
-    points = next(iter(found.columns.values())).size
+    points = prod(found.shape)
     # A million numbers on a terminal serve nobody; the CSV of --out has them.
     listed = points <= _LISTED_POINTS
     return {
@@ -115,21 +139,32 @@ def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
         ],
         "points": points,
         "columns": {name: values if listed else None for name, values in found.columns.items()},
-        "effects": {"simulated": found.simulated},
+        "effects": {"simulated": found.simulated, "left_out_at": found.left_out},
         **{key: getattr(found, key) for key in _TOLD},
     }
 
 
-@command("ropefric explain data/scenes/hoist.toml --measure", order=170)
+@command("ropefric explain data/scenes/hoist.toml --measure --out out/", order=170)
 def explain(
-    _out: Output,
+    out: Output,
     scene: options.SceneArgument,
     *,
     measure_: bool = flag("--measure", "Solve with and without each effect, for its worth and its time."),
+    folder: Path | None = out_folder("Write what is explained, and a picture of it, there."),
+    force: Force = False,
 ) -> Answer:
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
-    found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
-    return Answer(found.to_dict(), pages.explanation_sections(found))
+    names = ("explanation.json", *options.figure_names("effects"))
+    with options.open_folder(folder, family="explain", names=names, inputs=(scene,), force=force) as target:
+        found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
+        tree, files = found.to_dict(), list[Path]()
+        if target is not None:
+            from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
+
+            files += target.write({"explanation.json": json_text(tree)})
+            files += figure.save_figure(machines.draw_explanation(found), target, "effects")
+            options.publish(out, target, "explanation", files)
+        return Answer(tree | {"files": files}, pages.explanation_sections(found))
 
 
 @command("ropefric cost integral --out cost --quick", order=180)

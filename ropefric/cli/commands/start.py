@@ -1,6 +1,7 @@
 """The commands before a campaign: templates to fill in, a look at a recording, a check, a virtual rig."""
 
 import math
+import sys
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
@@ -11,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from typer import Argument, Option
 
-from ropefric.cli import options
-from ropefric.cli.lazily import on_first_use
+from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, flag, listed, quantity
-from ropefric.cli.output import Console, Output, Progress, make_table, number
+from ropefric.cli.output import PIPE_WIDTH, Output, Progress, width_of
 from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
 from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.glossary import counted
@@ -22,14 +22,16 @@ from ropefric.registry import did_you_mean
 
 with on_first_use():
     from ropefric.files import toml
+    from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
+    from ropefric.report import section
     from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
     from ropefric.rig import mechanics, recording
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
     from ropefric.trials import campaign as campaigns
-    from ropefric.trials import campaign_model, workers
+    from ropefric.trials import campaign_model, outliers, workers
     from ropefric.trials import extract as extracting
     from ropefric.trials import names as trial_names
 
@@ -131,13 +133,7 @@ def inspect(
     if write_profile is not None:
         write_file(write_profile, profile)
         out.note(f"wrote {write_profile}")
-
-    def show(console: Console) -> None:
-        _show(found, console)
-        console.print("\nsuggested for campaign.toml:\n", style="bold")
-        console.print(profile.rstrip(), markup=False, soft_wrap=True)
-
-    return Answer(found.to_dict(), show)
+    return Answer(found.to_dict(), _sections(found, profile))
 
 
 def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> "Inspection":  # noqa: FBT001
@@ -154,35 +150,30 @@ def _fix_of_folder(folder: Path) -> str:
     return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
 
 
-def _show(found: "Inspection", console: Console) -> None:
-    """Print what was found out about a file: how it is written, its columns, its first rows, what to check."""
-    console.print(_headline(found), markup=False, soft_wrap=True)
-    console.print()
+def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
+    """Return what was found out about a file: how it is written, its columns, its first rows, what to check."""
     headings = ("no.", "column ", "unit ", "from", "to", "missing", "holds ")
     rows = [_column_row(found, column) for column in found.columns]
     filled = [place for place in range(len(headings)) if any(row[place] for row in rows)]
-    shown = [[row[place] for place in filled] for row in (headings, *rows)]
-    console.print(make_table(shown[0], shown[1:], left=0))
-    if found.first_rows:
-        _show_first_rows(found, console)
-    for note in found.notes:
-        console.print(f"recognised: {note}", markup=False, soft_wrap=True)
-    if found.doubts:
-        console.print("\nplease check:\n", style="bold yellow")
-        for doubt in found.doubts:
-            console.print(f"- {doubt}", markup=False, soft_wrap=True)
-
-
-def _show_first_rows(found: "Inspection", console: Console) -> None:
-    console.print("\nfirst rows:\n", style="bold")
+    heads, *cells = ([row[place] for place in filled] for row in (headings, *rows))
     names = [column.name or f"({column.number})" for column in found.columns]
-    rows = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]
-    widths = [max(map(len, cells)) + 3 for cells in zip(names, *rows, strict=True)]
-    fitting = sum(total <= console.width for total in accumulate(widths))
-    console.print(make_table(names[:fitting], [row[:fitting] for row in rows], left=0))
-    hidden = max(len(row) for row in found.first_rows) - fitting
-    if hidden > 0:
-        console.print(f"({hidden} more columns)")
+    first = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]
+    widths = [max(map(len, column)) + 2 for column in zip(names, *first, strict=True)]
+    room = (width_of(sys.stdout) or PIPE_WIDTH) + 2
+    fitting = sum(total <= room for total in accumulate(widths))
+    hidden = max(map(len, found.first_rows), default=0) - fitting
+    notes = [f"({hidden} more columns)"] * (hidden > 0) + [f"recognised: {note}" for note in found.notes]
+    told = [
+        section.Section(lines=(_headline(found),), verbatim=True),
+        section.Section(headings=heads, rows=cells, left=0),
+        section.Section("", ("first rows:", ""), names[:fitting], [row[:fitting] for row in first], left=0),
+        section.Section(lines=notes, verbatim=True),
+        section.Section("please check", notes=found.doubts),
+        section.Section(
+            lines=("suggested for campaign.toml:", "", *profile.rstrip().split("\n")), verbatim=True
+        ),
+    ]
+    return [one for one in told if one.rows or one.notes or (one.lines and not one.headings)]
 
 
 def _headline(found: "Inspection") -> str:
@@ -201,7 +192,7 @@ def _headline(found: "Inspection") -> str:
         facts.append(f"header in line {found.header_row}")
     if found.sampling_rate_Hz is not None:
         steps = "uniform" if found.is_uniform else "not uniform"
-        facts.append(f"{number(found.sampling_rate_Hz, '.5g')} Hz, {steps}")
+        facts.append(f"{found.sampling_rate_Hz:.5g} Hz, {steps}")
     return f"{found.file}: {', '.join(facts)}"
 
 
@@ -209,7 +200,9 @@ def _column_row(found: "Inspection", column: "ColumnSummary") -> tuple[str, ...]
     holds = "whole numbers" if column.is_integer else "numbers" if column.is_numeric else "text"
     if column.name in found.saturation:
         holds += ", at a converter's limit"
-    limits = ("" if limit is None else number(limit, ".6g") for limit in (column.minimum, column.maximum))
+    limits = (
+        "" if limit is None else section.plain(limit, ".6g") for limit in (column.minimum, column.maximum)
+    )
     return str(column.number), column.name, column.unit, *limits, str(column.n_missing or ""), holds
 
 
@@ -232,7 +225,9 @@ def check(
     if not scene and all(problem.severity == "warning" for problem in problems):
         loaded = campaigns.load_campaign(campaign)
         looked, unread = extracting.check_recordings(loaded)
-        content, problems = _content(loaded) | {"recordings": list(looked)}, (*problems, *unread)
+        tells = resolution.outlook_of_campaign(loaded)
+        content = _content(loaded) | {"recordings": list(looked), "tells": [item.to_dict() for item in tells]}
+        problems = (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -277,6 +272,8 @@ def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
 def _content_lines(content: dict[str, Any]) -> list[str]:
     """Return what a campaign holds in the units people use at the rig."""
     fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
+    good_lost = outliers.RULES[content["rejection"]].good_lost(most)
+    lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
     excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     rows = [
         ("campaign", content["name"] or "(no name)"),
@@ -288,15 +285,20 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
         ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
         ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
-        ("rejection", content["rejection"]),
+        ("rejection", f"{content['rejection']}{lost}"),
     ]
     told = [f"{name:<18} {text}" for name, text in rows if text]
+    if content["tells"]:
+        told.append(
+            "what this list can tell, if ropes scatter as usual (1.5 % between repeats, 1 % between conditions):"
+        )
+        told += [f"  {item['text']}" for item in content["tells"]]
     return told + [f"read {line}" for line in content["recordings"]]
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:
     """Return values as a list with their unit; of very many only how many and their limits."""
-    texts = list(dict.fromkeys(number(value * factor, ".6g") for value in values))
+    texts = list(dict.fromkeys(f"{value * factor:.6g}" for value in values))
     if len(texts) > 12:
         return f"{len(texts)} values from {texts[0]} to {texts[-1]} {unit}"
     return f"{', '.join(texts)} {unit}" if texts else ""

@@ -1,25 +1,13 @@
-"""The commands that ask a stored fit: a wheel's lift force, the smallest wheel that lifts, the next tests."""
+"""The commands that ask a stored fit: a wheel's lift force, its uncertainty, the smallest wheel, the next tests."""
 
 import math
 from pathlib import Path
+from typing import Any
 
-from typer import BadParameter, Option
+from typer import Argument, BadParameter, Option
 
-from ropefric.cli import options
-from ropefric.cli.lazily import on_first_use
-from ropefric.cli.options import (
-    Answer,
-    Force,
-    Number,
-    Words,
-    command,
-    exit_code_of,
-    flag,
-    listed,
-    out_folder,
-    quantity,
-)
-from ropefric.cli.output import Output
+from ropefric.cli import on_first_use, options
+from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
 
@@ -33,7 +21,7 @@ with on_first_use():
     from ropefric.report import parts, section
 
 
-@command(
+@options.command(
     'ropefric predict --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N"',
     order=120,
@@ -42,16 +30,18 @@ def predict(
     out: Output,
     *,
     fit: options.FitOption,
-    wheel_radius: float = quantity("--wheel-radius", "m", 'R_w, such as "35 mm".', needed=True),
-    wrap: float = quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
-    end_tension: float = quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
+    wheel_radius: float = options.quantity("--wheel-radius", "m", 'R_w, such as "35 mm".', needed=True),
+    wrap: float = options.quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
+    end_tension: float = options.quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
     rope_diameter: float | None = options.ROPE_DIAMETER,
-    speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
-    linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
+    speed: options.Number = options.quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: options.Number = options.quantity(
+        "--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'
+    ),
     level: options.Level = 0.95,
     method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
-    hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
-) -> Answer:
+    hand: bool = options.flag("--hand", "Print the calculation, to be checked by hand."),
+) -> options.Answer:
     """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
 
     Exits with 4 when the lift force is not supported: undecided, or not judged.
@@ -70,14 +60,14 @@ def predict(
         lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(lines)
         sections.append(section.Section(title="By hand", lines=lines, verbatim=True))
-    return Answer(data, sections, exit_code_of(found.verdict()))
+    return options.Answer(data, sections, options.exit_code_of(found.verdict()))
 
 
 _SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius", 1e3, "mm"),
           "end_tension": ("end tension", 1.0, "N")}  # fmt: skip
 
 
-@command(
+@options.command(
     'ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
     '--end-tension "80 N"',
     order=140,
@@ -86,21 +76,21 @@ def design(
     out: Output,
     *,
     fit: options.FitOption,
-    lift: float = quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
+    lift: float = options.quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
     solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
-    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, unless looked for."),
-    wrap: Number = quantity("--wrap", "rad", "φ, unless looked for."),
-    end_tension: Number = quantity("--end-tension", "N", "F_B, unless looked for."),
+    wheel_radius: options.Number = options.quantity("--wheel-radius", "m", "R_w, unless looked for."),
+    wrap: options.Number = options.quantity("--wrap", "rad", "φ, unless looked for."),
+    end_tension: options.Number = options.quantity("--end-tension", "N", "F_B, unless looked for."),
     rope_diameter: float | None = options.ROPE_DIAMETER,
     probability: float = Option(
         0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
     ),
-    on_average: bool = flag("--on-average", "Ask only that the mean law lifts the load."),
-    chart: Path | None = out_folder(
+    on_average: bool = options.flag("--on-average", "Ask only that the mean law lifts the load."),
+    chart: Path | None = options.out_folder(
         "Draw the lift force over wheel radius and wrap at this end tension there.", names=("--chart",)
     ),
-    force: Force = False,
-) -> Answer:
+    force: options.Force = False,
+) -> options.Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
     Exits with 4 when there is none, or the law is not supported by its fit.
@@ -122,21 +112,22 @@ def design(
         reached = bool(found.reached[0])
         files: tuple[Path, ...] = ()
         if target is not None and reached:
-            from ropefric.plotting import design_chart, figure  # noqa: PLC0415  (its package loads matplotlib)
+            from ropefric.plotting import design as charts  # noqa: PLC0415  (its package loads matplotlib)
+            from ropefric.plotting import figure  # noqa: PLC0415
 
             # At the design's end tension.
             wheel = conditions.one_condition(
                 *(float(getattr(found, name)[0]) for name in conditions.SETTINGS)
             )
             chart_of_it = evidence.chart_of_design(stored, wheel, probability)
-            drawn = design_chart.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
+            drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
             files = figure.save_figure(drawn, target, "design_chart")
             options.publish(out, target, "chart", files)
-    return Answer(
+    return options.Answer(
         found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
         [_section(found)],
-        exit_code_of(reached and stored.verdict.supported),
+        options.exit_code_of(reached and stored.verdict.supported),
     )
 
 
@@ -160,7 +151,7 @@ def _section(found: "designs.Design") -> "section.Section":
     return section.Section(title=title, lines=tuple(lines), notes=notes)
 
 
-@command(
+@options.command(
     'ropefric plan-tests --fit fits/prth-coupled.json --wheels "15 mm, 30 mm, 60 mm" '
     '--wraps "90 deg .. 1080 deg" --end-tensions "5 N .. 200 N" --max-force "800 N" --wheel-radius "100 mm" '
     '--wrap "720 deg" --end-tension "80 N"',
@@ -172,30 +163,32 @@ def plan_tests(
     wheels: str = Option(..., metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".'),
     wraps: str = Option(..., metavar="ANGLES", help='A list, or a range: "90 deg .. 1080 deg".'),
     end_tensions: str = Option(..., metavar="FORCES", help='A list, or a range: "5 N .. 200 N".'),
-    max_force: float = quantity("--max-force", "N", "The largest F_A the cell takes.", needed=True),
-    wheel_radius: float = quantity("--wheel-radius", "m", "R_w of the wanted wheel.", needed=True),
-    wrap: float = quantity("--wrap", "rad", "φ of the wanted wheel.", needed=True),
-    end_tension: float = quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
+    max_force: float = options.quantity("--max-force", "N", "The largest F_A the cell takes.", needed=True),
+    wheel_radius: float = options.quantity("--wheel-radius", "m", "R_w of the wanted wheel.", needed=True),
+    wrap: float = options.quantity("--wrap", "rad", "φ of the wanted wheel.", needed=True),
+    end_tension: float = options.quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
     fit: Path | None = Option(None, metavar="FIT.json", help="What is known already."),
     law: str = Option("", help="Without a fit: the law."),
-    guess: Words = listed("NAME=VALUE", "Its parameters, guessed"),
-    hold: Words = listed("NAME", "A guessed parameter taken as known"),
-    rope_diameter: Number = options.diameter("--rope-diameter", "Needed with --law."),
+    guess: options.Words = options.listed("NAME=VALUE", "Its parameters, guessed"),
+    hold: options.Words = options.listed("NAME", "A guessed parameter taken as known"),
+    rope_diameter: options.Number = options.diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
     criterion: str = Option(
         "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
     ),
-    scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
-    scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
-    u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
+    scatter_within: options.Number = options.quantity(
+        "--scatter-within", "", 'Between repeats, such as "1.7 %".'
+    ),
+    scatter_between: options.Number = options.quantity("--scatter-between", "", "Between conditions."),
+    u_force: options.Number = options.quantity("--u-force", "N", "Of a force, by the measuring chain."),
     levels: int = Option(12, min=2, help="Settings a range is divided into."),
     level: options.Level = 0.95,
     starts: int = Option(10, min=1, help="Starts of the search."),
     seed: int = Option(0, min=0, help="Of those drawn at random."),
     file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
-    force: bool = flag("--force", "Write over a file that holds anything else than this plan."),
-) -> Answer:
+    force: bool = options.flag("--force", "Write over a file that holds anything else than this plan."),
+) -> options.Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
     Starts from a stored fit, or from a law with guessed parameters, and shows the plan's worth beside that of an
@@ -218,7 +211,7 @@ def plan_tests(
     scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
     if fit is not None:
         stored = options.read_fit(fit, out)
-        rope_m, exit_code = options.rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
+        rope_m, exit_code = options.rope_radius(stored, rope_diameter), options.exit_code_of(stored.verdict)
         planned = next_tests.planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
@@ -252,7 +245,7 @@ def plan_tests(
             raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
-    return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
+    return options.Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
 
 
 def _taken(path: Path) -> InputError:
@@ -285,3 +278,133 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
     step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
     return tuple(math.radians(degrees) for degrees in next_tests.linear_levels(first, last, n, step=step))
+
+
+with on_first_use():
+    from ropefric.fitting import budgets
+    from ropefric.friction import condition as conditions
+    from ropefric.report import parts
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import extract as extracting
+
+
+@options.command(
+    'ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
+    '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
+    order=130,
+)
+def budget(
+    out: Output,
+    source: Path | None = Argument(
+        None, metavar="[CAMPAIGN.toml|TRIALS.csv]", help="A campaign, or a trial table; or use --fit."
+    ),
+    *,
+    fit: Path | None = Option(None, metavar="FIT.json", help="Of a lift force by this fit."),
+    of: str = Option("force", "--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ."),
+    condition: int | None = Option(None, min=1, help="Only this condition, in full."),
+    wheel_radius: options.Number = options.quantity("--wheel-radius", "m", "R_w, with --fit."),
+    wrap: options.Number = options.quantity("--wrap", "rad", "φ, with --fit."),
+    end_tension: options.Number = options.quantity("--end-tension", "N", "F_B, with --fit."),
+    rope_diameter: options.Number = options.diameter("--rope-diameter", "Of another rope."),
+    u_wheel_radius: options.Number = options.quantity(
+        "--u-wheel-radius", "m", "Standard uncertainty of R_w."
+    ),
+    u_rope_diameter: options.Number = options.diameter(
+        "--u-rope-diameter", "Of the rope's options.diameter."
+    ),
+    u_wrap: options.Number = options.quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
+    u_end_tension: options.Number = options.quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
+    end_tension_measured: bool = options.flag(
+        "--end-tension-measured", "F_B is read by a second channel, no weights hang there."
+    ),
+    gain: options.Number = options.quantity(
+        "--gain", "", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
+    ),
+    gravity: options.Number = options.quantity(
+        "--gravity", "", 'Limit of error of g of the weights, such as "0 %" where it is known.'
+    ),
+    one_pull: bool = options.flag("--one-pull", "Of one pull with a new rope, not of the mean law."),
+    level: float = Option(0.95, help="Coverage probability, between 0 and 1."),
+    draws: int = Option(200_000, help="Draws that check the budget."),
+    seed: int = Option(0, min=0, help="Of the draws."),
+) -> options.Answer:
+    """State an uncertainty after the GUM: a budget line by line, checked by draws, and what would shrink it.
+
+    Of the conditions of a campaign or trial table, or, with --fit, of the lift force of a wheel that is known only so
+    well. Exits with 4 when a statement is not to be trusted.
+    """
+    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
+    if (source is None) == (fit is None):
+        raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
+    if fit is not None:
+        wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
+        uncertainty = {
+            "wheel_radius_m": u_wheel_radius or 0.0,
+            "rope_radius_m": u_rope_diameter or 0.0,
+            "wrap_angle_rad": u_wrap or 0.0,
+            "end_tension_N": u_end_tension or 0.0,
+        }
+        return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
+    if of not in {"force", "mu"}:
+        raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
+    found = _conditions(out, Path(str(source)), gravity)
+    if condition is not None:
+        found = (budgets.condition_numbered(found, condition),)
+    if end_tension_measured:
+        found = tuple(budgets.with_measured_end(item, u_end_tension) for item in found)
+    check |= {"quantity": of, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
+    stated = [(item, budgets.state_condition(item, **check)) for item in found]
+    if len(stated) == 1:
+        title = f"Uncertainty budget, {found[0].describe()}"
+        sections = parts.uncertainty_sections(stated[0][1], title)
+    else:
+        rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
+        title = f"Uncertainty of {stated[0][1].model.symbol}; --condition N shows one in full"
+        sections = (parts.budgets_section(rows, title),)
+    trees = [
+        each.to_dict()
+        | {"condition": item.number, "lift_force_N": item.lift.force_N, "end_tension_N": item.end.force_N}
+        | {key: getattr(item, key) for key in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "n")}
+        for item, each in stated
+    ]
+    good = all(each.trustworthy for _, each in stated)
+    return options.Answer({"source": str(source), "budgets": trees}, sections, options.exit_code_of(good))
+
+
+def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
+    """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
+    limit = budgets.GRAVITY_LIMIT if gravity is None else gravity
+    file = options.campaign_file(path)
+    if file.suffix != ".toml":
+        return budgets.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
+    campaign = campaigns.load_campaign(file, missing_recordings="flag")
+    with Progress(out, "extract") as progress:
+        extraction = extracting.extract_campaign(campaign, progress=progress.update)
+    found = budgets.conditions_of_extraction(
+        extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
+    )
+    if not found:
+        fix = "`ropefric extract` says why for each"
+        raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)
+    return found
+
+
+def _of_fit(
+    out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
+    uncertainty: dict[str, float], *, check: dict[str, Any],
+) -> options.Answer:  # fmt: skip
+    names = ("--wheel-radius", "--wrap", "--end-tension")
+    missing = [name for name, value in zip(names, wheel.values(), strict=True) if value is None]
+    if missing:
+        text = f"a budget of a fit is of one wheel: {' and '.join(missing)} missing"
+        raise BadParameter(text, param_hint=missing[0])
+    known = {name: float(value or 0.0) for name, value in wheel.items()}
+    stored = options.read_fit(path, out)
+    at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
+    stated = budgets.state_lift(stored, at, uncertainty, **check)
+    more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
+    return options.Answer(
+        stated.to_dict() | known | more,
+        parts.uncertainty_sections(stated, f"Uncertainty budget of the {stated.model.name} by {stored.law}"),
+        options.exit_code_of(stated.trustworthy),
+    )

@@ -6,17 +6,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction import law
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import (
-    Columns,
-    FrictionLaw,
-    Parameter,
-    Refusal,
-    Sheet,
-    Slopes,
-    combinations,
-    negative,
-)
 from ropefric.friction.laws.constant import LAW as CONSTANT
 
 _MAX_STEPS = 100
@@ -31,41 +22,41 @@ class Bending:
     h + ln((1 − e_A)/(1 − e_B)) + μ (θ_A + θ_B − φ) = 0,   e_B = E/F_B, e_A = e_B e^{−h}.
     """
 
-    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+    def rise(self, columns: law.Columns, conditions: Conditions) -> FloatArray:
         """Return h."""
         mu, e = columns[0], _ratio(columns, conditions)
         return _solve(mu, e, conditions.wrap_angle_rad)
 
-    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
+    def rise_and_slopes(self, columns: law.Columns, conditions: Conditions) -> tuple[FloatArray, law.Slopes]:
         """Return h and ∂ by μ and EI; the latter grows as 1/√EI towards EI = 0, where it is refused."""
         h = self.rise(columns, conditions)
         contact, by_log_E, _by_tension, slope = _partials(columns, conditions, h)
         return h, (contact / slope, by_log_E / slope / columns[1])
 
-    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
+    def condition_slopes(self, columns: law.Columns, conditions: Conditions) -> law.Slopes:
         """Return ∂ ln F_A by R_w, φ and ln F_B."""
         h = self.rise(columns, conditions)
         _contact, by_log_E, by_tension, slope = _partials(columns, conditions, h)
         by_radius = -2.0 * by_log_E / slope / conditions.centreline_radius_m
         return by_radius, columns[0] / slope, by_tension / slope
 
-    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+    def refusals(self, columns: law.Columns, conditions: Conditions) -> Iterable[law.Refusal]:
         """Yield where the tension cannot bend the rope round the wheel, or the rope never touches it."""
         mu, rigidity = columns
-        yield negative(mu, "the coefficient is {value}, negative")
-        yield Refusal(mu > 3.0, mu, "the coefficient is {value}; above 3 the lifted arc has several solutions",
+        yield law.negative(mu, "the coefficient is {value}, negative")
+        yield law.Refusal(mu > 3.0, mu, "the coefficient is {value}; above 3 the lifted arc has several solutions",
                      "keep it at 3 or below")  # fmt: skip
-        yield negative(rigidity, "the bending rigidity is {value} N m2, negative", "give it positive")
+        yield law.negative(rigidity, "the bending rigidity is {value} N m2, negative", "give it positive")
         e = _ratio(columns, conditions)
-        yield Refusal(e >= 1.0, e * conditions.end_tension_N, "EI/(2 R^2) = {value} N is not below F_B: the end"
+        yield law.Refusal(e >= 1.0, e * conditions.end_tension_N, "EI/(2 R^2) = {value} N is not below F_B: the end"
                      " tension cannot bend the rope round the wheel", "raise F_B or the wheel radius")  # fmt: skip
         need = 2.0 * lifted_arc_rad(np.minimum(e, 1.0))
-        yield Refusal((conditions.wrap_angle_rad < need) & (e < 1.0), need,
+        yield law.Refusal((conditions.wrap_angle_rad < need) & (e < 1.0), need,
                      "the rope is too stiff to touch the wheel: it needs a wrap above {value} rad",
                      "raise the wrap or the end tension")  # fmt: skip
 
 
-def _ratio(columns: Columns, conditions: Conditions) -> FloatArray:
+def _ratio(columns: law.Columns, conditions: Conditions) -> FloatArray:
     """Return e_B = EI/(2 R² F_B)."""
     return bending_N(columns[1], conditions.centreline_radius_m) / conditions.end_tension_N
 
@@ -104,7 +95,7 @@ def _solve(mu: FloatArray, e: FloatArray, phi: FloatArray) -> FloatArray:
 
 
 def _partials(
-    columns: Columns, conditions: Conditions, h: FloatArray
+    columns: law.Columns, conditions: Conditions, h: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return φ_c, −∂f/∂ln E, −∂f/∂ln F_B and ∂f/∂h of the equation f = 0 at its root h."""
     mu, e = columns[0], _ratio(columns, conditions)
@@ -119,10 +110,10 @@ def _partials(
 def _candidates(mu: float, conditions: Conditions, _log_lift: FloatArray) -> FloatArray:
     # The weakest pull over the smallest wheel limits what any law may assume of the rope.
     limit = float((2.0 * conditions.centreline_radius_m**2 * conditions.end_tension_N).min())
-    return combinations(mu * np.array([1.0, 1.3]), limit * np.array([1e-4, 1e-2, 0.1, 0.4]))
+    return law.combinations(mu * np.array([1.0, 1.3]), limit * np.array([1e-4, 1e-2, 0.1, 0.4]))
 
 
-def _by_hand(sheet: Sheet) -> float:
+def _by_hand(sheet: law.Sheet) -> float:
     """Write the equation for F_A with its solution put in: there is no closed form, but the check is by hand."""
     sheet.line("F_B [N]", "exp(y)", "F_B")
     sheet.line("R", "R_w + R_r")
@@ -137,14 +128,14 @@ def _by_hand(sheet: Sheet) -> float:
     return sheet.line("ln(F/F_B)", "ln(F/F_B)")
 
 
-LAW = FrictionLaw(
+LAW = law.FrictionLaw(
     name="bending",
     equation="F_A - E = (F_B - E) exp(mu phi_c), E = EI/(2 R^2), R = R_w + R_r; "
     "phi_c = phi - arccos(1 - E/F_A) - arccos(1 - E/F_B)",
     source="after Stuart 1961, Br. J. Appl. Phys. 12:559",
     parameters=(
-        Parameter("mu", "-", 0.2, 0.0, 3.0, "friction coefficient"),
-        Parameter("rigidity_N_m2", "N m2", 1e-4, 1e-9, 10.0,
+        law.Parameter("mu", "-", 0.2, 0.0, 3.0, "friction coefficient"),
+        law.Parameter("rigidity_N_m2", "N m2", 1e-4, 1e-9, 10.0,
                   "bending rigidity EI of the rope; every F_B must exceed EI/(2 (R_w + R_r)^2)"),
     ),
     coefficient="local",

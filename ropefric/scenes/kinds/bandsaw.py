@@ -16,7 +16,8 @@ from ropefric.files.digits import significant
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
-from ropefric.systems.bandsaw.answer import SYSTEM, SawAnswer, SawProblem, answerable
+from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable
+from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
@@ -236,6 +237,11 @@ def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:
     )
 
 
+def _kept(problem: SawProblem) -> dict[str, str]:
+    asks = problem.excitations or problem.measurements
+    return {"bending": "what resonates, and what measurements tell, depends on it"} if asks else {}
+
+
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
     thickness_m = _UNKNOWN_THICKNESS_M if problem.section is None else problem.section.thickness_m
     radius_m = np.ones(problem.n) if problem.wheel_radius_m is None else problem.wheel_radius_m
@@ -248,6 +254,8 @@ def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
 
 
 _NEAREST = 10
+_SHARE = 0.1
+"""Of the blade's accuracy, for what may resonate: a margin is the difference of two frequencies."""
 _SPEEDS = 200
 _FASTEST = 0.98
 """Of the critical speed: up to where crossings are looked for."""
@@ -261,10 +269,23 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
     saws = _saws(answer, problem)
     if saws is not None and problem.excitations:
-        tree["resonance"] = _resonance(saws[1], problem)
+        tree["resonance"] = _resonance(saws[1], problem, _SHARE * answer.accuracy)
     if saws is not None and problem.measurements:
         tree["comparison"] = _comparison(*saws, problem.measurements)
     return tree
+
+
+def _identified(answer: SawAnswer, problem: SawProblem) -> dict[str, Any] | None:
+    """Return which preload and mounting the measurements tell; None where there are none."""
+    saws = _saws(answer, problem)
+    if saws is None or not problem.measurements:
+        return None
+    names = ("preload_N", "mounting_factor", "free_mounting_factor", "std")
+    found = _judged(partial(identify, saws[1], problem.measurements), *names)
+    if "std" in found:
+        std = found.pop("std") or (math.nan, math.nan)
+        found["preload_std_N"], found["mounting_factor_std"] = map(kind.finite, std)
+    return {"comparison": {"identified": found}}
 
 
 def _saws(answer: SawAnswer, problem: SawProblem) -> tuple[Saw, Saw] | None:
@@ -294,21 +315,31 @@ def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
     }
 
 
-def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
+def _resonance(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any]:
     shakes, n_modes, recommended = problem.excitations, problem.n_modes, None
     margin, range_N = problem.margin_wanted, problem.preload_range_N
     if margin is not None and range_N is not None:
-        wanted: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": n_modes}
+        wanted: dict[str, Any] = {
+            "margin": margin,
+            "range_N": range_N,
+            "n_modes": n_modes,
+            "accuracy": accuracy,
+        }
         recommended = _judged(
             partial(resonance.recommend_preload, saw, shakes, **wanted), "preload_N", "margin", "forbidden_N"
         )
     return {
         "recommended_preload": recommended,
-        "nearest": [one._asdict() for one in resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]],
+        "nearest": [
+            one._asdict()
+            for one in resonance.margins(saw, _RUNNING, shakes, n_modes, accuracy=accuracy)[:_NEAREST]
+        ],
         "crossings": [
             one._asdict() | {"speed_margin": kind.finite(one.speed_margin)}
             for side in _RUNNING
-            for one in resonance.find_crossings(saw, side, shakes, _speeds_m_s(saw, side), n_modes)
+            for one in resonance.find_crossings(
+                saw, side, shakes, _speeds_m_s(saw, side), n_modes, accuracy=accuracy
+            )
         ],
     }
 
@@ -322,7 +353,7 @@ def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
 
 
 def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> dict[str, Any]:
-    """Return how far each model is from each measurement, and what mounting and preload the measurements tell."""
+    """Return how far each model is from each measurement, and which mounting would explain each."""
 
     def row(point: Measurement, **before: str | None) -> dict[str, Any]:
         return {**before, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
@@ -336,12 +367,6 @@ def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> di
         except RopefricError as error:  # this model has no answer for this saw
             found["why"] = error.problem.message
         off.append(row(point, model=model) | found)
-    identified = _judged(
-        partial(identify, planned, points), "preload_N", "mounting_factor", "free_mounting_factor", "std"
-    )
-    if "std" in identified:
-        std = identified.pop("std") or (math.nan, math.nan)
-        identified["preload_std_N"], identified["mounting_factor_std"] = map(kind.finite, std)
     order = [Side.REST.value, Side.TIGHT.value, Side.SLACK.value]
     return {
         "deviations": sorted(off, key=lambda one: order.index(one["side"])),
@@ -351,7 +376,6 @@ def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> di
             for point in points
             if point.side is not Side.REST
         ],
-        "identified": identified,
     }
 
 
@@ -410,6 +434,15 @@ def _resonance_part(found: Mapping[str, Any]) -> kind.Part:
     )
 
 
+def _identified_lines(found: Mapping[str, Any] | None) -> tuple[str, ...]:
+    if found is None:
+        return ()
+    if "preload_N" not in found:
+        return (f"identification: {found['advice']}",)
+    what = f"a preload of {found['preload_N']:.5g} N and a mounting factor of {found['mounting_factor']:.3f}"
+    return (f"the measurements ask for {what}. {found['advice']}",)
+
+
 def _comparison_part(found: Mapping[str, Any]) -> kind.Part:
     return kind.Part(
         "Against measurement",
@@ -417,7 +450,8 @@ def _comparison_part(found: Mapping[str, Any]) -> kind.Part:
             f"{one['side']} mode {one['mode']}: {one['measured_Hz']:g} Hz would need a mounting factor of "
             f"{kind.in_words(one['mounting_factor'], '.2f')}. {one['advice']}"
             for one in found["mounting"]
-        ),
+        )
+        + _identified_lines(found.get("identified")),
         headings=("model", "side", "mode", "measured [Hz]", "model [Hz]", "deviation"),
         rows=tuple(
             (
@@ -450,12 +484,14 @@ KIND = kind.Kind(
     tree=_tree,
     contacts=_contacts,
     answerable=answerable,
+    kept=_kept,
     keys={
         "n_modes": "blade.modes",
         "tension_difference_N": "drive",
         "wheel_radius_m": "wheel",
         "travel_speed_m_s": "wheel.speed",
     },
+    identified=_identified,
     sections=_sections,
-    figures={"campbell": kind.Figure(_campbell, "saw_chart.draw_saw_chart")},
+    figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

@@ -9,14 +9,8 @@ from pydantic import PlainValidator
 
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
-from ropefric.systems.beltdrive.drive import (
-    CLOSURES,
-    SYSTEM,
-    DriveAnswer,
-    DriveProblem,
-    answerable,
-    best_speed_m_s,
-)
+from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
+from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
 _TURN = 2.0 * math.pi
@@ -112,7 +106,7 @@ def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure,
     use, slack_N = answer.utilisation, answer.slack_N
     return (
         kind.Failure("the belts slip: they do not carry the power", "utilisation", use, use > 1.0),
-        kind.Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0),
+        kind.Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0, limit=0.0),
     )
 
 

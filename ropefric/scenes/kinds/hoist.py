@@ -5,7 +5,8 @@ from typing import Annotated, Any
 from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import reject
 from ropefric.scenes import kind
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, SYSTEM, HoistProblem, Lift, answerable
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift, answerable
+from ropefric.systems.hoist.effects import SYSTEM
 
 
 class WheelTable(kind.Table):
@@ -66,7 +67,7 @@ def _quantities(lift: Lift, problem: HoistProblem) -> tuple[kind.Quantity, ...]:
     if weight_N is None:
         return found
     margin = kind.Quantity("lift_margin", force_N / weight_N, positive=True)
-    return (*found, margin, kind.Quantity("margin_N", force_N - weight_N))
+    return (*found, margin, kind.Quantity("margin_N", force_N - weight_N, scale=force_N))
 
 
 def _failures(lift: Lift, problem: HoistProblem) -> tuple[kind.Failure, ...]:

@@ -363,22 +363,69 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         },
         **slip_margins(answer),
     }
-    return tree if answer.start_up is None else tree | {"start_up": answer.start_up.summary()}
+    if answer.start_up is None:
+        return tree
+    return tree | {"start_up": answer.start_up.summary() | {"settles": _settles(answer)}}
 
 
-_FIRST = {
-    "preload": "if the preload of all tensioners falls to",
-    "speed": "if the belts run as fast as",
-    "load": "if all loads grow by the factor",
-    "friction": "if the coefficient falls to",
+_SAME_STATE = 1e-3
+"""Of the greatest tension: what a start-up settles at and the steady run are one."""
+
+
+def _settles(answer: PressAnswer) -> dict[str, Any]:
+    """Return where a start-up leads, how far that is from the steady run, and why."""
+    found, steady_N, closure = answer.start_up, answer.state.tension_N[0], answer.statics.closure
+    assert found is not None  # noqa: S101  (asked for by the caller)
+    told: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
+    if found.settled_tension_N is None:
+        names = [
+            f"{roller.name} {what}"
+            for roller, what in zip(found.press.rollers, found.at_end.tolist(), strict=True)
+            if what
+        ]
+        why = f"at the end of the time simulated roller {', '.join(names)}" if names else ""
+        return told | {"why": why or "drivers of different speed stretch the belts until one slips"}
+    apart_N = found.settled_tension_N - steady_N
+    worst = int(np.argmax(np.abs(apart_N)))
+    told |= {"differs_N": float(apart_N[worst]), "span": found.press.spans[worst].name}
+    if abs(apart_N[worst]) <= _SAME_STATE * np.abs(steady_N).max():
+        return told | {"steady": True, "why": "it settles where the steady run is"}
+    slipped = ", ".join(dict.fromkeys(slip.roller for slip in found.slips))
+    why = "belts that stick to their rollers from the start share the pull as their spans stretch"
+    if slipped:
+        why += f", displaced by the slip on roller {slipped}"
+    if closure in {"share", "speed-ratio"}:
+        longest_m = max(sum(belt.span_lengths_m or ()) for belt in found.press.belts)
+        passage_s = longest_m / float(answer.state.speed_m_s[0])
+        why += (
+            f"; elastic creep, which is not part of a start-up, carries that over to the closure '{closure}'"
+            f" in some passages of the belts, of {passage_s:.3g} s each"
+        )
+    elif closure:
+        why += f"; the closure '{closure}' states another share"
+    press = found.press
+    if np.abs(press.pull @ apart_N).max() > _SAME_STATE * np.abs(steady_N).max():
+        why += "; its tensioners give way to the loads, where the steady run has them at the travel given"
+    return told | {"why": why}
+
+
+_WAYS = {
+    ("preload", "falls"): "the preload of all tensioners falls to",
+    ("preload", "rises"): "the preload of all tensioners rises to",
+    ("speed", "falls"): "the belts run no faster than",
+    ("speed", "rises"): "the belts run as fast as",
+    ("load", "falls"): "all loads fall to what they are times",
+    ("load", "rises"): "all loads grow by the factor",
+    ("friction", "falls"): "the coefficient falls to",
+    ("friction", "rises"): "the coefficient rises to",
 }
-_LAST = {
-    "preload": ("the preload of all tensioners rises to", "no preload of all tensioners holds"),
-    "speed": ("the belts run no faster than", "no slower run of the belts holds"),
-    "load": ("all loads fall to what they are times", "no smaller loads hold"),
-    "friction": ("the coefficient rises to", "no coefficient holds"),
+_NEVER = {
+    "preload": "no preload of all tensioners holds",
+    "speed": "no slower run of the belts holds",
+    "load": "no smaller loads hold",
+    "friction": "no coefficient holds",
 }
-"""What leads to the first slip; what ends the last one, and what to say where nothing of the kind does."""
+"""What leads to the first slip or ends the last one, and what to say where nothing of the kind does."""
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
@@ -434,17 +481,29 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
         lines = ["no roller carries a torque"]
     else:
         lines = [f"no roller slips; nearest to it is roller {tree['first_to_slip']}"]
-    for change, sooner in _FIRST.items():
-        one, (until, nothing) = tree["critical"][change], _LAST[change]
-        si_unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
-        if one["state"] == "slips" and not one["value"]:
-            lines.append(f"{nothing} {'it' if alone else 'them all'}")
-        elif one["state"] == "slips":
-            last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
-            lines.append(f"{last} where {until} {one['value']:.4g}{si_unit}")
-        elif one["roller"] is not None:
-            lines.append(f"{sooner} {one['value']:.4g}{si_unit}, roller {one['roller']} slips first")
+    for change, nothing in _NEVER.items():
+        one, slipping = tree["critical"][change], tree["critical"][change]["state"] == "slips"
+        if one["value"] is None:
+            lines += [f"{nothing} {'it' if alone else 'them all'}"] * slipping
+            continue
+        unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
+        at = f"{_WAYS[change, one['direction']]} {one['value']:.4g}{unit}"
+        last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
+        lines.append(f"{last} where {at}" if slipping else f"if {at}, roller {one['roller']} slips first")
     return tuple(lines)
+
+
+def _settling(found: Mapping[str, Any]) -> str:
+    settles = found["settles"]
+    if settles["steady"]:
+        return str(settles["why"])
+    if settles["differs_N"] is None:
+        return f"the steady run is not reached: {settles['why']}"
+    at_N = found["settled_tension_N"][settles["span"]]
+    return (
+        f"it settles at {at_N:.1f} N in span {settles['span']}, {settles['differs_N']:+.1f} N from the steady run: "
+        f"{settles['why']}"
+    )
 
 
 def _start_up(tree: Mapping[str, Any]) -> kind.Part:
@@ -458,6 +517,7 @@ def _start_up(tree: Mapping[str, Any]) -> kind.Part:
             f"highest tension: {highest_N[peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
             f"work of the drives: {found['drive_work_J']:.4g} J, of which slip takes {found['slip_loss_J']:.4g} J",
             f"the energy balance closes to {abs(found['energy_residual']):.1g}",
+            _settling(found),
         ),
         headings=("roller", "peak utilisation", "first slip [s]", "slips for [s]"),
         rows=tuple(
@@ -503,6 +563,6 @@ KIND = kind.Kind(
     sections=_sections,
     histories={"start_up.csv": _start_up_columns},
     figures={
-        "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "press.draw_press_start_up")  # noqa: ARG005
+        "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "draw_press_start_up")  # noqa: ARG005
     },
 )

@@ -4,5 +4,5 @@
 blade to a wanted accuracy. `saw` puts the machine together: what the blade is, which tensions the torque makes, the
 preload a frequency asks for. `resonance` says where modes meet excitations and which preload to set, `measured`
 compares with measured frequencies and finds the mounting behind them. `answer` are all frequencies of a saw as a scene
-simulates it, with torsion and the wheels' grip, what the scene may leave out, and what that may cost.
+simulates it, with torsion and the wheels' grip, `effects` what the scene may leave out, and what that may cost.
 """

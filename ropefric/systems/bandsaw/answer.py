@@ -1,26 +1,21 @@
-"""A band saw as a scene simulates it: its blade with the effects that are in, its frequencies, the effects' worth."""
+"""A band saw as a scene simulates it: its blade with the effects that are in, and its frequencies."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from itertools import product
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
-from ropefric.registry import Registry
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_no_modes
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.effect import Effect, Method, Model, System, missing, worst_case
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.subsets import largest_changes, log_change
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,11 +110,16 @@ class SawAnswer(NamedTuple):
     model: SawModel
     sides: Mapping[Side, SideAnswer]
     wheel_utilisation: FloatArray | None
+    accuracy: float
 
     @property
     def logs(self) -> FloatArray:
         """Return the logarithms of all numbers but those of torsion, shape (k, n)."""
-        numbers = [one.frequencies_Hz.T for one in self.sides.values()]
+        numbers = [
+            part
+            for one in self.sides.values()
+            for part in (one.frequencies_Hz.T, [one.tension_N, one.wave_speed_m_s, one.critical_speed_m_s])
+        ]
         if self.wheel_utilisation is not None:
             numbers.append(self.wheel_utilisation[np.newaxis])
         with np.errstate(divide="ignore"):
@@ -142,9 +142,8 @@ def solve_saw(model: SawModel, *, accuracy: float = 1e-10) -> SawAnswer:
     }
     tight, slack = model.spans[Side.TIGHT], model.spans[Side.SLACK]
     # The difference of two large tensions loses a small pull, and what the wheels add is the same on both sides.
-    return SawAnswer(
-        model, sides, grip_utilisation(problem, tight.pull_N - slack.pull_N, slack.net_tension_N)
-    )
+    use = grip_utilisation(problem, tight.pull_N - slack.pull_N, slack.net_tension_N)
+    return SawAnswer(model, sides, use, accuracy)
 
 
 def grip_utilisation(problem: SawProblem, needed_N: FloatArray, pressing_N: FloatArray) -> FloatArray | None:
@@ -214,147 +213,3 @@ def answerable(problem: SawProblem) -> BoolArray:
     slack_N = problem.preload_N - problem.pull_N + problem.wheels_N
     stiff_N = problem.ends.buckling * problem.product("bending_stiffness_N_m2") / problem.free_span_m**2
     return np.asarray((slack_N > 0.0) & (slack_N - problem.inertia_N + stiff_N > 0.0))
-
-
-_ROUNDING = 1e-11
-
-
-@lru_cache(maxsize=2)
-def _string_changes(problem: SawProblem) -> dict[str, float]:
-    """Return what every effect but the stiffness is worth on a string, by ln f = ln(F − ρA v²) − ½ ln F + const.
-
-    A stiff blade is less sensitive to tension and speed, as part of its restoring force depends on neither; in the
-    wheel's grip the stiffness has no part.
-    """
-    pulls_N, presses_N, inertia_N = problem.pull_N, problem.wheels_N, problem.inertia_N
-
-    def logs(effects: frozenset[str]) -> FloatArray:
-        model = SawModel(problem=problem, effects=effects)
-        pull_N, wheels_N = (
-            model.part("tension-difference", pulls_N),
-            model.part("wheel-inertia-tension", presses_N),
-        )
-        static_N = problem.preload_N + np.stack([pull_N, -pull_N])
-        tension_N = static_N + wheels_N
-        net_N = tension_N - model.part("travel", inertia_N)
-        if not ((static_N > 0.0) & (net_N > 0.0)).all():
-            raise InputError("a blade that is slack or too fast has no frequency", key="preload_N")
-        found, use = (
-            np.log(net_N) - 0.5 * np.log(tension_N),
-            grip_utilisation(problem, 2.0 * pull_N, net_N[1]),
-        )
-        return found if use is None else np.concatenate([found, np.log(use)[np.newaxis]])
-
-    return largest_changes(
-        ("tension-difference", "wheel-inertia-tension", "travel"), logs, rounding=_ROUNDING
-    )
-
-
-def bending_bound(problem: SawProblem) -> FloatArray:
-    """Return an upper bound of the change of ln f by the stiffness, for the highest mode wanted.
-
-    Held ends shorten the string by a layer of δ = e/√(1 − V²) at each end, e = √(EI/F l²) and V = v/c; for ends that
-    may turn δ = 0. Along what is left, mode n is the string's own e^(iκVx) sin κx, κ = nπ/(1 − 2δ), whose stiffness
-    raises its frequency by ½κ²e² (1 + 6V² + V⁴)/(1 − V²) of itself, to first order. A mode yields to more stiffness
-    by taking a softer shape, so a first order taken at the string's shape is too much: for mode 1 because it has
-    the least of Rayleigh's quotients, for the others by trial. Both terms are exact as e → 0.
-    """
-    stiffness, worst = problem.product("bending_stiffness_N_m2"), np.zeros(problem.n)
-    pull_N, wheels_N, inertia_N = problem.pull_N, problem.wheels_N, problem.inertia_N
-    for pull, wheels, travels in product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)):
-        tension_N = problem.preload_N + pull * pull_N + wheels * wheels_N
-        e, V2 = (
-            np.sqrt(stiffness / (tension_N * problem.free_span_m**2)),
-            travels * inertia_N / tension_N,
-        )
-        layers = 0.0 * e if problem.ends.turns else 2.0 * e / np.sqrt(1.0 - V2)
-        kappa = problem.n_modes * math.pi / (1.0 - layers)
-        bent = 0.5 * (kappa * e) ** 2 * (1.0 + 6.0 * V2 + V2**2) / (1.0 - V2)
-        change = np.where(layers < 1.0, np.log1p(bent) - np.log1p(-layers), np.inf)
-        worst = np.maximum(worst, np.where(np.isnan(change), np.inf, change))
-    return worst
-
-
-_SPEED = {"wheel_radius_m": "wheel.radius", "wheel_speed_rad_s": "wheel.speed"}
-EFFECTS: Registry[Effect[SawProblem, SawModel]] = Registry(
-    "effect of a band saw",
-    (
-        Effect(
-            name="tension-difference",
-            adds="half the pull of the saw's torque on the tight side, and less on the slack side",
-            instead="the preload on both sides",
-            needs=missing({"tension_difference_N": "drive.power or drive.tension_difference"}),
-            influence=lambda problem: _string_changes(problem)["tension-difference"],
-            cost=0.05,
-        ),
-        Effect(
-            name="wheel-inertia-tension",
-            adds="the tension kappa rho A v^2 by which wheels that may give way follow the running blade",
-            instead="wheel axles that do not give way",
-            needs=missing({"mounting_factor": "tension.mounting_factor", **_SPEED}),
-            influence=lambda problem: _string_changes(problem)["wheel-inertia-tension"],
-            cost=0.05,
-        ),
-        Effect(
-            name="travel",
-            adds="the motion of the blade through its span, which its waves run with and against",
-            instead="a blade that stands still",
-            needs=missing(_SPEED),
-            influence=lambda problem: _string_changes(problem)["travel"],
-            cost=0.05,
-        ),
-        Effect(
-            name="bending",
-            adds="the blade's stiffness EI, with a boundary layer at held ends",
-            instead="a string",
-            needs=missing(
-                {
-                    "bending_stiffness_N_m2": "blade.bending_stiffness or blade.width, thickness and "
-                    "youngs_modulus"
-                }
-            ),
-            influence=worst_case(bending_bound, rounding=_ROUNDING),
-            cost=50.0,
-        ),
-        Effect(
-            name="torsion",
-            adds="the frequencies of twisting, beside those of bending",
-            instead="no frequencies of twisting; those of bending do not depend on them",
-            needs=missing({"section": "blade.width, thickness, density and shear_modulus"}),
-            influence=lambda problem: 0.0,  # noqa: ARG005
-            cost=0.2,
-        ),
-    ),
-)
-"""In the order in which they are applied."""
-_CLOSED_FORM = Method(name="closed form", error=1e-13, why="a string's travelling waves have one")
-_FINEST = 1e-12
-"""What rounding leaves is a few units of 1e-14."""
-_COARSEST = 1e-3
-"""A beam to a thousandth takes at most two orders more than to a hundredth: both need their boundary layers."""
-
-_MARGIN = 0.25
-"""What two orders may differ by, of the error allowed: the finer one can err by nearly twice what they differ by."""
-
-
-def _method(model: SawModel, budget: float) -> Method:
-    if not model.part("bending", model.problem.bending_stiffness_N_m2).any():
-        return _CLOSED_FORM
-    accuracy = min(max(budget, _FINEST), _COARSEST)
-    return Method(
-        name="spectral elements",
-        settings={"accuracy": _MARGIN * accuracy},
-        error=accuracy,
-        why="the order is raised until a coarser solution agrees to a quarter of this",
-    )
-
-
-SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
-    name="bandsaw",
-    effects=EFFECTS,
-    bare=lambda problem: SawModel(problem=problem),
-    method=_method,
-    solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),
-    distance=lambda answer, reference: float(np.expm1(log_change(answer.logs, reference.logs))),
-)
-"""A blade on two wheels."""

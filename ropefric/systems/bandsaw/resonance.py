@@ -1,8 +1,7 @@
 """Where modes of the blade meet excitations: over the speed, at work, and which preload keeps them apart."""
 
 import math
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,6 @@ from ropefric.systems.bandsaw.saw import (
     Saw,
     Side,
     frequencies_Hz,
-    preloads_for_N,
     roots_between,
 )
 
@@ -51,6 +49,65 @@ def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] =
     return Excitation(name, constant_Hz=frequency_Hz, harmonics=harmonics)
 
 
+_MOST_NODES = 128
+_FINE = 1e-10
+"""Accuracy at the ends of a range, where a yes or no depends on it, and if no other is asked for."""
+
+
+def modes_over(
+    saw: Saw, side: Side, n_modes: int, what: str, *, ends: tuple[float, float], accuracy: float = _FINE
+) -> Callable[[FloatArray], FloatArray]:
+    """Return the frequencies as a function of "speed_m_s" or "preload_N" between two ends, shape (m, n_modes) [Hz].
+
+    A string's have a closed form. For a beam f² is a smooth function of v² and of F_0, up to the critical speed and
+    through it, so it is interpolated at Chebyshev's points; their number is doubled until that changes nothing.
+    """
+
+    def exact(at: FloatArray, accuracy: float) -> FloatArray:
+        if what == "speed_m_s":
+            return frequencies_Hz(saw, side, n_modes, speed_m_s=at, accuracy=accuracy)
+        return frequencies_Hz(saw, side, n_modes, preload_N=at, accuracy=accuracy)
+
+    if saw.bending_stiffness_N_m2 == 0.0 or not ends[0] < ends[1]:
+        return lambda at: exact(at, _FINE)
+    power = 2.0 if what == "speed_m_s" else 1.0
+    low, high = (end**power for end in ends)
+    count, accuracy = 4, max(accuracy, 1e-12)
+
+    def place(step: npt.ArrayLike) -> FloatArray:
+        """Return the numbers at some shares of a half turn."""
+        shares = 0.5 - 0.5 * np.cos(np.pi * np.asarray(step))
+        return np.asarray(np.clip((low + (high - low) * shares) ** (1.0 / power), *ends))
+
+    table = exact(place(np.arange(count + 1) / count), 0.1 * accuracy) ** 2
+    while count < _MOST_NODES:
+        between = (np.arange(count) + 0.5) / count
+        new = exact(place(between), 0.1 * accuracy) ** 2
+        error = np.abs(_interpolated(table, 0.5 - 0.5 * np.cos(np.pi * between)) / new - 1.0).max()
+        both = np.empty((2 * count + 1, n_modes))
+        both[::2], both[1::2] = table, new
+        table, count = both, 2 * count
+        # Squares err by twice as much; and to double the points squares what is missing.
+        if error <= accuracy:
+            return lambda at: np.asarray(
+                np.sqrt(_interpolated(table, (np.asarray(at) ** power - low) / (high - low)))
+            )
+    return lambda at: exact(at, accuracy)
+
+
+def _interpolated(table: FloatArray, share: FloatArray) -> FloatArray:
+    """Return what values at Chebyshev's points of 0 … 1 give between them, by the barycentric formula."""
+    count = len(table) - 1
+    nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(count + 1) / count)
+    weights = (-1.0) ** np.arange(count + 1)
+    weights[[0, -1]] *= 0.5
+    away = share[:, np.newaxis] - nodes
+    met = away == 0.0
+    parts = weights / np.where(met, 1.0, away)
+    parts = np.where(met.any(axis=1)[:, np.newaxis], met, parts)
+    return np.asarray(parts @ table / parts.sum(axis=1)[:, np.newaxis])
+
+
 class Crossing(NamedTuple):
     """A blade speed at which an excitation has the frequency of a mode."""
 
@@ -81,6 +138,8 @@ def find_crossings(
     excitations: tuple[Excitation, ...],
     speeds_m_s: npt.ArrayLike,
     n_modes: int = 6,
+    *,
+    accuracy: float = _FINE,
 ) -> tuple[Crossing, ...]:
     """Return all crossings between the first and the last of some speeds, by speed.
 
@@ -101,9 +160,12 @@ def find_crossings(
     modes = np.array([mode for _, _, mode in pairs])
     constant_Hz, per_metre = np.array([(h * one.constant_Hz, h * one.per_metre) for one, h, _ in pairs]).T
 
+    curve = modes_over(
+        saw, side, int(modes.max()), "speed_m_s", ends=(float(ends[0]), float(ends[1])), accuracy=accuracy
+    )
+
     def above_Hz(speed: FloatArray, cases: IntArray) -> FloatArray:
-        found = frequencies_Hz(saw, side, int(modes[cases].max()), speed_m_s=speed)
-        own_Hz = found[np.arange(cases.size), modes[cases] - 1]
+        own_Hz = curve(speed)[np.arange(cases.size), modes[cases] - 1]
         return np.asarray(own_Hz - constant_Hz[cases] - per_metre[cases] * speed)
 
     low, high = (np.full(len(pairs), end) for end in ends)
@@ -129,13 +191,20 @@ def in_order(crossings: list[Crossing]) -> tuple[Crossing, ...]:
 
 
 def margins(
-    saw: Saw, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
+    saw: Saw,
+    sides: tuple[Side, ...],
+    excitations: tuple[Excitation, ...],
+    n_modes: int = 6,
+    *,
+    accuracy: float = _FINE,
 ) -> tuple[Margin, ...]:
     """Return how far every mode is from every excitation at the speed at work, the nearest first."""
     found = [
         Margin(side, mode, excitation.name, harmonic, mode_Hz, excited_Hz, mode_Hz / excited_Hz - 1.0)
         for side in sides
-        for mode, mode_Hz in enumerate(frequencies_Hz(saw, side, n_modes)[0].tolist(), start=1)
+        for mode, mode_Hz in enumerate(
+            frequencies_Hz(saw, side, n_modes, accuracy=accuracy)[0].tolist(), start=1
+        )
         for excitation in excitations
         for harmonic, excited_Hz in zip(
             excitation.harmonics, excitation.frequencies_Hz(saw.speed_m_s).tolist(), strict=True
@@ -143,6 +212,10 @@ def margins(
         if excited_Hz > 0.0
     ]
     return tuple(sorted(found, key=lambda one: (significant(abs(one.margin)), one.mode, one.harmonic)))
+
+
+_DRAWN = 1e-6
+"""Accuracy of what is drawn."""
 
 
 class SawChart(NamedTuple):
@@ -161,13 +234,19 @@ def saw_chart(
     """Return the data of a Campbell chart of both sides at constant torque."""
     speeds = np.array(speeds_m_s, dtype=np.float64)
     found = [
-        crossing for side in _SIDES for crossing in find_crossings(saw, side, excitations, speeds, n_modes)
+        crossing
+        for side in _SIDES
+        for crossing in find_crossings(saw, side, excitations, speeds, n_modes, accuracy=_DRAWN)
     ]
+    ends = (float(speeds[0]), float(speeds[-1]))
     speeds.flags.writeable = False
     return SawChart(
         saw=saw,
         speed_m_s=speeds,
-        mode_Hz={side: frequencies_Hz(saw, side, n_modes, speed_m_s=speeds) for side in _SIDES},
+        mode_Hz={
+            side: modes_over(saw, side, n_modes, "speed_m_s", ends=ends, accuracy=_DRAWN)(speeds)
+            for side in _SIDES
+        },
         excitations=excitations,
         crossings=in_order(found),
     )
@@ -203,19 +282,37 @@ def recommend_preload(
     margin: float,
     range_N: tuple[float, float],
     n_modes: int = 6,
+    accuracy: float = _FINE,
 ) -> StrainAdvice:
     """Return the preload nearest to the present one at which all modes of both sides keep a margin.
 
     Every frequency rises with the preload, so a mode and an excitation forbid one interval of it, whose ends are
-    found by inversion; what none of the intervals covers is allowed.
+    found by inversion; what none of the intervals covers is allowed. Where two ends are so near that the accuracy
+    cannot tell which comes first, they are found again to ten digits.
     """
     low_N, high_N = range_N
-    forbidden = _union(
+    curves = {
+        side: modes_over(saw, side, n_modes, "preload_N", ends=range_N, accuracy=accuracy) for side in _SIDES
+    }
+    intervals = [
         interval
-        for side in _SIDES
-        for interval in _forbidden(saw, side, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
-    )
+        for side, curve in curves.items()
+        for interval in _forbidden(
+            saw, side, curve, excitations, margin=margin, range_N=range_N, n_modes=n_modes
+        )
+    ]
     present_N = min(max(saw.preload_N, low_N), high_N)
+    starts_N, stops_N = (np.array([one[end] for one in intervals]) for end in (0, 1))
+    # What is cut at an end of the range begins or ends there however accurate.
+    found_N = starts_N[starts_N > low_N], np.append(stops_N[stops_N < high_N], present_N)
+    apart_N = np.abs(np.subtract.outer(*found_N))
+    beside_N = np.abs(stops_N - present_N)
+    unsure_N = _UNSURE * accuracy * high_N
+    if accuracy > _FINE and (
+        apart_N.min(initial=np.inf) <= unsure_N or beside_N.min(initial=np.inf) <= unsure_N
+    ):
+        return recommend_preload(saw, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
+    forbidden = _union(intervals)
     candidates = [present_N, low_N, high_N, *(end for interval in forbidden for end in interval)]
     # The ends of the intervals are roots: a hair inside them still is outside for people.
     hair_N = 1e-9 * high_N
@@ -225,24 +322,41 @@ def recommend_preload(
         if low_N <= preload_N <= high_N
         and all(not start + hair_N < preload_N < stop - hair_N for start, stop in forbidden)
     ]
+
+    def nearest(preload_N: FloatArray) -> FloatArray:
+        """Return the smallest margin at preloads within the range."""
+        excited = _excited_Hz(saw, excitations)
+        of_modes = np.concatenate([curve(preload_N) for curve in curves.values()], axis=1)
+        apart = np.abs(of_modes[..., np.newaxis] / excited[excited > 0.0] - 1.0)
+        return np.asarray(apart.min(axis=(1, 2), initial=np.inf))
+
     if allowed:
         nearest_N = min(allowed, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
         status = StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE
     else:
-        tried = np.linspace(*range_N, _SEARCHED).tolist()
-        nearest_N = max(tried, key=lambda preload_N: _margin_at(saw, excitations, preload_N, n_modes))
+        tried = np.linspace(*range_N, _SEARCHED)
+        nearest_N = float(tried[np.argmax(nearest(tried))])
         status = StrainStatus.IMPOSSIBLE
     return StrainAdvice(
         status=status,
         preload_N=nearest_N,
-        margin=_margin_at(saw, excitations, nearest_N, n_modes),
+        margin=float(nearest(np.array([nearest_N]))[0]),
         forbidden_N=tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden),
     )
+
+
+_UNSURE = 10.0
+"""Ends of intervals are unsure by this much of the accuracy; a preload goes with the square of a frequency."""
+
+
+def _excited_Hz(saw: Saw, excitations: tuple[Excitation, ...]) -> FloatArray:
+    return np.concatenate([np.empty(0), *(one.frequencies_Hz(saw.speed_m_s) for one in excitations)])
 
 
 def _forbidden(
     saw: Saw,
     side: Side,
+    curve: Callable[[FloatArray], FloatArray],
     excitations: tuple[Excitation, ...],
     *,
     margin: float,
@@ -251,9 +365,9 @@ def _forbidden(
 ) -> list[tuple[float, float]]:
     """Return the intervals of preload that the modes of one side forbid, cut to the range."""
     slowest, fastest = frequencies_Hz(saw, side, n_modes, preload_N=range_N)
-    excited = np.concatenate([np.empty(0), *(one.frequencies_Hz(saw.speed_m_s) for one in excitations)])
     excited_Hz, mode = (
-        part.ravel() for part in np.meshgrid(excited, np.arange(1, n_modes + 1), indexing="ij")
+        part.ravel()
+        for part in np.meshgrid(_excited_Hz(saw, excitations), np.arange(1, n_modes + 1), indexing="ij")
     )
     below_Hz, above_Hz = excited_Hz * (1.0 - margin), excited_Hz * (1.0 + margin)
     least_Hz, most_Hz = slowest[mode - 1], fastest[mode - 1]
@@ -266,8 +380,30 @@ def _forbidden(
         (start_N, below_Hz, met & (least_Hz < below_Hz)),
         (stop_N, above_Hz, met & (most_Hz > above_Hz)),
     ):
-        edge_N[inside] = preloads_for_N(saw, side, edge_Hz[inside], mode[inside])
+        edge_N[inside] = _preloads_N(curve, edge_Hz[inside], mode[inside], range_N)
     return list(zip(start_N[met].tolist(), stop_N[met].tolist(), strict=True))
+
+
+def _preloads_N(
+    curve: Callable[[FloatArray], FloatArray],
+    wanted_Hz: FloatArray,
+    mode: IntArray,
+    range_N: tuple[float, float],
+) -> FloatArray:
+    """Return the preloads within a range at which modes have frequencies; an end, if the curve just misses it."""
+
+    def surplus_Hz(preload_N: FloatArray, cases: IntArray) -> FloatArray:
+        return np.asarray(curve(preload_N)[np.arange(cases.size), mode[cases] - 1] - wanted_Hz[cases])
+
+    every = np.arange(wanted_Hz.size)
+    low, high = (np.full(every.size, end) for end in range_N)
+    at_low, at_high = (surplus_Hz(end, every) >= 0.0 for end in (low, high)) if every.size else (every, every)
+    found = np.where(at_low, low, high)
+    crossed = ~at_low & at_high
+    if crossed.any():
+        some = np.flatnonzero(crossed)
+        found[some] = roots_between(lambda x, cases: surplus_Hz(x, some[cases]), low[some], high[some])
+    return found
 
 
 def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
@@ -278,8 +414,3 @@ def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float
         else:
             merged.append((start, stop))
     return tuple(merged)
-
-
-def _margin_at(saw: Saw, excitations: tuple[Excitation, ...], preload_N: float, n_modes: int) -> float:
-    nearest = margins(replace(saw, preload_N=preload_N), _SIDES, excitations, n_modes)
-    return abs(nearest[0].margin) if nearest else math.inf

@@ -8,9 +8,8 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.effect import Method, Model, System, missing
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
-from ropefric.systems.subsets import closed_form_system, law_rows
 
 CLOSURES = ("limit", "tensioner", "fixed")
 _MAX_STEPS = 200
@@ -243,37 +242,3 @@ def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
 def answerable(problem: DriveProblem) -> BoolArray:
     """Return for which of n cases the belt stays on its pulleys, shape (n,)."""
     return np.asarray(problem.tension_N > problem.circling_N)
-
-
-SYSTEM: System[DriveProblem, DriveModel, DriveAnswer] = closed_form_system(
-    "beltdrive",
-    "effect of a belt drive",
-    solve_drive,
-    (
-        (
-            "centrifugal",
-            "the tension m v^2 that keeps the running belt on its circle and presses nothing",
-            "a belt at rest",
-            missing({"linear_density_kg_m": "belt.linear_density", "speed_rad_s": "driving.speed"}),
-        ),
-        (
-            "wedge",
-            "the flanks of the groove, that press with 1/sin(half its angle)",
-            "a flat pulley",
-            missing({"groove_angle_rad": "belt.groove_angle"}),
-        ),
-        (
-            "creep",
-            "a belt that stretches where it adheres, so that the driven pulley runs slower and power is lost",
-            "a belt that does not stretch; both rims run at one speed",
-            missing({"axial_stiffness_N": "belt.axial_stiffness"}),
-        ),
-        *law_rows("pulley", "belt", missing({})),
-    ),
-    Method(
-        name="closed form",
-        error=1e-11,
-        why="an exponential and a balance of tensions; there is nothing to approximate",
-    ),
-)
-"""A belt on one pulley or two."""

@@ -8,10 +8,9 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
-from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.effect import Method, Model, System, missing
+from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.subsets import closed_form_system
 
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
@@ -46,7 +45,8 @@ class HoistProblem(Cases):
     @property
     def bending_N(self) -> FloatArray:
         """Return E = EI/(2R²) at the centreline's R = R_w + R_r [N]; zero where the scene does not give it."""
-        return bending_N(self.product("bending_stiffness_N_m2"), self.wheel_radius_m + self.rope_radius_m)
+        radius_m = lean(self.wheel_radius_m) + lean(self.rope_radius_m)
+        return np.broadcast_to(bending_N(lean(self.product("bending_stiffness_N_m2")), radius_m), (self.n,))
 
     @property
     def weight_N(self) -> FloatArray:
@@ -69,8 +69,9 @@ class Lift:
 
     @property
     def logs(self) -> FloatArray:
-        """Return ln F_A."""
-        return self.log_lift
+        """Return the logarithms of all numbers, shape (4, n)."""
+        with np.errstate(divide="ignore"):
+            return np.stack([self.log_lift, *np.log((self.average_mu, self.contact_rad, self.end_tension_N))])
 
     @property
     def lift_force_N(self) -> FloatArray:
@@ -188,62 +189,3 @@ def answerable(problem: HoistProblem) -> BoolArray:
         wrap_angle_rad=problem.wrap_angle_rad,
         slack_tension_N=np.where(possible, pressing_N, 1.0),
     )
-
-
-def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
-    if "bending-stiffness" in problem.friction.law.effects:
-        return ("friction.law (bending has the stiffness in it already)",)
-    return missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
-
-
-SYSTEM: System[HoistProblem, HoistModel, Lift] = closed_form_system(
-    "hoist",
-    "effect of a hoist",
-    solve_lift,
-    (
-        (
-            "wrap-dependence",
-            "a coefficient that depends on how far the rope wraps",
-            "its average at the reference wrap, over the whole wrap",
-            missing({}),
-        ),
-        (
-            "size",
-            "a coefficient that depends on the wheel's radius over the rope's",
-            "the coefficient at the reference wheel and rope",
-            missing({}),
-        ),
-        (
-            "end-tension",
-            "a coefficient that depends on the end tension (the wrap it stands for)",
-            "the coefficient at the reference end tension",
-            missing({}),
-        ),
-        (
-            "rope-weight",
-            "the weight of the rope that hangs from the slack side, on top of the end tension",
-            "a rope without weight",
-            missing(
-                {"linear_density_kg_m": "rope.linear_density", "hanging_length_m": "rope.hanging_length"}
-            ),
-        ),
-        (
-            "centrifugal",
-            "the tension rho v^2 that keeps the running rope on its circle and presses nothing",
-            "a rope at rest",
-            missing({"linear_density_kg_m": "rope.linear_density", "speed_m_s": "wheel.speed"}),
-        ),
-        (
-            "bending-stiffness",
-            "the tension EI/(2 R^2) that bends the rope, and the arcs at both ends where it stands off",
-            "a limp rope",
-            _stiffness_needs,
-        ),
-    ),
-    Method(
-        name="closed form",
-        error=1e-12,
-        why="the wrap integral and the end tension's root are exact to rounding; a coarser rule would save microseconds",
-    ),
-)
-"""A rope on a wheel."""

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -137,6 +137,8 @@ def solve_press(model: PressModel) -> PressAnswer:
             fix="name belt-elasticity beside transient, or leave transient out",
         )
     statics = solve_statics(model.press, closure=problem.closure)
+    # Where the steady run has a slack span the start-up still has an answer, with belts that lift off.
+    on_slack: Literal["refuse", "flag"] = "refuse" if task is None else "flag"
     state, still = (
         steady_state(
             statics,
@@ -144,12 +146,21 @@ def solve_press(model: PressModel) -> PressAnswer:
             speed_m_s=speed_m_s,
             load_factor=problem.load_factor,
             tensioner=take_up(model.effects),
+            on_slack=on_slack,
         )
         for speed_m_s in (problem.speed_m_s, 0.0 * problem.speed_m_s)
     )
     moved = None
     if task is not None:
-        moved = start_up(model.as_operated, friction=problem.friction, effects=model.effects, **task)
+        moved = start_up(
+            model.as_operated,
+            friction=problem.friction,
+            effects=model.effects,
+            told=model.told,
+            follows="transient-friction" in model.effects,
+            exact_switching="exact-switching" in model.effects,
+            **task,
+        )
     return PressAnswer(
         model=model,
         statics=statics,

@@ -1,7 +1,8 @@
 """Tensions and slip over preloads and speeds, and what has to change until a roller slips, or the last one stops."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
+from operator import itemgetter
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.answer import PressAnswer, take_up
-from ropefric.systems.press.slip import Contacts, SlipTable, contacts_of
+from ropefric.systems.press.slip import SlipTable, contacts_of
 from ropefric.systems.press.statics import Statics, solve_statics
 from ropefric.systems.press.steady import TakeUp, speed_shift_kg_m, steady_state
 
@@ -61,131 +62,142 @@ CHANGES = {
 }
 """What may be changed until a roller slips."""
 
-_GRID = 129
-_MAX_DOUBLINGS = 40
+_USUAL = {"preload": "falls", "speed": "rises", "load": "rises", "friction": "falls"}
+"""The way in which slip is looked for first."""
+_OTHER = {"falls": "rises", "rises": "falls"}
+
+_PLACES = np.concatenate([np.linspace(0.0, 1.0, 129)[:-1], 1.0 - 0.5 ** np.arange(8.0, 41.0), [1.0]])
+"""Where the reserve of friction is looked at on the way from today to the end."""
 # A pull this small beside the tension is rounding: the roller carries no torque.
 _NO_TORQUE = 1e-9
 
 
-def critical_values(
+class Critical(NamedTuple):
+    """What leads from today's state to the first slip, or where rollers slip already to the end of the last one.
+
+    `by_roller` has of each roller that holds where it slips on that way (on the usual one where others slip), of each
+    that slips where it stops; None where it does neither.
+    """
+
+    state: Literal["holds", "slips"]
+    direction: str | None
+    roller: str | None
+    value: float | None
+    by_roller: dict[str, float | None]
+
+
+def critical(
     statics: Statics,
     friction: float | WrapFriction,
     change: str,
     *,
     tensioner: TakeUp = "locked",
     told: frozenset[str] = EVERYTHING,
-) -> dict[str, float | None]:
-    """Return for every roller the value at which it begins to slip; everything else stays as the press has it."""
+) -> Critical:
+    """Return where the first roller slips as one thing changes from what it is today, or the last one stops.
+
+    All preloads change by the same amount; the value is their mean. Every way ends where a span goes slack.
+    """
     press = statics.press
-    if change == "friction":
-        tension_N = steady_state(statics, tensioner=tensioner).effective_tension_N
-        slip = SlipTable(press, tension_N, friction, told=told)
-        grips = slip.contacts.pull_N > _NO_TORQUE * (slip.contacts.slack_N + slip.contacts.pull_N)
-        return {
-            name: float(mu) if grip else None
-            for name, mu, grip in zip(slip.rollers, slip.mu_required, grips, strict=True)
-        }
+    forces_N = np.array([part.force_N for part in press.tensioners.values()])
     # Tensions are linear in preload, load and speed squared.
     slopes = {
         "preload": statics.by_preload.sum(axis=1),
         "load": statics.by_load_N,
         "speed": speed_shift_kg_m(statics, tensioner),
     }
-    own_N = {
-        "preload": statics.by_preload @ [part.force_N for part in press.tensioners.values()],
-        "load": statics.by_load_N,
-        "speed": press.speed_m_s**2 * slopes["speed"],
+    today_N = statics.given_N + statics.by_preload @ forces_N + statics.by_load_N
+    today_N = today_N + press.speed_m_s**2 * slopes["speed"]
+    if change == "friction":
+        return _by_friction(SlipTable(press, today_N, friction, told=told))
+    slope = slopes[change]
+    now = {"preload": forces_N.mean() if forces_N.size else 0.0, "load": 1.0, "speed": press.speed_m_s**2}[
+        change
+    ]
+    least = now - forces_N.min(initial=now) if change == "preload" else 0.0
+    with np.errstate(divide="ignore"):
+        # By how much until each span goes slack that is not.
+        amounts = -today_N / np.where((slope != 0.0) & (today_N > 0.0), slope, np.nan)
+    ends = {
+        "falls": max(least, now + np.nanmax(np.where(amounts < 0.0, amounts, -np.inf), initial=-np.inf)),
+        "rises": now + np.nanmin(np.where(amounts > 0.0, amounts, np.inf), initial=np.inf),
     }
-    slope = slopes.pop(change)
-    at_zero_N = statics.given_N + sum(own_N[name] for name in slopes)
-    base, each, both = (contacts_of(press, part) for part in (at_zero_N, slope, at_zero_N + slope))
-    idle = both.pull_N <= _NO_TORQUE * np.maximum(abs(both.upstream_N), abs(both.downstream_N))
-    values: dict[str, float | None] = {}
-    for i, name in enumerate(base.roller.tolist()):
-        here, more = base.of(i), each.of(i)
+    here, more = contacts_of(press, today_N), contacts_of(press, slope)
+    pulls = [np.abs(one.downstream_N - one.upstream_N) for one in (here, more)]
+    size_N = np.maximum(here.upstream_N, here.downstream_N)
+    idle = (pulls[0] <= _NO_TORQUE * size_N) & (
+        pulls[1] <= _NO_TORQUE * (np.abs(more.upstream_N) + np.abs(more.downstream_N))
+    )
 
-        def reserve_N(amount: npt.ArrayLike, here: Contacts = here, more: Contacts = more) -> FloatArray:
-            sides = np.multiply.outer([more.upstream_N, more.downstream_N], amount)
-            there = here._replace(
-                upstream_N=here.upstream_N + sides[0], downstream_N=here.downstream_N + sides[1]
-            )
-            return np.asarray(there.slack_N * np.expm1(there.exponent(friction, told)) - there.pull_N)
+    def reserve_N(amount: npt.ArrayLike) -> FloatArray:
+        by = np.asarray(amount, dtype=np.float64)[..., np.newaxis] - now
+        there = here._replace(
+            upstream_N=here.upstream_N + by * more.upstream_N,
+            downstream_N=here.downstream_N + by * more.downstream_N,
+        )
+        left_N = there.slack_N * np.expm1(there.exponent(friction, told)) - there.pull_N
+        return np.where(idle, np.inf, left_N)
 
-        root = None
-        if change == "preload" or not idle[i]:
-            root = _crossing(reserve_N, at_zero_N, slope, falling=change == "preload")
-        values[name] = root if root is None or change != "speed" else float(np.sqrt(root))
-    return values
+    def along(way: str) -> FloatArray:
+        end = ends[way]
+        steps = _PLACES * (end - now) if np.isfinite(end) else _PLACES[:-1] / (1.0 - _PLACES[:-1])
+        return np.asarray(now + (steps if np.isfinite(end) else max(now, 1.0) * steps))
 
+    def crossing(way: str, margin: Callable[[FloatArray], FloatArray]) -> float | None:
+        """Return where a margin first changes its sign on a way, as what is changed."""
+        places = along(way)
+        signs = margin(reserve_N(places)) >= 0.0
+        changed = np.flatnonzero(signs != signs[0])
+        if not changed.size:
+            return None
+        bracket = places[changed[0] - 1], places[changed[0]]
+        root = brentq(lambda one: float(margin(reserve_N(one))), *bracket, xtol=1e-12, rtol=1e-14)
+        return float(np.sqrt(root)) if change == "speed" else float(root)
 
-def _crossing(
-    reserve_N: Callable[[npt.ArrayLike], FloatArray],
-    at_zero_N: FloatArray,
-    slope: FloatArray,
-    *,
-    falling: bool,
-) -> float | None:
-    """Return where the reserve of friction first falls to zero on the way from the safe end, if it does.
-
-    The way ends where a span goes slack; where the amount falls, it starts from as much as is safe.
-    """
-    if falling:
-        rising = slope > 0.0
-        end = float((-at_zero_N[rising] / slope[rising]).max(initial=0.0))
-        tried = max(2.0 * end, 1.0) * 2.0 ** np.arange(_MAX_DOUBLINGS)
-        safe = next((amount for amount in tried.tolist() if reserve_N(amount) > 0.0), np.inf)
-    else:
-        sinking = slope < 0.0
-        safe, end = 0.0, float((at_zero_N[sinking] / -slope[sinking]).min(initial=np.inf))
-    if not np.isfinite([safe, end]).all():
-        return None
-    grid = np.linspace(safe, end, _GRID)
-    reserve = reserve_N(grid)
-    if reserve[0] <= 0.0:
-        return None if falling else 0.0
-    below = np.flatnonzero(reserve < 0.0)
-    if not below.size:
-        return None
-    bracket = grid[below[0] - 1], grid[below[0]]
-    return float(brentq(lambda amount: float(reserve_N(amount)), *bracket, xtol=1e-12, rtol=1e-14))
+    reserve, names = reserve_N(now), here.roller.tolist()
+    slips, usual = reserve < 0.0, _USUAL[change]
+    ways = [_OTHER[usual], usual] if slips.any() else [usual, _OTHER[usual]]
+    found = ((way, crossing(way, lambda left_N: left_N.min(axis=-1))) for way in ways)
+    way, value = next(((way, one) for way, one in found if one is not None), (None, None))
+    by_roller = {
+        name: crossing((way or ways[0]) if slips.any() == is_in else usual, itemgetter((..., i)))
+        for i, (name, is_in) in enumerate(zip(names, slips, strict=True))
+    }
+    first = None
+    if value is not None:
+        amount = value**2 if change == "speed" else value
+        first = names[int(np.argmin(np.abs(reserve_N(amount))))]
+    return Critical("slips" if slips.any() else "holds", way, first, value, by_roller)
 
 
-def first_to_slip(values: Mapping[str, float | None], change: str) -> tuple[str, float] | None:
-    """Return the roller that slips first as one thing changes, and where; None where none ever does."""
-    slipping = {name: value for name, value in values.items() if value is not None}
-    foremost = max if change in {"preload", "friction"} else min
-    return foremost(slipping.items(), key=lambda one: one[1], default=None)
+def _by_friction(slip: SlipTable) -> Critical:
+    """Return where slip begins or ends as all coefficients change in proportion."""
+    grips = slip.contacts.pull_N > _NO_TORQUE * (slip.contacts.slack_N + slip.contacts.pull_N)
+    needed = {
+        name: float(mu) if grip and np.isfinite(mu) else None
+        for name, mu, grip in zip(slip.rollers, slip.mu_required, grips, strict=True)
+    }
+    state: Literal["holds", "slips"] = "slips" if (slip.utilisation > 1.0).any() else "holds"
+    if not grips.any():
+        return Critical(state, None, None, None, needed)
+    first = slip.rollers[int(np.argmax(np.where(grips, slip.log, 0.0)))]
+    if needed[first] is None:  # no coefficient holds a belt that has lifted off
+        return Critical(state, None, None, None, needed)
+    return Critical(state, "falls" if state == "holds" else "rises", first, needed[first], needed)
 
 
 def slip_margins(answer: PressAnswer) -> dict[str, Any]:
-    """Return which roller is nearest to slip, and what would make the first one slip, as plain data.
-
-    Where rollers slip already, each value is the one at which the last of them stops, and lies the other way.
-    """
+    """Return which roller is nearest to slip, and what would make the first one slip or the last one stop, as data."""
     model, rollers, use = answer.model, answer.slip.rollers, answer.slip.utilisation[0]
-    slips = [name for name, share in zip(rollers, use, strict=True) if share > 1.0]
     statics = solve_statics(model.as_operated, closure=model.problem.closure)
-    critical: dict[str, Any] = {}
+    told: dict[str, Any] = {}
     for change, words in CHANGES.items():
         # What a higher speed does is the belts' mass, whether or not it matters at this one.
         tensioner = take_up(model.effects | ({"belt-inertia"} if change == "speed" else set()))
-        values = critical_values(
-            statics, model.problem.friction, change, tensioner=tensioner, told=model.told
-        )
-        slipping = {name: values[name] for name in slips}
-        first = first_to_slip(slipping or values, change)
-        if None in slipping.values():
-            first = None  # nothing of this kind holds that roller
-        falls = (change in {"preload", "friction"}) != bool(slipping)
-        # A slipping roller that slips at rest and without load too has no way out there.
-        nowhere = first is None or (bool(slipping) and first[1] == 0.0)
-        critical[change] = {
-            "state": "slips" if slipping else "holds",
-            "direction": None if nowhere else "falls" if falls else "rises",
-            "roller": None if first is None else first[0],
-            "value": None if first is None else first[1],
-            "unit": words.rpartition("[")[2].rstrip("]"),
-            "by_roller": values,
-        }
-    nearest = rollers[int(np.argmax(use))] if use.any() else None
-    return {"first_to_slip": nearest, "slips": slips, "critical": critical}
+        found = critical(statics, model.problem.friction, change, tensioner=tensioner, told=model.told)
+        told[change] = found._asdict() | {"unit": words.rpartition("[")[2].rstrip("]")}
+    return {
+        "first_to_slip": rollers[int(np.argmax(use))] if use.any() else None,
+        "slips": [name for name, share in zip(rollers, use, strict=True) if share > 1.0],
+        "critical": told,
+    }

@@ -10,6 +10,7 @@ with everything in; leaving out several effects adds their bounds up at most.
 import math
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import product
 
@@ -31,6 +32,7 @@ from ropefric.systems.press.answer import (
 from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import drive_power_W, rim_speed_ratios, speed_shift_kg_m
+from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
 
 _ROUNDING = 1e-9
 _LOADS = {"gravity-load": "gravity_torque_N_m", "squeeze-load": "squeeze_torque_N_m"}
@@ -123,7 +125,7 @@ def _applicable(problem: PressProblem) -> list[str]:
         if not problem.press.missing_elasticity:
             names.append("belt-elasticity")
     looked_at = set(problem.friction.law.effects)
-    if looked_at & {"wrap-dependence", "end-tension", "offset"}:
+    if looked_at & ON_TENSION:
         names.append("wrap-dependence")
     if "size" in looked_at:
         names.append("size")
@@ -135,6 +137,7 @@ def _steady(
     adds: str,
     instead: str,
     needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
+    cost: float = 0.0,
 ) -> Effect[PressProblem, PressModel]:
     """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
 
@@ -145,19 +148,25 @@ def _steady(
     influence = worst_case(
         lambda problem: np.array([_largest_change(name, problem)]), rounding=_ROUNDING, possible=is_bounded
     )
-    return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=0.05)
+    return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost)
 
 
-def _moving(name: str, adds: str, instead: str, *, cost: float = 0.1) -> Effect[PressProblem, PressModel]:
-    """Return an effect that only a start-up has; no bound is known where there is one."""
+def _moving(
+    name: str, adds: str, instead: str, *, bound: float = math.inf, cost: float = 0.1
+) -> Effect[PressProblem, PressModel]:
+    """Return an effect that only a start-up has; of most no bound is known where there is one."""
     return Effect(
         name=name,
         adds=adds,
         instead=instead,
         needs=_needs_of_start_up,
-        influence=lambda problem: 0.0 if problem.start_up is None else math.inf,
+        influence=lambda problem: 0.0 if problem.start_up is None else bound,
         cost=cost,
     )
+
+
+def _on_tension(problem: PressProblem) -> bool:
+    return bool(ON_TENSION & set(problem.friction.law.effects))
 
 
 _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
@@ -201,11 +210,13 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "wrap-dependence",
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
+            cost=1e-6,
         ),
         _steady(
             "size",
             "a coefficient that depends on the roller's radius over half the belt's thickness",
             "the coefficient at the reference radius",
+            cost=5e-7,
         ),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
@@ -213,6 +224,23 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "arc-inertia",
             "the mass of the belts on the rollers",
             "belts without mass on the rollers (slip then cannot be simulated)",
+        ),
+        Effect(
+            name="transient-friction",
+            adds="friction that follows the tensions as they change",
+            instead="friction as it is at standstill",
+            needs=_needs_of_start_up,
+            influence=lambda problem: (
+                0.0 if problem.start_up is None or not _on_tension(problem) else math.inf
+            ),
+            cost=1.0,
+        ),
+        _moving(
+            "exact-switching",
+            "belts that stick, slip and go slack, and drags that hold, at their exact moments",
+            "these moments on a grid, made finer until halving it changes nothing more",
+            bound=GRID_ERROR,
+            cost=10.0,
         ),
         _moving("transient", "the start-up, with its swings and slips", "the steady run alone", cost=100.0),
     ),
@@ -232,13 +260,18 @@ _EXACT = Method(
 )
 
 
+_FOLLOWING_ERROR = 1e-3
+"""Where friction follows the tensions along tangents."""
+
+
 def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the signature of `System.method`)
     task = model.start_up
     if task is None:
         return _DIRECT
     integrator = task.get("integrator", "exact")
     if integrator == "exact":
-        return _EXACT
+        follows = "transient-friction" in model.effects and _on_tension(model.problem)
+        return replace(_EXACT, error=_FOLLOWING_ERROR) if follows else _EXACT
     return Method(
         name=f"direct solution and {integrator}",
         settings={name: task[name] for name in ("tolerance", "step_s") if task.get(name) is not None},
@@ -261,11 +294,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
     ]
     moved, other = answer.start_up, reference.start_up
     if other is not None:
-        if moved is None:
-            return np.inf
-        found.append(_relative(moved.tension_N.max(axis=0), other.tension_N.max(axis=0)))
-        if moved.utilisation is not None and other.utilisation is not None:
-            found.append(of_largest(moved.utilisation.max(axis=0), other.utilisation.max(axis=0)))
+        found.append(np.inf if moved is None else largest_difference(moved, other))
     return max(found)
 
 

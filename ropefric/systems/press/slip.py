@@ -18,7 +18,7 @@ from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
 
 # Below 1 N no wrap stands for the slack side, and the law's angle starts from zero.
-_LEAST_SLACK_N = 1.0
+LEAST_SLACK_N = 1.0
 _LARGEST_EXPONENT = 500.0
 
 
@@ -61,7 +61,7 @@ class Contacts(NamedTuple):
             rope_radius_m=self.half_thickness_m,
             wrap_angle_rad=self.wrap_angle_rad * share,
             # A law that looks at nothing is the same at every operating point.
-            slack_tension_N=np.maximum(self.slack_N, _LEAST_SLACK_N) if friction.law.effects else 1.0,
+            slack_tension_N=np.maximum(self.slack_N, LEAST_SLACK_N) if friction.law.effects else 1.0,
             told=told,
         )
         bad = ~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))

@@ -124,13 +124,19 @@ def test_laws_that_answer_differently_show_their_spread(one_wheel, tmp_path, cap
     assert "within 2 in AICc and answer differently for the wheel asked for" in answer.verdict.reason
     lifts = {item.law: item.lift_force_N for item in found.candidates}
     assert len(lifts) > 1
-    assert lifts[answer.fit.law] == found.lift_force_N[0]
+    assert found.averaged[0] == answer.fit.law
+    averaged = [lifts[law] for law in found.averaged]
+    assert min(averaged) < found.lift_force_N[0] < max(averaged)
+    ends = [item.interval_N for item in found.candidates if item.law in found.averaged]
+    widest = max(high / low for low, high in ends)
+    assert found.interval_N[0, 1] / found.interval_N[0, 0] > widest  # the spread between them comes on top
     low, high = found.spread_N
     assert all(low <= end <= high for item in found.candidates for end in item.interval_N)
     assert low < min(lifts.values()) < max(lifts.values()) < high
     tree = answer.to_dict()
     assert tree["verdict"] == tree["prediction"]["verdict"]
     assert [item["law"] for item in tree["prediction"]["candidates"]] == list(lifts)
+    assert tree["prediction"]["averaged"] == list(found.averaged)
     assert tree["prediction"]["spread_N"] == pytest.approx([low, high], rel=1e-8)  # written with nine digits
 
 

@@ -14,9 +14,9 @@ from scipy import stats
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import linear_std, new_rope_std, predict
+from ropefric.fitting.predict import averaged, linear_std, new_rope_std, predict
 from ropefric.fitting.store import load_fit
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 
@@ -269,3 +269,27 @@ def test_hand_calculation_shows_the_numbers_of_the_model_page(constant_fit):
     lines = ALL_LAWS["wrap-power"].calculation([value.value for value in values], pulls([10.0]))
     (log_lift,) = [line for line in lines if line.startswith("ln F_A = ")]
     assert round(float(log_lift.split(" = ")[-1]), 4) == 4.4507
+
+
+def test_an_average_over_laws_is_the_mixture_of_their_distributions(wrap_fit, constant_fit):
+    """Against 400 000 draws: first which law, then its Student distribution of ln F_A."""
+    wheel = one_condition(0.03, 0.005, 9.0, 30.0)
+    answers = [predict(fit, wheel) for fit in (wrap_fit, constant_fit)]
+    found = averaged(answers[0], answers, [3.0, 1.0])
+    rng = np.random.default_rng(1)
+    draws = []
+    for answer, n in zip(answers, (300_000, 100_000), strict=True):
+        scale = answer.log_half_width[0] / stats.t.ppf(0.975, answer.dof)
+        draws.append(answer.log_lift[0] + scale * rng.standard_t(answer.dof, n))
+    ends = np.quantile(np.concatenate(draws), [0.025, 0.975])
+    width = np.ptp(ends)
+    np.testing.assert_allclose(np.log(found.interval_N[0]), ends, atol=0.01 * width)
+    share = np.array([0.75, 0.25])
+    log_lift = np.array([answer.log_lift[0] for answer in answers])
+    assert found.log_lift[0] == pytest.approx(share @ log_lift)
+    variance = share @ [a.std_log[0] ** 2 for a in answers] + share @ (log_lift - share @ log_lift) ** 2
+    assert found.std_log[0] == pytest.approx(np.sqrt(variance))
+    assert found.averaged == ("wrap-power", "constant")
+    alone = averaged(answers[0], answers[:1], [1.0])
+    np.testing.assert_allclose(alone.interval_N, answers[0].interval_N, rtol=1e-9)
+    np.testing.assert_allclose(alone.prediction_interval_N, answers[0].prediction_interval_N, rtol=1e-9)

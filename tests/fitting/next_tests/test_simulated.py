@@ -67,7 +67,7 @@ def test_a_plan_pulled_on_the_virtual_rig_beats_one_factor_at_a_time(bench, gues
 
 
 def pulled(planned, conditions, folder, seed):
-    from ropefric.api.recordings import trial_table
+    from ropefric.api import trial_table
     from ropefric.rig.bench import Bench
     from ropefric.rig.campaign import CampaignPlan, RigCondition, simulate_campaign
     from ropefric.trials.campaign import load_campaign

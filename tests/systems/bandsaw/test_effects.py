@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from promise import check_promise
+from promise import check_promise, costly
 from scipy.optimize import brentq
 
 from ropefric.errors import InputError, RopefricError
@@ -16,8 +16,9 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import Registry
 from ropefric.scenes.plan import make_plan
-from ropefric.systems.bandsaw.answer import SYSTEM, SawProblem
+from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.beam import ScaledBeam, solve_beam
+from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.saw import STEEL_85_09, Side
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED
 from ropefric.systems.effect import Method, assemble
@@ -169,7 +170,7 @@ def test_a_tiny_pull_keeps_its_digits(full_problem):
 
 def test_who_asks_for_the_grip_cannot_do_without_the_torque(full_problem):
     asked = replace(full_problem, friction=WrapFriction.constant(0.2))
-    plans = [make_plan(SYSTEM, one, accuracy=0.1, effects="auto")[0] for one in (full_problem, asked)]
+    plans = [make_plan(costly(SYSTEM), one, accuracy=0.1, effects="auto")[0] for one in (full_problem, asked)]
     assert ["tension-difference" in plan.simulated for plan in plans] == [False, True]
     bounds = [SYSTEM.effects["wheel-inertia-tension"].influence(one) for one in (full_problem, asked)]
     inertia_N = RHO * SPEED**2
@@ -200,7 +201,7 @@ def test_what_is_left_out_is_not_evaluated(full_problem):
         raise AssertionError("evaluated what was left out")
 
     plan, _ = make_plan(SYSTEM, full_problem, accuracy=0.1, effects="auto")
-    assert {"bending", "torsion"} <= set(plan.left_out)
+    assert plan.left_out == ("bending",), "nothing else takes time"
     assert plan.method.name == "closed form"
     effects = [
         replace(effect, apply=fail) if effect.name in plan.left_out else effect
@@ -208,7 +209,7 @@ def test_what_is_left_out_is_not_evaluated(full_problem):
     ]
     broken = replace(SYSTEM, effects=Registry("effect", effects))
     again, model = make_plan(broken, full_problem, accuracy=0.1, effects="auto")
-    assert again == plan
+    assert repr(again) == repr(plan), "a worth may be NaN, which equals nothing"
     assert broken.solve(model, again.method).sides[T].frequencies_Hz[0, 0] > 0.0
     with pytest.raises(AssertionError, match="left out"):
         assemble(broken, full_problem, plan.left_out)

@@ -13,6 +13,7 @@ from ropefric.systems.bandsaw.resonance import (
     find_crossings,
     fixed_frequency,
     margins,
+    modes_over,
     recommend_preload,
     tooth_passing,
     wheel_rotation,
@@ -164,3 +165,36 @@ def test_an_excitation_that_meets_no_mode_inside_the_range_forbids_no_end_of_it(
 def test_refusals(saw, call, words):
     with pytest.raises(InputError, match=words):
         call(saw)
+
+
+@pytest.mark.parametrize("what", ["speed_m_s", "preload_N"])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-5, 1e-9])
+def test_frequencies_over_a_range_are_those_of_the_blade_at_every_place(saw, stiffness, what, accuracy):
+    stiff = replace(saw, bending_stiffness_N_m2=40.0 * stiffness, mounting_factor=0.3)
+    ends = {"speed_m_s": (0.0, 88.0), "preload_N": (700.0, 9000.0)}[what]
+    curve = modes_over(stiff, S, 5, what, ends=ends, accuracy=accuracy)
+    at = np.linspace(*ends, 23)
+    exact = frequencies_Hz(stiff, S, 5, **{what: at}, accuracy=1e-12)
+    assert exact[:, 0].max() > 4.0 * exact[:, 0].min(), "the range comes near to the critical speed"
+    assert np.abs(curve(at) / exact - 1.0).max() <= accuracy
+
+
+def advice_at(saw, accuracy, margin):
+    once = (wheel_rotation(0.35, (1, 2)),)
+    return recommend_preload(saw, once, margin=margin, range_N=(2500.0, 7000.0), n_modes=2, accuracy=accuracy)
+
+
+@pytest.mark.parametrize("margin", [0.02, 0.05, 0.1, 0.15, 0.2, 0.25])
+def test_a_rough_advice_is_the_fine_one_within_its_accuracy(saw, stiffness, margin):
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness)
+    rough, fine = (advice_at(stiff, accuracy, margin) for accuracy in (1e-3, 1e-10))
+    assert rough.status is fine.status
+    assert rough.preload_N == pytest.approx(fine.preload_N, rel=2e-3)
+    assert len(rough.forbidden_N) == len(fine.forbidden_N)
+
+
+def test_a_preload_at_the_edge_of_what_is_forbidden_is_decided_by_more_digits(saw, stiffness):
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness)
+    edge_N = advice_at(stiff, 1e-10, 0.15).preload_N
+    for off, status in ((-1e-5, StrainStatus.CHANGE), (1e-5, StrainStatus.KEEP)):
+        assert advice_at(replace(stiff, preload_N=edge_N * (1.0 + off)), 1e-3, 0.15).status is status

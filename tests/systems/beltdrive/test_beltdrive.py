@@ -15,7 +15,8 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
-from ropefric.systems.beltdrive.drive import SYSTEM, DriveModel, DriveProblem, best_speed_m_s, solve_drive
+from ropefric.systems.beltdrive.drive import DriveModel, DriveProblem, best_speed_m_s, solve_drive
+from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
 RPM = 2.0 * math.pi / 60.0
@@ -241,7 +242,7 @@ def test_a_sweep_and_a_fit(tmp_path):
 
 
 def test_the_charts_show_power_and_arcs(tmp_path):
-    from ropefric.plotting.chart import scene_figures
+    from ropefric.plotting.machines import scene_figures
 
     figures = dict(scene_figures(rf.solve(scene(tmp_path))))
     assert set(figures) == {"belt_power", "belt_arcs"}

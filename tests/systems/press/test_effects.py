@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from promise import check_promise
+from promise import check_promise, costly
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -275,12 +275,12 @@ def test_what_is_left_out_is_not_evaluated(paper_problem):
     def fail(*arguments):
         raise AssertionError("evaluated what was left out")
 
-    plan, _ = make_plan(SYSTEM, paper_problem, accuracy=0.1, effects="auto")
+    plan, _ = make_plan(costly(SYSTEM), paper_problem, accuracy=0.1, effects="auto")
     assert "belt-inertia" in plan.left_out
     assert "gravity-load" in plan.simulated
     effects = [
         replace(effect, apply=fail) if effect.name in plan.left_out else effect
-        for effect in SYSTEM.effects.values()
+        for effect in costly(SYSTEM).effects.values()
     ]
     broken = replace(SYSTEM, effects=Registry("effect", effects))
     again, model = make_plan(broken, paper_problem, accuracy=0.1, effects="auto")
@@ -294,7 +294,7 @@ def test_a_span_that_is_slack_without_an_effect_leaves_its_bound_unknown():
     problem = small_press(CONSTANT, speed_m_s=12.0)
     assert by_hand(1, 1).min() - RHO * 144.0 < 0.0, "between locked tensioners the belt would lift off"
     assert tensions(problem, STEADY).min() > 0.0
-    plan, _ = make_plan(SYSTEM, problem, accuracy=0.5, effects="auto")
+    plan, _ = make_plan(costly(SYSTEM), problem, accuracy=0.5, effects="auto")
     assert "tensioner-spring" in plan.simulated
 
 

@@ -104,6 +104,31 @@ def run_up(law="s-curve", speed_m_s=SPEED_M_S, duration_s=2.0):
     return DRIVE_LAWS[law](speed_m_s=speed_m_s, duration_s=duration_s)
 
 
+def random_start(seed, laws=("s-curve", "s-curve", "ramp", "table", "constant")):
+    """A machine like the paper's, and a start of it: drive, loads, friction from slippery to more than enough."""
+    rng = np.random.default_rng([77, seed])
+    press = paper_machine(
+        EA_N=10 ** rng.uniform(6, 7), eta_s=10 ** rng.uniform(-3.5, -2), C1=10 ** rng.uniform(1.5, 3.5),
+        k1=10 ** rng.uniform(3.7, 4.7), force_N=rng.uniform(800, 3500), load=rng.uniform(0.3, 1.2),
+    )  # fmt: skip
+    speed_m_s, law, duration_s = (
+        SPEED_M_S * rng.uniform(0.3, 2),
+        str(rng.choice(laws)),
+        10 ** rng.uniform(-0.3, 0.7),
+    )
+    if law == "table":
+        times_s, speeds = [0.0, duration_s / 3, duration_s], [0.0, speed_m_s / 2, speed_m_s]
+        drive = DRIVE_LAWS[law](time_s=times_s, speed_m_s=speeds)
+    else:
+        drive = run_up(law, speed_m_s, duration_s)
+    return press, {
+        "speed": drive,
+        "time_s": np.linspace(0.0, duration_s + rng.uniform(0.5, 4), 1001),
+        "friction": rng.uniform(0.15, 1.2),
+        "loads": str(rng.choice(["with-speed", "constant"])),
+    }
+
+
 def linear_problem(press, speed=None, loads="with-speed", **model):
     made = ElasticPress(press, **model)
     return LinearStartUp(
@@ -120,7 +145,7 @@ def kit():
     """Machines, drives and shortcuts."""
     return SimpleNamespace(
         paper=paper_machine, small=small_machine, run_up=run_up, problem=linear_problem, solve=solve,
-        lengths_m=LENGTHS_M, beta=BETA, gamma=GAMMA, speed_m_s=SPEED_M_S,
+        random=random_start, lengths_m=LENGTHS_M, beta=BETA, gamma=GAMMA, speed_m_s=SPEED_M_S,
     )  # fmt: skip
 
 

@@ -16,9 +16,9 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import (
     CASES,
-    SYSTEM,
     TractionModel,
     TractionProblem,
     answerable,
@@ -203,7 +203,7 @@ def test_angles_of_no_groove_are_refused():
 
 
 def test_the_chart_shows_what_is_held_and_what_is_asked(tmp_path):
-    from ropefric.plotting.chart import scene_figures
+    from ropefric.plotting.machines import scene_figures
 
     ((stem, figure),) = scene_figures(rf.solve(scene(tmp_path)))
     assert stem == "traction"

@@ -7,9 +7,10 @@ frequencies in size; balanced by powers of two, slow motions keep their digits b
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigvals, expm, matrix_balance
@@ -17,7 +18,8 @@ from scipy.optimize import brentq
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
-from ropefric.systems.press.transient.drives import LOAD, Inputs
+from ropefric.systems.press.slip import LEAST_SLACK_N
+from ropefric.systems.press.transient.drives import LOAD, ONE, Inputs
 from ropefric.systems.press.transient.motion import (
     BACKWARD,
     FORWARD,
@@ -108,7 +110,7 @@ def check_steps(needed: float) -> None:
         )
 
 
-What = Literal["slip", "stick", "hold", "release", "pressed", "taut", "strained"]
+What = Literal["slip", "stick", "hold", "release", "pressed", "taut", "strained", "friction"]
 
 _FORCE_SHARE = 1e-10
 """A guard on a force has fired when it is below zero by this share of the preload."""
@@ -126,28 +128,23 @@ class Guard(NamedTuple):
 
 
 def guards_of(motion: Motion) -> list[Guard]:
-    """Return the guards of a mode; the linear model, in which nothing slips or goes slack, has none."""
-    if motion.limit is None:
-        return []
+    """Return the guards of a mode: of the drags, and where friction has a limit of slip and slack."""
     model, mode, found = motion.model, motion.mode, []
     force_N = _FORCE_SHARE * float(model.preload_N.max())
-    for i, (contact, turning) in enumerate(zip(mode.contact, mode.turning, strict=True)):
+    for i in np.flatnonzero(model.drag_N).tolist():
+        if turning := mode.turning[i]:
+            found.append(Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i))
+            continue
+        held_N = model.drag_N[i] * motion.inputs[LOAD]
+        found += [Guard(held_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)]
+    if motion.limit is None:
+        return found
+    for i, contact in enumerate(mode.contact):
         if contact == STICK:
             for way, most_N in zip((FORWARD, BACKWARD), motion.limit_N, strict=True):
                 found.append(Guard(most_N[i] - way * motion.friction_N[i], force_N, "slip", i, way))
         else:
             found.append(Guard(contact * motion.slip_speed_m_s[i], _SPEED_M_S, "stick", i))
-        load_N = float(model.press.rim_load_N[i])
-        if i in model.drivers or load_N <= 0.0:
-            continue
-        if turning == 0:
-            held_N = load_N * motion.inputs[LOAD]
-            found += [
-                Guard(held_N - way * motion.friction_N[i], force_N, "release", i, way) for way in (1, -1)
-            ]
-        elif turning < 0 or contact != STICK:
-            # The load of a roller that the belt takes along is as given, as in the linear model.
-            found.append(Guard(turning * motion.rim_speed_m_s[i], _SPEED_M_S, "hold", i))
     bits: tuple[tuple[What, FloatArray, tuple[bool, ...]], ...] = (
         ("pressed", motion.pressing_N, mode.pressed),
         ("taut", motion.unclipped_N, mode.taut),
@@ -155,6 +152,23 @@ def guards_of(motion: Motion) -> list[Guard]:
     )
     for what, rows, states in bits:
         found += [Guard(rows[i] if is_so else -rows[i], force_N, what, i) for i, is_so in enumerate(states)]
+    return found + _friction_guards(motion, force_N)
+
+
+def _friction_guards(motion: Motion, force_N: float) -> list[Guard]:
+    """Return what ends where friction that follows the tensions is near enough to its tangent."""
+    limit, found = motion.limit, []
+    if limit is None or limit.slack_N is None:
+        return []
+    for (way, i), slack_N in np.ndenumerate(limit.slack_N):
+        side, base_N, factor = (
+            motion.sides_N[way][i],
+            slack_N * motion.inputs[ONE],
+            np.exp(limit.width[way, i]),
+        )
+        found.append(Guard(factor * base_N - side, force_N, "friction", i))
+        if slack_N > LEAST_SLACK_N:
+            found.append(Guard(side - base_N / factor, force_N, "friction", i))
     return found
 
 
@@ -168,17 +182,14 @@ def switched(motion: Motion, guard: Guard, w: FloatArray) -> tuple[Mode, FloatAr
 
     if guard.what in {"pressed", "taut", "strained"}:
         return put(guard.what, not getattr(mode, guard.what)[place]), state
-    speed_m_s = float(motion.rim_speed_m_s[place] @ w)
     if guard.what == "slip":
-        if mode.turning[place] and speed_m_s < -_SPEED_M_S:
-            mode = put("turning", -1)
         return put("contact", guard.direction), state
     if guard.what == "stick":
         state[place - len(mode.contact)] = 0.0
         return put("contact", STICK), state
     if guard.what == "hold":
         row = int(np.flatnonzero(motion.model.driven == place)[0])
-        state[motion.n_coordinates + row] -= speed_m_s
+        state[motion.n_coordinates + row] -= float(motion.rim_speed_m_s[place] @ w)
     return put("turning", guard.direction), state
 
 
@@ -189,13 +200,13 @@ _FIRST_STEPS = (64.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0)
 """What the longest step is divided by after a change of mode."""
 
 
-class _Phase(Propagator):
+class Phase(Propagator):
     """One mode during one piece of the drive, ready to be stepped through and watched."""
 
-    def __init__(self, motion: Motion, taylor: FloatArray) -> None:
+    def __init__(self, motion: Motion, taylor: FloatArray, guards: list[Guard]) -> None:
         rows, n = motion.derivative, len(motion.derivative)
         super().__init__(rows[:, :n], rows[:, n:], taylor)
-        self.motion, self.forms, self.guards = motion, power_forms(motion), guards_of(motion)
+        self.motion, self.guards = motion, guards
         self.tolerances = np.array([guard.tolerance for guard in self.guards])
         # The guards, and below them their rates, as rows over z.
         n_w, n_z = self.read.shape
@@ -203,6 +214,11 @@ class _Phase(Propagator):
         watched = np.vstack([np.empty((0, n_w)), *(guard.row for guard in self.guards)]) @ self.read
         self.watch = np.vstack([watched, watched @ rate])
         self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
+
+    @cached_property
+    def forms(self) -> FloatArray:
+        """Return the powers as symmetric matrices."""
+        return power_forms(self.motion)
 
     @cached_property
     def step_s(self) -> float:
@@ -229,7 +245,7 @@ class _Phase(Propagator):
         return made
 
 
-def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
+def _first_dip(phase: Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
     """Return which guards dip below zero inside a step that they begin and end above it, and where the first does."""
     n, begun, ended = len(phase.guards), phase.watch @ z, phase.watch @ after
     g0, s0, g1, s1 = begun[:n], begun[n:], ended[:n], ended[n:]
@@ -250,7 +266,7 @@ def _first_dip(phase: _Phase, z: FloatArray, after: FloatArray, length: float) -
     return g1 < -phase.tolerances, length
 
 
-def _first_to_fall(phase: _Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:
+def _first_to_fall(phase: Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:
     """Return the guard that is the first to fall below zero, given some that have by `bound`, and when."""
     rows = phase.watch[: len(phase.guards)] / phase.tolerances[:, None]
     passed = bound
@@ -277,24 +293,37 @@ _MAX_SWITCHES = 3_000
 
 
 class HybridSolver:
-    """A start-up in which belts may slip and go slack where friction has a limit, and do not where it has none.
+    """A start-up whose drags oppose the motion, and in which belts slip and go slack where friction has a limit.
+
+    Without `drags` the loads are as given whichever way their rollers turn, eqs. (10)-(20): with no limit either the
+    press is linear. `follow` gives the limit from the tensions beside the rollers, where it follows them.
 
     Between two changes of a contact's or span's state the press is linear and is solved by matrix exponentials; the
     guards of the mode are looked at 24 times in a period of its fastest oscillation.
     """
 
-    def __init__(self, model: ElasticPress, inputs: Inputs, limit: FrictionLimit | None) -> None:
-        self.model, self.inputs, self.limit = model, inputs, limit
+    phase_type = Phase
+
+    def __init__(
+        self,
+        model: ElasticPress,
+        inputs: Inputs,
+        limit: FrictionLimit | None,
+        *,
+        drags: bool = True,
+        follow: Callable[[FloatArray], FrictionLimit] | None = None,
+    ) -> None:
+        self.model, self.inputs, self.limit, self.drags, self.follow = model, inputs, limit, drags, follow
         self.changes: list[tuple[float, Guard]] = []
-        self._phases: dict[tuple[Mode, int], _Phase] = {}
+        self._phases: dict[tuple[Mode, int], Phase] = {}
         self._motions: dict[Mode, Motion] = {}
-        self._works = np.zeros(6)
+        self.works = np.zeros(6)
         self._steps = 0
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at sorted times; the changes of mode are kept beside the guards."""
-        mode = sticking(self.model)
-        y = starting_state(self._motion(mode), self.inputs)
+        mode, y = self.begin()
+        check_steps(float(times_s[-1]) / self.phase(mode, 0).step_s)
         starts, wanted = self.inputs.starts_s, set(times_s.tolist())
         motions, states, works = [], [], []
         now = 0.0
@@ -303,20 +332,40 @@ class HybridSolver:
                 mode, y = self._advance(mode, y, now, stop)
                 now = stop
             if stop in wanted:
-                mode, y = self._settle(mode, y, self._piece(now), now)
-                motions.append(self._motion(mode))
+                mode, y = self.settle(mode, y, self._piece(now), now)
+                motions.append(self.motion(mode))
                 states.append(y)
-                works.append(self._works)
+                works.append(self.works)
         return motions, np.array(states), np.array(works)
 
-    def _motion(self, mode: Mode) -> Motion:
+    def begin(self) -> tuple[Mode, FloatArray]:
+        """Return the mode and the state of the machine at rest, its drags holding it."""
+        mode = sticking(self.model)
+        y = starting_state(self.motion(mode), self.inputs, held=self.drags)
+        self._refresh(self.motion(mode), np.concatenate([y, self.inputs.at(0.0)]))
+        if self.drags:
+            mode = replace(mode, turning=tuple((self.model.drag_N == 0.0).astype(int).tolist()))
+        return mode, y
+
+    def _refresh(self, motion: Motion, w: FloatArray) -> None:
+        """Let the limit follow the tensions; what was made with the one before is of no use then."""
+        if self.follow is not None:
+            self.limit = self.follow(np.array([side @ w for side in motion.sides_N]))
+            self._motions.clear()
+            self._phases.clear()
+
+    def motion(self, mode: Mode) -> Motion:
+        """Return the press in a mode."""
         if mode not in self._motions:
             self._motions[mode] = Motion(self.model, mode, self.limit)
         return self._motions[mode]
 
-    def _phase(self, mode: Mode, piece: int) -> _Phase:
+    def phase(self, mode: Mode, piece: int) -> Any:
+        """Return a mode during a piece of the drive."""
         if (mode, piece) not in self._phases:
-            self._phases[mode, piece] = _Phase(self._motion(mode), self.inputs.taylor[piece])
+            motion = self.motion(mode)
+            guards = guards_of(motion) if self.drags else []
+            self._phases[mode, piece] = self.phase_type(motion, self.inputs.taylor[piece], guards)
         return self._phases[mode, piece]
 
     def _piece(self, now: float) -> int:
@@ -327,21 +376,21 @@ class HybridSolver:
         start = float(self.inputs.starts_s[piece])
         remaining, fresh = stop - now, now == start
         while remaining > 0.0:
-            mode, y = self._settle(mode, y, piece, stop - remaining)
-            phase = self._phase(mode, piece)
+            mode, y = self.settle(mode, y, piece, stop - remaining)
+            phase = self.phase(mode, piece)
             z = phase.lift(y, stop - remaining - start)
             for length in phase.lengths(remaining, fresh=fresh):
                 ended, passed, z = self._try(phase, z, length)
                 remaining -= passed
                 if ended is not None:
-                    mode, y = self._change(phase, ended, z, stop - max(remaining, 0.0))
+                    mode, y = self.change(phase, ended, z, stop - max(remaining, 0.0))
                     fresh = True
                     break
             else:
                 y, remaining = z[:n], 0.0
         return mode, y
 
-    def _try(self, phase: _Phase, z: FloatArray, length: float) -> tuple[Guard | None, float, FloatArray]:
+    def _try(self, phase: Phase, z: FloatArray, length: float) -> tuple[Guard | None, float, FloatArray]:
         """Return the guard that ends the mode within a step, or None; the time that passed, and z after it."""
         self._steps += 1
         check_steps(self._steps)
@@ -353,13 +402,13 @@ class HybridSolver:
             if passed == 0.0:
                 return guard, passed, z
             flow, integrals = phase.over(passed)
-        self._works = self._works + (integrals @ z) @ z
+        self.works = self.works + (integrals @ z) @ z
         return guard, passed, flow @ z
 
-    def _settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
+    def settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
         """Switch until no guard is below zero."""
         for _ in range(_SWITCHES_AT_ONCE):
-            phase = self._phase(mode, piece)
+            phase = self.phase(mode, piece)
             if not phase.guards:
                 return mode, y
             z = phase.lift(y, now - float(self.inputs.starts_s[piece]))
@@ -367,14 +416,18 @@ class HybridSolver:
             # What has just been switched stands at minus its tolerance.
             if margins.min() >= -2.0:
                 return mode, y
-            mode, y = self._change(phase, phase.guards[int(np.argmin(margins))], z, now)
+            mode, y = self.change(phase, phase.guards[int(np.argmin(margins))], z, now)
         raise SolverError(
             f"the state of the contacts cannot be settled at t = {now:.6g} s",
             code="RF524",
             fix="give the belts some damping, or a smoother drive",
         )
 
-    def _change(self, phase: _Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
+    def change(self, phase: Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
+        """Return the mode and the state after a guard has fired."""
+        if guard.what == "friction":
+            self._refresh(phase.motion, phase.read @ z)
+            return phase.motion.mode, z[: len(phase.state)].copy()
         self.changes.append((now, guard))
         if len(self.changes) > _MAX_SWITCHES:
             raise SolverError(

@@ -22,9 +22,9 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.systems.friction import WrapFriction
+from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press, refuse_missing
-from ropefric.systems.press.slip import contacts_of
+from ropefric.systems.press.slip import LEAST_SLACK_N, contacts_of
 from ropefric.systems.press.transient.drives import (
     ACCELERATION,
     FIRST_DRIVER,
@@ -62,6 +62,8 @@ class ElasticPress:
         self.arc_mass_kg = np.array(on_arcs) * arcs_m * ("arc-inertia" in effects)
         self.roller_mass_kg = np.array([one.inertia_kg_m2 or 0.0 for one in rollers]) / press.radius_m**2
         self.driven, self.drivers = np.flatnonzero(press.is_driven), np.flatnonzero(~press.is_driven)
+        # What holds a driven roller back is a drag: it opposes the motion, and at rest anything up to its size.
+        self.drag_N = np.maximum(press.rim_load_N, 0.0) * press.is_driven
         self.overspeed = np.array([one.overspeed or 0.0 for one in press.drivers])
         self.spring_N_m = np.array([one.spring_N_m for one in carriers])
         self.tensioner_mass_kg = np.array([one.mass_kg or 0.0 for one in carriers])
@@ -95,24 +97,45 @@ def standstill_tension_N(press: Press) -> FloatArray:
 
 
 class FrictionLimit(NamedTuple):
-    """What gross slip on each roller is governed by: e^M, and κ, see above; each (n_rollers,)."""
+    """What gross slip on each roller is governed by: e^M, and κ, see above; each (n_rollers,).
+
+    Where friction follows the tensions there are two rows, of slip forward and backward, e^M T' is a tangent,
+    growth · T' + offset, and it holds while the slack side is within a factor e^±width of `slack_N`.
+    """
 
     growth: FloatArray
     share: FloatArray
+    offset_N: FloatArray | float = 0.0
+    slack_N: FloatArray | None = None
+    width: FloatArray = np.array(np.inf)
 
 
 _LEAST_GRIP = 1e-7
 """A thousand times what `exact.guards_of` takes for zero, as a share of the tension."""
 _NODES = 48
+_TANGENT_ERROR = 1e-4
+"""Of M, where friction follows the tensions along tangents."""
+_PROBE = 1e-3
 
 
-def friction_limit(model: ElasticPress, friction: float | WrapFriction) -> FrictionLimit:
-    """Return what gross slip on each roller is governed by, with the law at the tensions of the standstill."""
+def friction_limit(
+    model: ElasticPress,
+    friction: float | WrapFriction,
+    told: frozenset[str] = EVERYTHING,
+    slack_N: FloatArray | None = None,
+) -> FrictionLimit:
+    """Return what gross slip on each roller is governed by, with the law at the tensions of the standstill.
+
+    Where slack sides are given, (2, n_rollers) of slip forward and backward, friction follows them.
+    """
     contacts = contacts_of(model.press, model.preload_N)
-    exponent = contacts.exponent(friction)
+    if slack_N is not None:
+        slack_N = np.maximum(slack_N, LEAST_SLACK_N)
+        contacts = contacts._replace(upstream_N=slack_N, downstream_N=slack_N)
+    exponent = contacts.exponent(friction, told)
     grip = np.expm1(exponent)
-    weakest = int(np.argmin(grip))
-    if grip[weakest] < _LEAST_GRIP:
+    if slack_N is None and grip.min() < _LEAST_GRIP:
+        weakest = int(np.argmin(grip))
         raise InputError(
             f"roller {contacts.roller[weakest]} holds the belt by e^(μφ) − 1 = {grip[weakest]:.3g} of its tension:"
             f" a start-up with slip cannot tell less than {_LEAST_GRIP:g} from no friction at all",
@@ -123,9 +146,17 @@ def friction_limit(model: ElasticPress, friction: float | WrapFriction) -> Frict
     # Nodes of ∫ ds/α crowd near the slack side, where a falling μ is steepest.
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     u = 0.5 * (nodes + 1.0)
-    left = exponent - contacts.exponent(friction, share=u[:, np.newaxis] ** 4)
-    swell = (2.0 * weights * u**3) @ np.expm1(left)
-    return FrictionLimit(growth=np.exp(exponent), share=1.0 / (1.0 + swell))
+    shape = (_NODES, *(1,) * exponent.ndim)
+    left = exponent - contacts.exponent(friction, told, share=u.reshape(shape) ** 4)
+    swell = np.tensordot(2.0 * weights * u**3, np.expm1(left), axes=1)
+    growth, share = np.exp(exponent), 1.0 / (1.0 + swell)
+    if slack_N is None:
+        return FrictionLimit(growth, share)
+    tighter = slack_N * np.exp(_PROBE)
+    steep = contacts._replace(upstream_N=tighter, downstream_N=tighter).exponent(friction, told) - exponent
+    slope = steep / _PROBE  # dM/d ln T'
+    width = np.sqrt(2.0 * _TANGENT_ERROR / np.maximum(np.abs(slope), _TANGENT_ERROR))
+    return FrictionLimit(growth * (1.0 + slope), share, -growth * slope * slack_N, slack_N, width)
 
 
 def friction_utilisation(
@@ -192,6 +223,8 @@ class Motion:
         de/dt of every span.
     spring_N, unclipped_N, pressing_N, tension_N
         T_0 + k e of every span; T_0 + k (e + η de/dt); this less ρAv²; all as if it could push. And T, which cannot.
+    sides_N
+        T' before every roller, and behind it: the slack sides of slip forward and backward.
     limit_N
         The friction of gross slip on every roller, forward and backward.
     load_N, friction_N
@@ -233,6 +266,8 @@ class Motion:
         self.unclipped_N = self.spring_N + model.damping_N_s_m[:, None] * self.stretch_speed_m_s
         self.pressing_N = self.unclipped_N - momentum_N
         self.tension_N = _where(mode.taut, self.unclipped_N)
+        pressed = _where(mode.pressed, self.pressing_N)
+        self.sides_N = press.into @ pressed, press.out_of @ pressed
         self.load_N = np.outer(press.rim_load_N * np.array(mode.turning), self.inputs[LOAD])
         self.limit_N = self._limit_N()
         self._move_rollers(press.incidence @ self.tension_N, acceleration + self.inputs[ACCELERATION])
@@ -253,10 +288,16 @@ class Motion:
     def _limit_N(self) -> tuple[FloatArray, FloatArray]:
         if self.limit is None:
             return np.zeros_like(self.load_N), np.zeros_like(self.load_N)
-        press, pressing = self.model.press, _where(self.mode.pressed, self.pressing_N)
-        upstream, downstream = press.into @ pressing, press.out_of @ pressing
-        tight, slack = 1.0 - self.limit.share[:, None], (self.limit.share * self.limit.growth - 1.0)[:, None]
-        return tight * downstream + slack * upstream, tight * upstream + slack * downstream
+        growth, share, offset_N = (
+            np.broadcast_to(one, (2, len(self.load_N)))[..., None] for one in self.limit[:3]
+        )
+        forward, backward = (
+            (1.0 - share[i]) * self.sides_N[1 - i]
+            + (share[i] * growth[i] - 1.0) * self.sides_N[i]
+            + share[i] * offset_N[i] * self.inputs[ONE]
+            for i in (0, 1)
+        )
+        return forward, backward
 
     def _move_rollers(self, net_N: FloatArray, driver_m_s2: FloatArray) -> None:
         """Share what the belts pull, D T, between the rollers and what lies on them."""
@@ -282,15 +323,19 @@ def _where(holds: tuple[bool, ...], rows: FloatArray) -> FloatArray:
     return np.array(holds, dtype=np.float64)[:, None] * rows
 
 
-def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
+def resting_coordinates(
+    motion: Motion, inputs: FloatArray, rims_N: float | FloatArray = 0.0, travels_N: float | FloatArray = 0.0
+) -> FloatArray:
     """Return the coordinates at which nothing accelerates under constant inputs u, shape (n_q,).
 
-    Belts that slip do not take part: their δ stay zero.
+    Belts that slip do not take part: their δ stay zero. More forces may act on all rims, and along the travels.
     """
     n_q, model = motion.n_coordinates, motion.model
     free = len(model.driven) + len(model.spring_N_m)
     rows = motion.derivative[n_q : n_q + free]
     stiffness, load = rows[:, :free], rows[:, 2 * n_q :] @ inputs
+    load[: len(model.driven)] += (rims_N / (model.roller_mass_kg + model.arc_mass_kg))[model.driven]
+    load[len(model.driven) :] += travels_N / model.tensioner_mass_kg
     if np.linalg.matrix_rank(stiffness) < free:
         raise InputError(
             "the press has no place of rest: a belt or tensioner is held by nothing", code="RF521"
@@ -298,10 +343,11 @@ def resting_coordinates(motion: Motion, inputs: FloatArray) -> FloatArray:
     return np.concatenate([-np.linalg.solve(stiffness, load), np.zeros(n_q - free)])
 
 
-def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
+def starting_state(motion: Motion, inputs: Inputs, *, held: bool = False) -> FloatArray:
     """Return (q, dq/dt) of a machine at rest in balance with the loads of the first moment, shape (2 n_q,).
 
-    Where the drive begins with a speed, all but the drivers still stand: relative to the drive they move backward.
+    Drags that are `held` at rest ask nothing of the belts yet. Where the drive begins with a speed, all but the
+    drivers still stand: relative to the drive they move backward.
     """
     first = inputs.at(0.0)
     still = first.copy()
@@ -309,26 +355,35 @@ def starting_state(motion: Motion, inputs: Inputs) -> FloatArray:
     still[SPEED + 2 :] = 0.0
     speeds = np.zeros(motion.n_coordinates)
     speeds[: len(motion.model.driven)] = -first[SPEED]
-    return np.concatenate([resting_coordinates(motion, still), speeds])
+    held_N = motion.model.drag_N * first[LOAD] * held
+    return np.concatenate([resting_coordinates(motion, still, held_N), speeds])
 
 
-def settled_tension_N(model: ElasticPress, speed_m_s: float) -> FloatArray | None:
-    """Return the tensions of steady running in closed form, shape (n_spans,) [N].
+def settled_tension_N(
+    model: ElasticPress, speed_m_s: float, slip_m: FloatArray | None = None
+) -> FloatArray | None:
+    """Return the tensions in closed form that a start-up tends to whose belts stick from now on, (n_spans,) [N].
 
-    It is what a start-up tends to; with the tensioners' damping alone that takes hours, and with no damping at all it
-    is only the mean. None where drivers of different speed stretch the belts between them until one slips.
+    With the tensioners' damping alone that takes hours, and with no damping at all it is only the mean. Belts that have
+    slipped by `slip_m` keep what they are displaced by. None where drivers of different speed stretch the belts between
+    them until one slips.
     """
     if np.ptp(model.overspeed) > 0.0 and speed_m_s != 0.0:
         return None
     motion = Motion(model, sticking(model))
     inputs = np.zeros(motion.n_inputs)
     inputs[[ONE, LOAD, SPEED, SPEED_SQUARED]] = 1.0, 1.0, speed_m_s, speed_m_s**2
-    at_rest = resting_coordinates(motion, inputs)
-    return np.asarray(motion.tension_N @ np.concatenate([at_rest, np.zeros_like(at_rest), inputs]))
+    spread_N = np.zeros(len(model.preload_N))
+    if slip_m is not None:
+        spread_N = -model.stiffness_N_m * (model.press.incidence.T @ slip_m)
+    shifted_N = model.press.incidence @ spread_N, model.press.pull @ spread_N
+    at_rest = resting_coordinates(motion, inputs, shifted_N[0], shifted_N[1])
+    tension_N = motion.tension_N @ np.concatenate([at_rest, np.zeros_like(at_rest), inputs])
+    return np.asarray(tension_N + spread_N)
 
 
-def power_forms(motion: Motion) -> FloatArray:
-    """Return powers as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w).
+def power_pairs(motion: Motion) -> list[tuple[FloatArray, FloatArray]]:
+    """Return forces and speeds, rows over w, whose products are six powers.
 
     They are done by the drivers, against the loads, lost in belts, tensioners' dampers and slip, and done by the
     running belts' momentum ρAv² on the tensioners.
@@ -337,15 +392,19 @@ def power_forms(motion: Motion) -> FloatArray:
     push = model.roller_mass_kg[:, None] * motion.rim_acceleration_m_s2 + motion.load_N - motion.friction_N
     kept = _where(motion.mode.strained, motion.spring_N)
     momentum = -np.outer(model.press.pull @ model.density_kg_m, motion.inputs[SPEED_SQUARED])
-    pairs = (
+    return [
         (push[drivers], motion.rim_speed_m_s[drivers]),
         (motion.load_N, motion.rim_speed_m_s),
         (motion.tension_N - kept, motion.stretch_speed_m_s),
         (model.tensioner_damping_N_s_m[:, None] * motion.travel_speed_m_s, motion.travel_speed_m_s),
         (motion.friction_N, motion.slip_speed_m_s),
         (momentum, motion.travel_speed_m_s),
-    )
-    products = np.array([force.T @ speed for force, speed in pairs])
+    ]
+
+
+def power_forms(motion: Motion) -> FloatArray:
+    """Return the powers as symmetric matrices S, power = wᵀ S w, shape (6, n_w, n_w)."""
+    products = np.array([force.T @ speed for force, speed in power_pairs(motion)])
     return np.asarray(0.5 * (products + products.transpose(0, 2, 1)))
 
 

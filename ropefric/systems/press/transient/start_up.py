@@ -1,25 +1,29 @@
 """The start-up of a press: from the machine and its drive to tensions, speeds, slips and energies."""
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
-from ropefric.systems.friction import WrapFriction
+from ropefric.errors import InputError, SolverError
+from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.transient.drives import SPEED, Loads, final_value, press_inputs
-from ropefric.systems.press.transient.exact import Guard, HybridSolver
+from ropefric.systems.press.slip import contacts_of
+from ropefric.systems.press.transient.capture import GridSolver
+from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
+from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
 from ropefric.systems.press.transient.motion import (
     MOVING,
     STICK,
     ElasticPress,
+    FrictionLimit,
     Motion,
     elastic_energy_J,
     friction_limit,
@@ -54,7 +58,37 @@ class Energies:
         self.residual = (supplied - supplied[0]) - (stored - stored[0])
         changes = (self.kinetic - self.kinetic[0], self.elastic - self.elastic[0])
         scale = max(float(np.abs(part).max()) for part in (*works.T, *changes))
-        self.relative_residual = float(np.abs(self.residual).max()) / scale if scale > 0.0 else 0.0
+        self.scale_J = scale or 1.0
+        self.relative_residual = float(np.abs(self.residual).max()) / self.scale_J
+
+    def check(self, times_s: FloatArray, share: float, *, loads_take: bool) -> None:
+        """Refuse an account that does not close, or where what only takes energy gives some, to a share of it all."""
+        accounts = {
+            "the loads drive": self.load if loads_take else 0.0 * self.load,
+            "the belts' damping drives": self.belt,
+            "the tensioners' dampers drive": self.tensioner,
+            "slip drives": self.slip,
+        }
+        wrong = {
+            f"{what} the press": np.maximum.accumulate(taken) - taken for what, taken in accounts.items()
+        } | {"the energies of the start-up do not add up": np.abs(self.residual)}
+        worst = max(wrong, key=lambda what: float(wrong[what].max()))
+        rounding_J = _ROUNDING * float(np.abs(self.elastic).max() + self.kinetic.max())
+        broken = np.flatnonzero(wrong[worst] > share * self.scale_J + rounding_J)
+        if broken.size:
+            raise SolverError(
+                f"{worst}: from t = {times_s[broken[0]]:.6g} s on, by {wrong[worst].max():.3g} J"
+                f" of {self.scale_J:.3g} J",
+                code="RF524",
+                key="start_up.integrator",
+                fix="take the integrator 'exact' with slip, where drag opposes the motion and holds at rest",
+            )
+
+
+_ROUNDING = 1e-13
+_CLOSES = 1e-8
+_LINEAR_CLOSES = 1e-3
+"""How much of the energy may be missing: rounding; and where loads do not know which way their rollers turn."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,6 +110,7 @@ class StartUp:
     energy: Energies
     slips: tuple[SlipInterval, ...]
     settled_tension_N: FloatArray | None
+    at_end: npt.NDArray[np.str_]
 
     def summary(self) -> dict[str, Any]:
         """Return what the histories amount to, as plain data; rollers that slip in the order of their first slip."""
@@ -101,6 +136,7 @@ class StartUp:
             "slip_loss_J": float(self.energy.slip[-1]),
             "energy_residual": self.energy.relative_residual,
             "settled_tension_N": None if settled is None else named(spans, settled),
+            "at_end": {name: what for name, what in zip(rollers, self.at_end.tolist(), strict=True) if what},
         }
 
 
@@ -114,19 +150,23 @@ def start_up(
     loads: Loads = "with-speed",
     effects: Collection[str] = MOVING,
     integrator: str = "exact",
+    exact_switching: bool = True,
+    told: frozenset[str] = EVERYTHING,
+    follows: bool = False,
     **settings: float | None,
 ) -> StartUp:
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
 
     The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). Without friction no belt slips
     and none goes slack, and the problem is linear, which is all that integrators other than the exact one solve. With
-    friction and `slip` a belt does not push, and a roller takes no more than T'_tight = T'_slack e^M with what
-    accelerating the belt adds; between two changes of a contact the solution is exact.
+    friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
+    the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
+    A start-up in which something that only takes energy drives the press is refused.
     """
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
-    limit = None if friction is None else friction_limit(model, friction)
+    limit = None if friction is None else friction_limit(model, friction, told)
     slips = limit is not None and slip and integrator == "exact"
     if slips and not (model.arc_mass_kg > 0.0).all():
         raise InputError(
@@ -134,15 +174,122 @@ def start_up(
             key="arc_inertia",
             fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
         )
-    if integrator == "exact":
-        solver = HybridSolver(model, inputs, limit if slips else None)
-        motions, states, works = solver.run(times)
-        changes = solver.changes
-    else:
+
+    follows = follows and isinstance(friction, WrapFriction) and bool(ON_TENSION & set(friction.law.effects))
+
+    def follow(slack_N: FloatArray) -> FrictionLimit:
+        return friction_limit(model, friction or 0.0, told, slack_N)
+
+    def exponents(slack_N: FloatArray) -> FloatArray:
+        contacts = contacts_of(press, model.preload_N)._replace(upstream_N=slack_N, downstream_N=slack_N)
+        return contacts.exponent(friction or 0.0, told)
+
+    def made(solution: Solved, share: float) -> StartUp:
+        found = _histories(model, inputs, limit, times, solution, exponents=exponents if follows else None)
+        found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
+        return found
+
+    following = follow if follows and slips else None
+    if not slips and integrator != "exact":
         problem = LinearStartUp(model=model, inputs=inputs)
-        found = INTEGRATORS[integrator](problem, times, **settings)
-        states, works = np.split(found, [problem.n_state], axis=1)
-        motions, changes = [problem.motion] * len(times), []
+        states, works = np.split(
+            INTEGRATORS[integrator](problem, times, **settings), [problem.n_state], axis=1
+        )
+        return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
+    if slips and not exact_switching and _even(times):
+        on_grid = _on_grid(
+            GridSolver(model, inputs, limit, follow=following), times, lambda found: made(found, GRID_ERROR)
+        )
+        if on_grid is not None:
+            return on_grid
+    solver = HybridSolver(model, inputs, limit if slips else None, drags=slips, follow=following)
+    return made(_solved(solver, times), _CLOSES if slips else _LINEAR_CLOSES)
+
+
+Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
+
+
+def _solved(solver: HybridSolver, times_s: FloatArray) -> Solved:
+    return (*solver.run(times_s), solver.changes)
+
+
+ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
+"""Effects of a law whose coefficient depends on the slack side."""
+GRID_ERROR = 5e-3
+"""What changes of contacts that are caught on a grid may be worth."""
+_LONGEST_STEP_S = 5e-3
+_REFINEMENTS = 5
+
+
+def _even(times_s: FloatArray) -> bool:
+    gaps = np.diff(times_s)
+    return bool(times_s[0] == 0.0 and len(gaps) and np.ptp(gaps) <= 1e-9 * gaps[0])
+
+
+def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], StartUp]) -> StartUp | None:
+    """Return the start-up on the first grid that is no better than one of steps twice as long, if there is one.
+
+    None where a roller uses so much of its friction that it may as well slip: a grid does not decide that.
+    """
+    steps, coarse = math.ceil(float(times_s[1]) / _LONGEST_STEP_S), None
+    check_steps(float(steps * len(times_s)))
+    for doubling in range(_REFINEMENTS + 1):
+        solver.steps = steps * 2**doubling
+        try:
+            found = told(_solved(solver, times_s))
+        except SolverError:
+            continue
+        # What changes of contacts are off by falls with the step at least: two of these are off by this much.
+        settled = coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR
+        slipped = {slip.roller for slip in found.slips}
+        rollers = zip(found.press.rollers, solver.spare, strict=True)
+        if settled:
+            verge = any(left < GRID_ERROR for one, left in rollers if one.name not in slipped)
+            return None if verge else found
+        coarse = found
+    return None
+
+
+def largest_difference(found: StartUp, other: StartUp) -> float:
+    """Return the largest difference of anything that a summary tells; infinite where not the same rollers slip.
+
+    Tensions are compared by the greatest of their span, use of friction by 1 where it is less, times by the time
+    simulated, works by the greatest of all.
+    """
+    told, wanted = found.summary(), other.summary()
+    if told["first_slip_s"].keys() != wanted["first_slip_s"].keys():
+        return math.inf
+    time_s, peak_N = float(other.time_s[-1]), wanted["peak_tension_N"]
+    sizes = {
+        "peak_tension_N": peak_N,
+        "lowest_tension_N": peak_N,
+        "peak_utilisation": {name: max(1.0, use) for name, use in wanted["peak_utilisation"].items()},
+        "first_slip_s": defaultdict(lambda: time_s),
+        "slipping_s": defaultdict(lambda: time_s),
+    }
+    apart = [
+        abs(one - wanted[what][name]) / size[name] if one != wanted[what][name] else 0.0
+        for what, size in sizes.items()
+        for name, one in told[what].items()
+    ]
+    works = [
+        abs(told[what] - wanted[what]) / other.energy.scale_J for what in ("drive_work_J", "slip_loss_J")
+    ]
+    return max(float(one) if math.isfinite(one) else math.inf for one in (*apart, *works))
+
+
+def _histories(
+    model: ElasticPress,
+    inputs: Inputs,
+    limit: FrictionLimit | None,
+    times: FloatArray,
+    solution: Solved,
+    *,
+    exponents: Callable[[FloatArray], FloatArray] | None,
+) -> StartUp:
+    """Return what states and modes at the times asked for mean for the press; `exponents` where friction follows."""
+    press, (motions, states, works, changes) = model.press, solution
+    slips = motions[0].limit is not None
     w = np.hstack([states, inputs.at(times)])
     chosen: dict[Motion, list[int]] = defaultdict(list)
     for i, motion in enumerate(motions):
@@ -159,21 +306,32 @@ def start_up(
     contact = np.array([motion.mode.contact for motion in motions], dtype=np.int8)
     utilisation = None
     if limit is not None:
+        sides_N, forward = (pressing_N @ press.into.T, pressing_N @ press.out_of.T), friction_N >= 0.0
+        if exponents is not None:
+            kept = np.array(
+                [np.broadcast_to((one.limit or limit).share, (2, contact.shape[1])) for one in motions]
+            )
+            limit = FrictionLimit(
+                np.exp(exponents(np.where(forward, *sides_N))), np.where(forward, kept[:, 0], kept[:, 1])
+            )
         utilisation = friction_utilisation(
             limit,
             friction_N=friction_N,
-            upstream_N=pressing_N @ press.into.T,
-            downstream_N=pressing_N @ press.out_of.T,
+            upstream_N=sides_N[0],
+            downstream_N=sides_N[1],
             arc_force_N=model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2),
         )
     if slips and utilisation is not None:
         tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
         # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
         lifted = (pressing_N <= 0.0).astype(np.float64) @ np.abs(press.incidence).T > 0.0
-        forward, backward = read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1])
-        most = np.where(friction_N >= 0.0, forward, backward)
+        ahead, behind = (read(lambda motion: motion.limit_N[0]), read(lambda motion: motion.limit_N[1]))
+        most = np.where(friction_N >= 0.0, ahead, behind)
         share = np.divide(np.abs(friction_N), most, out=np.zeros_like(most), where=most > 0.0)
         utilisation = np.where(contact != STICK, 1.0, np.where(lifted, share, utilisation))
+    slip_m, final_m_s = w @ first.slip_m.T, float(inputs.taylor[-1, SPEED, 0])
+    stands = (np.array(motions[-1].mode.turning) == 0) & (contact[-1] == STICK)
+    at_end = np.select([contact[-1] != STICK, stands], ["slips", "stands"], "")
     return StartUp(
         press=press,
         time_s=times,
@@ -183,13 +341,14 @@ def start_up(
         relative_angle_rad=w @ first.relative_way_m.T / press.radius_m,
         travel_m=np.array([one.travel_m for one in press.tensioners.values()]) + w @ first.travel_m.T,
         contact=contact,
-        slip_m=w @ first.slip_m.T,
+        slip_m=slip_m,
         slip_speed_m_s=w @ first.slip_speed_m_s.T,
         friction_N=friction_N,
         utilisation=utilisation,
         energy=Energies(first, w, works),
         slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
-        settled_tension_N=settled_tension_N(model, final_value(speed)),
+        settled_tension_N=None if at_end.any() else settled_tension_N(model, final_m_s, slip_m[-1]),
+        at_end=at_end,
     )
 
 

@@ -1,4 +1,4 @@
-"""What stands in an order of size: laws by AICc, contributions to an uncertainty, what inputs do to an answer."""
+"""What a law and its design rest on: laws by AICc, budgets, sensitivities, and lift force over the wrap."""
 
 import math
 from collections.abc import Sequence
@@ -9,20 +9,22 @@ import numpy as np
 from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.glossary import counted
+from ropefric.plotting import style
 from ropefric.plotting.figure import (
     DataTable,
     FigureWithData,
     drawing,
+    legend_below,
     legend_of_figure,
     note_at,
     say_instead,
 )
-from ropefric.plotting.style import BLUE, GREY, INK, ORANGE, figure_label, plain_text, shown, typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ropefric.arrays import FloatArray
+    from ropefric.fitting.design import DesignChart
 
 
 _LADDER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")
@@ -41,8 +43,8 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
     laws = f"{counted(len(entries), 'law')} on {counted(comparison.n_trials, 'trial')}"
     with drawing(10.0, 1.7 + 0.36 * max(len(entries), 2)) as figure:
         axes = figure.subplots()
-        axes.axvspan(-0.4, _EVEN, color=BLUE, alpha=0.12, linewidth=0)
-        axes.axvline(_CLEAR, color=GREY, linewidth=1.0, linestyle=":")
+        axes.axvspan(-0.4, _EVEN, color=style.BLUE, alpha=0.12, linewidth=0)
+        axes.axvline(_CLEAR, color=style.GREY, linewidth=1.0, linestyle=":")
         largest = max([entry.delta_aicc for entry in entries if _is_ranked(entry)], default=_CLEAR)
         axes.set_xscale("symlog", linthresh=_CLEAR, linscale=1.2)
         axes.set_xlim(-0.4, 1.3 * max(largest, 1.2 * _CLEAR))
@@ -77,13 +79,15 @@ def _is_ranked(entry: ComparisonEntry) -> bool:
 def _draw_entry(axes: "Axes", row: int, entry: ComparisonEntry) -> None:
     beside = axes.get_yaxis_transform()
     if not _is_ranked(entry):
-        axes.plot([0.0], [row], "x", color=GREY, markersize=7, markeredgewidth=1.6)
+        axes.plot([0.0], [row], "x", color=style.GREY, markersize=7, markeredgewidth=1.6)
         note = entry.note or "not counted"
-        axes.text(0.04, row, f"  {note[:95]}", transform=beside, va="center", fontsize=8, color=GREY)
+        axes.text(0.04, row, f"  {note[:95]}", transform=beside, va="center", fontsize=8, color=style.GREY)
         return
     best = entry.delta_aicc == 0.0
-    axes.plot([0.0, entry.delta_aicc], [row, row], color=BLUE, linewidth=1.4)
-    axes.plot([entry.delta_aicc], [row], "D" if best else "o", color=INK if best else BLUE, markersize=8)
+    axes.plot([0.0, entry.delta_aicc], [row, row], color=style.BLUE, linewidth=1.4)
+    axes.plot(
+        [entry.delta_aicc], [row], "D" if best else "o", color=style.INK if best else style.BLUE, markersize=8
+    )
     weight = "–" if math.isnan(entry.weight) else f"{entry.weight:.3f}"
     error = f"{100 * entry.loco_error:.2g} %" if math.isfinite(entry.loco_error) else "–"
     for x, text in ((1.02, weight), (1.12, error)):
@@ -96,11 +100,11 @@ def _ladder_in_words(comparison: Comparison, laws: str) -> str:
         return "No law was compared."
     if not ranked:
         return f"{counted(len(comparison.ranking), 'law')} compared; none can be counted."
-    weight = f"with a weight of {shown(ranked[0].weight, digits=3)}"
+    weight = f"with a weight of {style.shown(ranked[0].weight, digits=3)}"
     text = f"{laws} by AICc: {ranked[0].law} is best "
     text += weight if comparison.conclusive else "of too few to choose from"
     if len(ranked) > 1:
-        text += f", then {ranked[1].law}, {shown(ranked[1].delta_aicc, digits=3)} behind"
+        text += f", then {ranked[1].law}, {style.shown(ranked[1].delta_aicc, digits=3)} behind"
     return f"{text}."
 
 
@@ -132,14 +136,18 @@ def draw_budget(
         else:
             say_instead(axes, "no contribution is known")
         head = f"{title}: " if title else ""
-        axes.set_title(typeset(f"{head}u = {shown(root, unit)} (k = 1), n = {len(names)} quantities"))
+        axes.set_title(
+            style.typeset(f"{head}u = {style.shown(root, unit)} (k = 1), n = {len(names)} quantities")
+        )
     alt = f"Uncertainty budget{' of ' + title if title else ''}: no contribution is known."
     if total > 0.0:
         largest = zip(known[:3], parts[1], strict=False)
-        told = ", ".join(f"{name} {shown(u, unit, 3)} ({100 * share:.3g} %)" for (name, u), share in largest)
+        told = ", ".join(
+            f"{name} {style.shown(u, unit, 3)} ({100 * share:.3g} %)" for (name, u), share in largest
+        )
         alt = alt.replace(
             "no contribution is known",
-            f"combined standard uncertainty {shown(root, unit)}; the largest contributions are {told}",
+            f"combined standard uncertainty {style.shown(root, unit)}; the largest contributions are {told}",
         )
     table = DataTable.of_columns({"quantity": names, **columns})
     return FigureWithData(figure=figure, tables=(table,), alt=alt)
@@ -148,17 +156,17 @@ def draw_budget(
 def _draw_contributions(axes: "Axes", names: Sequence[str], parts: "FloatArray") -> None:
     widths = np.nan_to_num(parts[0])
     places = range(len(names))
-    axes.barh(places, widths, height=0.62, color=BLUE, alpha=0.75, edgecolor=INK, linewidth=0.6)
+    axes.barh(places, widths, height=0.62, color=style.BLUE, alpha=0.75, edgecolor=style.INK, linewidth=0.6)
     # Beside the axes, where the line of the sum cannot cross them.
     beside = axes.get_yaxis_transform()
     for place, value, share in zip(places, *parts[:2], strict=True):
         words = "unknown" if math.isnan(value) else f"{value:.3g}  ({100 * share:.3g} %)"
         axes.text(1.01, place, words, transform=beside, va="center", fontsize=9)
-    _name_rows(axes, [typeset(name) for name in names])
+    _name_rows(axes, [style.typeset(name) for name in names])
     axes.set_xlim(0.0, 1.04 * max(widths))
     above = axes.twiny()
     n = int(np.isfinite(parts[2]).sum())
-    above.plot(100 * parts[2, :n], places[:n], "o--", color=ORANGE, markersize=4)
+    above.plot(100 * parts[2, :n], places[:n], "o--", color=style.ORANGE, markersize=4)
     above.set_xlim(0.0, 104.0)
     above.set_xticks([0, 20, 40, 60, 80, 100])
     above.set_xlabel("Cumulative share of the variance [%] (dashed)")
@@ -166,9 +174,7 @@ def _draw_contributions(axes: "Axes", names: Sequence[str], parts: "FloatArray")
     above.grid(visible=False)
 
 
-def draw_tornado(
-    rows: Sequence[tuple[str, float, float, float]], *, quantity: str = "lift_force_N"
-) -> FigureWithData:
+def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithData:
     """Return a tornado chart: the force at the low and the high value of each input, all others as in the base case."""
     bases = {row[3] for row in rows}
     if len(bases) > 1 or not all(map(math.isfinite, bases)):
@@ -184,15 +190,15 @@ def draw_tornado(
     alt = "No input was changed."
     with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as figure:
         axes = figure.subplots()
-        axes.set_xlabel(figure_label(quantity))
+        axes.set_xlabel(style.figure_label("lift_force_N"))
         if ranked:
             base_N = ranked[0][3]
             _draw_swings(axes, ranked, base_N)
             legend_of_figure(figure)
             axes.set_title(f"base case {base_N:.4g} N; n = {len(ranked)} inputs, one changed at a time")
-            what = plain_text(figure_label(quantity)).split(" [")[0]
-            parts = "; ".join(f"{row[0]}: {shown(row[1])} to {shown(row[2], 'N')}" for row in ranked[:4])
-            alt = f"{what}, {shown(base_N, 'N')} in the base case, when one input changes at a time: {parts}."
+            spans = [f"{row[0]}: {style.shown(row[1])} to {style.shown(row[2], 'N')}" for row in ranked[:4]]
+            alt = f"Lift force F_A, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: "
+            alt += f"{'; '.join(spans)}."
         else:
             say_instead(axes, "no input was changed")
     header = ("quantity", "low_N", "high_N", "base_N", "swing_N")
@@ -204,20 +210,127 @@ def _draw_swings(
 ) -> None:
     """Draw rows of name, force at the low and the high value, in the base case, and their width."""
     low, high = "input at its low value", "input at its high value"
-    for column, color, hatch, label in ((1, ORANGE, "///", low), (2, BLUE, "", high)):
+    for column, color, hatch, label in ((1, style.ORANGE, "///", low), (2, style.BLUE, "", high)):
         ends: dict[int, float] = {
             place: force_N
             for place, row in enumerate(ranked)
             if not math.isnan(force_N := float(row[column]))
         }
         widths = [value_N - base_N for value_N in ends.values()]
-        look: dict[str, Any] = {"edgecolor": INK, "linewidth": 0.6, "facecolor": color, "hatch": hatch}
+        look: dict[str, Any] = {"edgecolor": style.INK, "linewidth": 0.6, "facecolor": color, "hatch": hatch}
         axes.barh([*ends], widths, left=base_N, height=0.6, label=label if ends else "", **look)
         for place, value_N in ends.items():
             side, ha = (4.0, "left") if value_N >= base_N else (-4.0, "right")
             note_at(axes, f"{value_N:.4g}", (value_N, place), side, ha=ha, va="center", fontsize=9)
-    axes.axvline(base_N, color=INK, linewidth=1.2)
+    axes.axvline(base_N, color=style.INK, linewidth=1.2)
     widest = ranked[0][4] or 1.0
     reached = [value for row in ranked for value in row[1:4] if not math.isnan(value)]
     axes.set_xlim(min(reached) - 0.12 * widest, max(reached) + 0.12 * widest)
-    _name_rows(axes, [typeset(row[0]) for row in ranked])
+    _name_rows(axes, [style.typeset(row[0]) for row in ranked])
+
+
+_MARKERS_A_LINE = 8
+
+
+def draw_design_chart(
+    chart: "DesignChart", *, required_N: float | None = None, safety: float = 1.0
+) -> FigureWithData:
+    """Return the chart of a design: F_A over the wrap for each wheel, on a logarithmic force axis.
+
+    Solid lines are the mean law, dashed ones what a pull with a new rope exceeds with the chart's probability; where
+    the line is pale, the wheel or wrap lies outside what was tested. A triangle marks the smallest wrap whose dashed
+    line reaches the required load times the safety factor.
+    """
+    for name, value in (("required_N", required_N), ("safety", safety)):
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise InputError(f"{name} is {value:g}; it must be positive and finite", key=name)
+    n_wheels, n_wraps = chart.wheel_radius_m.size, chart.wrap_angle_rad.size
+    radii_mm = [f"{1e3 * radius_m:.4g} mm" for radius_m in chart.wheel_radius_m.tolist()]
+    wraps_rad: list[float] = []
+    with drawing(9.0, 6.0) as figure:
+        axes = figure.subplots()
+        for row, color in enumerate(style.shades(n_wheels)):
+            _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {radii_mm[row]}"))
+        if required_N is not None:
+            wraps_rad = [_smallest_wrap(chart, row, safety * required_N) for row in range(n_wheels)]
+            _draw_load(axes, wraps_rad, required_N, safety)
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
+        turns = axes.secondary_xaxis(
+            "top", functions=(lambda deg: np.divide(deg, 360.0), lambda turn: np.multiply(turn, 360.0))
+        )
+        turns.set_xlabel("Wrap [turns]")
+        axes.set_title(
+            style.typeset(f"Lift force at F_B = {chart.end_tension_N:.4g} N; dashed: exceeded by ")
+            + f"{100 * chart.probability:g} % of pulls with a new rope; pale: not tested"
+        )
+        legend_below(axes, columns=4)
+    forces_N = {name: getattr(chart, name).ravel() for name in ("lift_force_N", "lower_bound_N")}
+    columns: dict[str, Any] = {
+        "wheel_radius_m": np.repeat(chart.wheel_radius_m, n_wraps),
+        "wrap_angle_rad": np.tile(chart.wrap_angle_rad, n_wheels),
+        "end_tension_N": np.full(n_wheels * n_wraps, chart.end_tension_N),
+        **{name: np.where(np.isfinite(found), found, np.nan) for name, found in forces_N.items()},
+        "extrapolated": chart.extrapolated.ravel(),
+    }
+    tables = [DataTable.of_columns(columns)]
+    low_deg, high_deg = np.degrees(chart.wrap_angle_rad[[0, -1]])
+    alt = (
+        f"Lift force over the wrap from {low_deg:.4g} to {high_deg:.4g} deg for {counted(n_wheels, 'wheel')} of radius "
+        f"{', '.join(radii_mm).replace(' mm', '')} mm at an end tension of {chart.end_tension_N:.4g} N."
+    )
+    if required_N is not None:
+        asked = {"required_N": [float(required_N)] * n_wheels, "safety": [float(safety)] * n_wheels}
+        needed = {"wheel_radius_m": chart.wheel_radius_m} | asked | {"wrap_angle_rad": wraps_rad}
+        tables.append(DataTable.of_columns(needed, "smallest_wrap"))
+        found = [
+            f"{radius} needs {math.degrees(wrap):.4g} deg"
+            if math.isfinite(wrap)
+            else f"{radius} does not reach it"
+            for radius, wrap in zip(radii_mm, wraps_rad, strict=True)
+        ]
+        load = f"{required_N:.4g} N" + (f" times {safety:g}" if safety != 1.0 else "")
+        alt += f" For {load}, lifted with probability {chart.probability:g}: {'; '.join(found)}."
+    return FigureWithData(figure=figure, tables=tuple(tables), alt=alt)
+
+
+def _smallest_wrap(chart: "DesignChart", row: int, needed_N: float) -> float:
+    """Return the first wrap whose lower bound reaches a force [rad], straight in ln F between the chart's columns."""
+    bound_N, wrap_rad = chart.lower_bound_N[row], chart.wrap_angle_rad
+    with np.errstate(invalid="ignore"):
+        (reached,) = np.nonzero(bound_N >= needed_N)
+    if not reached.size:
+        return math.nan
+    i = int(reached[0])
+    if i == 0 or not math.isfinite(bound_N[i - 1]) or not math.isfinite(bound_N[i]):
+        return float(wrap_rad[i])
+    low, high = math.log(bound_N[i - 1]), math.log(bound_N[i])
+    share = (math.log(needed_N) - low) / (high - low)
+    return float(wrap_rad[i - 1] + share * (wrap_rad[i] - wrap_rad[i - 1]))
+
+
+def _draw_load(axes: "Axes", wraps_rad: list[float], required_N: float, safety: float) -> None:
+    needed_N = safety * required_N
+    wraps_deg = np.degrees([wrap for wrap in wraps_rad if math.isfinite(wrap)])
+    axes.plot(wraps_deg, np.full(wraps_deg.size, needed_N), "v", color=style.INK, markersize=8, zorder=6)
+    for place, wrap_deg in enumerate(sorted(wraps_deg.tolist())):
+        note_at(axes, f"{wrap_deg:.0f}°", (wrap_deg, needed_N), up=7.0 + 10.0 * (place % 3), zorder=6)
+    line: dict[str, Any] = {"color": style.ORANGE, "linewidth": 1.5}
+    if safety != 1.0:
+        axes.axhline(needed_N, label=f"required × {safety:g}: {needed_N:.4g} N", linestyle="-.", **line)
+    axes.axhline(required_N, label=f"required: {required_N:.4g} N", **line)
+
+
+def _draw_wheel(axes: "Axes", chart: "DesignChart", row: int, color: object, label: str) -> None:
+    wrap_deg = np.degrees(chart.wrap_angle_rad)
+    marker, every = style.MARKERS[row % len(style.MARKERS)], max(1, wrap_deg.size // _MARKERS_A_LINE)
+    marked: dict[str, Any] = {"marker": marker, "markevery": every, "markersize": 4.5, "label": label}
+    for found_N, dashes, look in (
+        (chart.lift_force_N[row], "-", marked),
+        (chart.lower_bound_N[row], "--", {}),
+    ):
+        force_N = np.where(np.isfinite(found_N), found_N, np.nan)
+        tested_N = np.where(chart.extrapolated[row], np.nan, force_N)
+        axes.plot(wrap_deg, force_N, dashes, color=color, alpha=0.3, linewidth=1.0)
+        axes.plot(wrap_deg, tested_N, dashes, color=color, linewidth=1.5, **look)

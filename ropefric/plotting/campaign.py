@@ -1,10 +1,12 @@
-"""The conditions of a campaign: the recordings of each, and how well their forces repeat; one file a condition."""
+"""A campaign in figures: every trial against every check; of each condition the recordings and their repeatability."""
 
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
@@ -15,6 +17,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
+from ropefric.plotting import style
 from ropefric.plotting.figure import (
     DataTable,
     FigureWithData,
@@ -22,25 +25,122 @@ from ropefric.plotting.figure import (
     drawing,
     figure_files,
     legend_below,
+    legend_of_figure,
     note_at,
     say_instead,
 )
-from ropefric.plotting.style import (
-    BLUE,
-    DARK_ORANGE,
-    GREY,
-    ORANGE,
-    figure_label,
-    plain_text,
-    shades,
-    typeset,
-)
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
-from ropefric.trials.result import ConditionSummary, Extraction, TrialResult
+from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, outcome_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+OK, NOT_JUDGED, FLAG, FAIL = "ok", "not judged", "flag", "fail"
+"""What a check says of a trial."""
+# Four steps of lightness, and a hatch for the flag: the levels hold on grey paper.
+_LOOKS: dict[str, Any] = {
+    OK: {"facecolor": "#B9D7EA"},
+    NOT_JUDGED: {"facecolor": "#F3F3F3"},
+    FLAG: {"facecolor": "#E69F00", "hatch": "////", "edgecolor": "#5A3E00"},
+    FAIL: {"facecolor": "#4A0A12"},
+}
+_ONE_BAND, _BAND, _MANY = 40, 100, 600
+
+
+def _status(*failing: Status) -> Callable[[TrialResult], str]:
+    return lambda trial: FAIL if trial.breakaway.status in failing else OK
+
+
+def _saturation(trial: TrialResult) -> str:
+    if trial.breakaway.status is Status.SATURATED:
+        return FAIL
+    return FLAG if trial.saturated_samples > 0 else OK
+
+
+CHECKS: dict[str, tuple[str, Callable[[TrialResult], str]]] = {
+    "file could be read": ("unreadable", _status(Status.UNREADABLE)),
+    "long enough": ("too short", _status(Status.TOO_SHORT)),
+    "below the converter's ceiling": ("at the converter's ceiling", _saturation),
+    "rope slipped": ("without a slip", _status(Status.NO_BREAKAWAY)),
+    "static peak found": ("without a static peak", _status(Status.NO_PEAK)),
+    "one force stands out": ("doubtful", _status(Status.DOUBTFUL)),
+    "no warning": ("with a warning", lambda trial: FLAG if _is_usable(trial) and trial.problems else OK),
+    "not excluded by the user": ("excluded by the user", lambda trial: FLAG if trial.excluded else OK),
+    "not rejected by the rule": ("rejected by the rule", lambda trial: FLAG if trial.rejected_by else OK),
+}
+"""What is looked at, in the order in which a recording goes through it; its opposite, and what it says of a trial."""
+
+
+def check_trial(trial: TrialResult) -> tuple[str, ...]:
+    """Return what each of `CHECKS` says of a trial; after a failure nothing more is judged."""
+    said: list[str] = []
+    for _, check in CHECKS.values():
+        said.append(NOT_JUDGED if FAIL in said else check(trial))
+    return tuple(said)
+
+
+def draw_overview(extraction: Extraction) -> FigureWithData:
+    """Return the matrix of all trials of a campaign against the checks: ok, flag or fail.
+
+    Up to 40 trials stand in one band, each with its name; more are broken into bands of about 100, in the order of
+    the trial list, with every tenth name.
+    """
+    rows = tuple((trial.trial, *check_trial(trial)) for trial in extraction.trials)
+    n = len(rows)
+    widest = n if n <= _ONE_BAND else _BAND if n <= _MANY else 2 * _BAND
+    width = math.ceil(n / math.ceil(n / widest)) if n else 1
+    bands = [rows[start : start + width] for start in range(0, n, width)] or [()]
+    longest = max((len(name) for name, *_ in rows), default=0)
+    counts = f"{counted(n, 'trial')}: {outcome_words(count_trials(extraction))}"
+    band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
+    with drawing(10.0, 1.1 + band_inch * len(bands)) as figure:
+        panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
+        if not rows:
+            say_instead(panels[0], "there is no trial")
+        for axes, band in zip(panels, bands if rows else (), strict=False):
+            _draw_band(axes, band, width)
+        figure.suptitle(f"{extraction.name}, {counts}")
+        legend_of_figure(figure)
+    alt = (
+        f"Campaign {extraction.name}, {counts}."
+        if rows
+        else f"Campaign {extraction.name}: there is no trial."
+    )
+    told = Counter(
+        check for _, *said in rows for check, one in zip(CHECKS, said, strict=True) if one in {FLAG, FAIL}
+    )
+    if told:
+        alt += (
+            f" By check: {', '.join(f'{told[check]} {CHECKS[check][0]}' for check in CHECKS if told[check])}."
+        )
+    return FigureWithData(figure=figure, tables=(DataTable(header=("trial", *CHECKS), rows=rows),), alt=alt)
+
+
+def _draw_band(axes: "Axes", band: Sequence[tuple[str, ...]], width: int) -> None:
+    names, *columns = zip(*band, strict=True)
+    crowded = width > _ONE_BAND
+    for row, column in enumerate(columns):
+        for said, look in _LOOKS.items():
+            spans, place = [], 0
+            for found, run in groupby(column):
+                length = len(list(run))
+                spans += [(float(place), float(length))] if found == said else []
+                place += length
+            if spans:
+                axes.broken_barh(spans, (row - 0.42, 0.84), linewidth=0, label=said, **look)
+    edges = range(1, len(names))
+    axes.vlines(edges, -0.5, len(CHECKS) - 0.5, color="white", linewidth=0.5 if crowded else 1.5)
+    axes.set(xlim=(0, width), ylim=(len(CHECKS) - 0.5, -0.5))
+    places = range(0, len(names), 10 if crowded else 1)
+    words = [names[place][:20] for place in places]
+    axes.set_xticks([place + 0.5 for place in places], words, rotation=90, fontsize=7)
+    axes.set_yticks(range(len(CHECKS)), list(CHECKS), fontsize=8)
+    axes.tick_params(length=0)
+    axes.grid(visible=False)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
 
 
 # Room for six-digit forces on the left and for three rows of legend below.
@@ -86,16 +186,13 @@ def start_condition_figures(
     folder: Folder | str | os.PathLike[str],
     *,
     under: str = "",
-    formats: tuple[str, ...] = ("png",),
     executor: Executor | None = None,
 ) -> Callable[[Progress | None], tuple[Path, ...]]:
     """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
     target = as_folder(folder)
     conditions = conditions_of(extraction)
-    drawn = begin(
-        {stem: partial(_files, *item, f"{under}{stem}", formats) for stem, item in conditions.items()},
-        executor,
-    )
+    jobs = {stem: partial(_files, *item, f"{under}{stem}") for stem, item in conditions.items()}
+    drawn = begin(jobs, executor)
 
     def write(progress: Progress | None = None) -> tuple[Path, ...]:
         written: dict[str, tuple[Path, ...]] = dict.fromkeys(conditions, ())
@@ -109,10 +206,8 @@ def start_condition_figures(
     return write
 
 
-def _files(
-    summary: ConditionSummary, trials: Sequence[TrialResult], stem: str, formats: tuple[str, ...]
-) -> dict[str, bytes]:
-    return figure_files(draw_condition(summary, trials), stem, formats=formats)
+def _files(summary: ConditionSummary, trials: Sequence[TrialResult], stem: str) -> dict[str, bytes]:
+    return figure_files(draw_condition(summary, trials), stem)
 
 
 def draw_condition(
@@ -123,20 +218,25 @@ def draw_condition(
     The repeatability: force by trial, mean and ±2s band, what was set aside and why; without `traces` it stands alone.
     """
     wheel_mm, rope_mm, wrap_deg, tension_N, symbol = _settings(summary, trials)
-    title = typeset(f"R_w = {wheel_mm} mm,  R_r = {rope_mm} mm,  φ = {wrap_deg}°,  {symbol} = {tension_N} N")
-    colors = shades(len(trials))
+    title = style.typeset(
+        f"R_w = {wheel_mm} mm,  R_r = {rope_mm} mm,  φ = {wrap_deg}°,  {symbol} = {tension_N} N"
+    )
+    colors = style.shades(len(trials))
     with drawing(margins=_MARGINS) as figure:
         panels = figure.subplots(1, 2, width_ratios=(3, 2)) if traces else [figure.subplots()]
         for axes, left in zip(panels, (-0.1, -0.16) if traces else (-0.065,), strict=True):
             # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
             axes.xaxis.set_label_coords(0.5, -0.09)
             axes.yaxis.set_label_coords(left, 0.5)
+            axes.set_title("", y=1.0)  # likewise
         if traces:
             _draw_traces(panels[0], trials, colors)
         _draw_strip(panels[-1], summary, trials, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")
     tables = (_trial_table(trials), *([_trace_table(trials)] if traces else []))
-    return FigureWithData(figure=figure, tables=tables, alt=_in_words(summary, plain_text(title), trials))
+    return FigureWithData(
+        figure=figure, tables=tables, alt=_in_words(summary, style.plain_text(title), trials)
+    )
 
 
 def _in_words(summary: ConditionSummary, title: str, trials: Sequence[TrialResult]) -> str:
@@ -186,13 +286,13 @@ def _is_usable(trial: TrialResult) -> bool:
 
 def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[Any]) -> None:
     """Draw the recordings with the forces picked from them and the band of their sliding forces."""
-    axes.set(xlabel=figure_label("time_s"), ylabel=figure_label("force_N"))
+    axes.set(xlabel=style.figure_label("time_s"), ylabel=style.figure_label("force_N"))
     recordings = _recordings_of(trials)
     if not recordings:
         say_instead(axes, "no recording could be read")
         return
     color_of = {trial.trial: color for trial, color in zip(trials, colors, strict=True)}
-    looks = [color_of[trial.trial] if _is_usable(trial) else GREY for trial in recordings]
+    looks = [color_of[trial.trial] if _is_usable(trial) else style.GREY for trial in recordings]
     outlines = [trial.outline for trial in recordings]
     envelopes = [
         np.column_stack([np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]]) for o in outlines
@@ -212,14 +312,14 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
             edgecolors="black",
             linewidths=0.8,
             zorder=5,
-            label=typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A"),
+            label=style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A"),
         )
     sliding_N = [force for trial in usable if math.isfinite(force := trial.breakaway.kinetic_N)]
     if sliding_N:
         low_N, high_N = min(sliding_N), max(sliding_N)
         limits = f"{low_N:.4g} N" if len(sliding_N) == 1 else f"{low_N:.4g} to {high_N:.4g} N"
-        label = typeset(f"sliding force F_k, {limits}")
-        axes.axhspan(low_N, high_N, color=ORANGE, alpha=0.25, linewidth=0.8, zorder=0.5, label=label)
+        label = style.typeset(f"sliding force F_k, {limits}")
+        axes.axhspan(low_N, high_N, color=style.ORANGE, alpha=0.25, linewidth=0.8, zorder=0.5, label=label)
     # The means are framed: a spike of one sample must not squeeze everything else flat, nor go unsaid.
     low_N = min(float(outline.smoothed_N.min()) for outline in outlines)
     high_N = max(float(outline.smoothed_N.max()) for outline in outlines)
@@ -230,7 +330,7 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
     beyond = [f"{force:.4g} N" for force in ends_N if not bottom_N <= force <= top_N]
     if beyond:
         text = f"single samples as far as {' and '.join(beyond)} lie outside the frame"
-        axes.set_title(text, fontsize=9, color=GREY, loc="left")
+        axes.set_title(text, fontsize=9, color=style.GREY, loc="left")
     legend_below(axes)
 
 
@@ -244,16 +344,18 @@ def _draw_strip(
     any.
     """
     quantity = "end_tension_N" if _measures_slack(trials) else "peak_N"
-    axes.set(xlabel="Trial, in order of recording", ylabel=figure_label(quantity))
+    axes.set(xlabel="Trial, in order of recording", ylabel=style.figure_label(quantity))
     axes.set_xlim(0.4, max(len(trials), 1) + 0.6)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(y=0.15)
     mean_N, std_N = summary.mean_all_N, summary.std_all_N
     if math.isfinite(mean_N):
-        axes.axhline(mean_N, color=BLUE, linewidth=1.2, label=f"mean of all, {mean_N:.4g} N")
+        axes.axhline(mean_N, color=style.BLUE, linewidth=1.2, label=f"mean of all, {mean_N:.4g} N")
     if math.isfinite(std_N) and std_N > 0:
         label = f"±2s of all, s = {std_N:.3g} N"
-        axes.axhspan(mean_N - 2 * std_N, mean_N + 2 * std_N, color=BLUE, alpha=0.10, linewidth=0, label=label)
+        axes.axhspan(
+            mean_N - 2 * std_N, mean_N + 2 * std_N, color=style.BLUE, alpha=0.10, linewidth=0, label=label
+        )
     numbered = list(zip(range(1, len(trials) + 1), trials, colors, strict=True))
     usable = [one for one in numbered if _is_usable(one[1])]
     _draw_values(axes, usable)
@@ -264,14 +366,19 @@ def _draw_strip(
             continue
         point = (order, trial.measured_N)
         if len(trials) > _CROWDED:
-            note_at(axes, reason, point, 9.0, va="center", color=GREY, rotation=90, zorder=6)
+            note_at(axes, reason, point, 9.0, va="center", color=style.GREY, rotation=90, zorder=6)
         else:
-            note_at(axes, reason, point, 0.0, 10.0, color=GREY, zorder=6)
+            note_at(axes, reason, point, 0.0, 10.0, color=style.GREY, zorder=6)
     _draw_flags(axes, {order: trial for order, trial, _ in numbered if not _is_usable(trial)})
     if not usable:
-        axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=GREY)
+        axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=style.GREY)
     elif warning := RULES[summary.rule].warning(summary.n):
-        banner = {"facecolor": "#FFF3D6", "edgecolor": ORANGE, "boxstyle": "round,pad=0.2", "linewidth": 0.8}
+        banner = {
+            "facecolor": "#FFF3D6",
+            "edgecolor": style.ORANGE,
+            "boxstyle": "round,pad=0.2",
+            "linewidth": 0.8,
+        }
         axes.set_title(warning.split(" (")[0], fontsize=9, loc="left", bbox=banner)
     legend_below(axes)
 
@@ -303,7 +410,7 @@ def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -
 def _draw_flags(axes: "Axes", flagged: dict[int, TrialResult]) -> None:
     if not flagged:
         return
-    look: dict[str, Any] = {"color": DARK_ORANGE, "transform": axes.get_xaxis_transform()}
+    look: dict[str, Any] = {"color": style.DARK_ORANGE, "transform": axes.get_xaxis_transform()}
     cross = {"markersize": 7, "markeredgewidth": 1.6, "clip_on": False, "label": "flagged"}
     axes.plot([*flagged], [0.03] * len(flagged), "x", **look | cross)
     for order, trial in flagged.items():

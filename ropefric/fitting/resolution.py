@@ -1,0 +1,164 @@
+"""What a list of conditions can tell before anything is measured: laws, parameters, and laws from simpler ones."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from scipy.special import fdtri, ncfdtr
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
+from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.result import SPARE
+from ropefric.fitting.statistics import decomposed
+from ropefric.friction.condition import Conditions, condition_groups
+from ropefric.friction.law import FrictionLaw
+from ropefric.friction.laws import LAWS
+from ropefric.glossary import counted
+from ropefric.trials.campaign_model import Campaign
+
+TYPICAL_WITHIN, TYPICAL_BETWEEN = 0.015, 0.01
+"""Scatter of ln F_A between repeats and between conditions where none is known [-]."""
+
+# The share of campaigns from which on laws are told apart.
+_SURE = 0.8
+# A parameter is told where its standard error is at most this part of it.
+_TOLD = 0.5
+_TYPICAL_MU = 0.2
+_TEST_LEVEL = 0.05
+# A noncentrality whose power no float tells from one, and for which the distribution is not computed.
+_BEYOND_DOUBT = 1e3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawOutlook:
+    """What conditions can tell of a law, if it is true with typical parameters.
+
+    Attributes
+    ----------
+    law : str
+        The law.
+    reason : str
+        Why it can have no say at all; empty if it can.
+    expected_std : dict of str to float
+        Standard error to expect of each fitted parameter; infinite for one that no condition shows.
+    untold : tuple of str
+        Parameters whose standard error exceeds half their typical size.
+    power : dict of str to float
+        Of each simpler law that it contains: the share of campaigns in which the test of the two tells them apart.
+    """
+
+    law: str
+    reason: str = ""
+    expected_std: dict[str, float]
+    untold: tuple[str, ...]
+    power: dict[str, float]
+
+    @property
+    def text(self) -> str:
+        """Return the outlook in words."""
+        if self.reason:
+            return f"{self.law}: cannot be judged: {self.reason}"
+        words = []
+        for simpler, power in self.power.items():
+            verb = (
+                "is told"
+                if power >= _SURE
+                else "can hardly be told"
+                if power >= 2 * _TEST_LEVEL
+                else "cannot be told"
+            )
+            words.append(f"{verb} from {simpler} (in {power:.0%} of campaigns)")
+        if self.untold:
+            words.append(f"no {', '.join(self.untold)}")
+        return f"{self.law}: {'; '.join(words) or 'its parameters are told'}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON object; an infinite standard error is None."""
+        stds = {name: std if math.isfinite(std) else None for name, std in self.expected_std.items()}
+        return asdict(self) | {"expected_std": stds, "text": self.text}
+
+
+def outlook_of_campaign(
+    campaign: Campaign, laws: Iterable[FrictionLaw] | None = None
+) -> tuple[LawOutlook, ...]:
+    """Return what the list of a campaign's trials can tell, by the usual scatter of ropes.
+
+    Where the slack side is to be measured, its tension is what a usual coefficient leaves of the load.
+    """
+    trials = [trial for trial in campaign.trials if not trial.exclude]
+    settings = np.array([(t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad) for t in trials]).reshape(
+        -1, 3
+    )
+    usual = np.exp(-_TYPICAL_MU * settings[:, 2])
+    known = ((t.end_tension_N, t.lift_force_N) for t in trials)
+    tensions = [
+        end if end is not None else (lift or 1.0) * u for (end, lift), u in zip(known, usual, strict=True)
+    ]
+    columns = [*settings.T, np.array(tensions)]
+    group = condition_groups(*columns)
+    first = np.unique(group, return_index=True)[1]
+    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+    at = Conditions(**{name: column[first] for name, column in zip(names, columns, strict=True)})
+    variance = TYPICAL_BETWEEN**2 + TYPICAL_WITHIN**2 / np.bincount(group)
+    return tuple(law_outlook(law, at, variance) for law in (LAWS.values() if laws is None else laws))
+
+
+def law_outlook(
+    law: FrictionLaw, at: Conditions, variance: FloatArray, theta: Sequence[float] | FloatArray | None = None
+) -> LawOutlook:
+    """Return what conditions, whose means have a variance of ln F_A, can tell of a law; typical parameters if none."""
+    truth = np.array([item.start for item in law.parameters] if theta is None else theta, dtype=np.float64)
+    free = np.array([not item.fixed for item in law.parameters])
+    names = [item.name for item in law.parameters if not item.fixed]
+    n, q = len(at), len(names)
+    reasons = law.validity(truth, at)
+    if not reasons and n < q + SPARE:
+        reasons = (f"{counted(n, 'condition')} for {counted(q, 'parameter')}, and {q + SPARE} are needed",)
+    if reasons:
+        return LawOutlook(law=law.name, reason=reasons[0], expected_std={}, untold=tuple(names), power={})
+    svd = decomposed(law.jacobian(truth, at)[:, free] / np.sqrt(variance)[:, None])
+    half, _ = svd.root()
+    std = np.where(svd.unseen, np.inf, np.linalg.norm(half, axis=1))
+    found = dict(zip(names, std.tolist(), strict=True))
+    weak = std > _TOLD * np.abs(truth[free])
+    # An offset of zero is as good as told where it is known to a few per cent.
+    untold = tuple(
+        name for name, bad, value in zip(names, weak, truth[free], strict=True) if bad and value != 0.0
+    )
+    power = {case.name: _power(law, truth, case, at, variance) for case in law.special_cases}
+    return LawOutlook(law=law.name, expected_std=found, untold=untold, power=power)
+
+
+def _power(
+    law: FrictionLaw, theta: FloatArray, simpler: FrictionLaw, at: Conditions, variance: FloatArray
+) -> float:
+    """Return in which share of campaigns an F-test tells a law from a simpler one, from how far that stays off it."""
+    n, fuller = len(at), sum(not item.fixed for item in law.parameters)
+    start, vary = (
+        np.array([getattr(item, key) for item in simpler.parameters]) for key in ("start", "fixed")
+    )
+    problem = FitProblem(
+        law=simpler, conditions=at, log_lift=_shown(law, theta, at), std=np.sqrt(variance), group=np.arange(n),
+        start=start, lower=simpler.lower, upper=simpler.upper, vary=~vary.astype(np.bool_),
+    )  # fmt: skip
+    try:
+        off = float(batched_fit(problem, tolerance=1e-3, max_iterations=60).chi2[0])
+    except InputError:
+        return math.nan
+    more, left = fuller - problem.n_varying, n - fuller
+    if off > _BEYOND_DOUBT:
+        return 1.0
+    limit = float(fdtri(more, left, 1.0 - _TEST_LEVEL))
+    return 1.0 - float(ncfdtr(more, left, max(off, 1e-12), limit))
+
+
+def _shown(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArray:
+    """Return ln F_A of a law at its parameters, an effect that is nothing there at a tenth."""
+    shown = np.where(
+        (theta == 0.0) & np.array([item.lower < 0.0 < item.upper for item in law.parameters]), 0.1, theta
+    )
+    return law.log_lift(shown, at)

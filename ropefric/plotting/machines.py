@@ -1,0 +1,388 @@
+"""The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
+
+import math
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropefric.errors import InputError
+from ropefric.glossary import GLOSSARY
+from ropefric.plotting import style
+from ropefric.plotting.figure import (
+    DataTable,
+    FigureWithData,
+    drawing,
+    legend_below,
+    legend_of_figure,
+    note_at,
+    say_instead,
+)
+from ropefric.systems.bandsaw.saw import Side
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from matplotlib.axes import Axes
+
+    from ropefric.arrays import FloatArray
+    from ropefric.scenes.kind import Chart
+    from ropefric.scenes.plan import Explanation
+    from ropefric.scenes.solve import Solution
+    from ropefric.scenes.sweep import Axis, Sweep
+    from ropefric.systems.bandsaw.resonance import Excitation, SawChart
+    from ropefric.systems.press.transient.start_up import StartUp
+
+
+_MARKERS = "os^Dv*"
+_MOST_LINES = 6
+_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
+_DRAWN_POINTS, _DRAWN_CELLS = 2000, 250
+"""Most points of a line, and of each side of a map, that a page can show; a finer sweep is thinned evenly."""
+
+
+def scene_figures(solution: "Solution") -> "Iterator[tuple[str, FigureWithData]]":
+    """Yield file name without ending and figure of everything that a solved scene has to show."""
+    for stem, figure in solution.scene.kind.figures.items():
+        data = figure.data(solution.answer, solution.scene.problem)
+        if data is not None:
+            yield stem, globals()[figure.drawn_by](data)
+
+
+def draw_chart(chart: "Chart") -> FigureWithData:
+    """Return the figure of a chart: its lines, thin grey ones for limits, a point where a line has one value."""
+    with drawing(9.0, 6.0) as figure:
+        axes = figure.subplots()
+        drawn = 0
+        for line in chart.lines:
+            if line.limit:
+                axes.plot(line.x, line.y, color=style.GREY, linewidth=1.0, label=line.name)
+                continue
+            dot: dict[str, Any] = {"marker": _MARKERS[drawn % 6], "linestyle": "none"}
+            look = dot if line.x.size == 1 else {"linestyle": style.LINE_STYLES[drawn % 4]}
+            axes.plot(line.x, line.y, label=line.name, **look)
+            drawn += 1
+        axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
+        axes.set_title(chart.title)
+        legend_below(axes)
+    names = [line.name for line in chart.lines]
+    columns = {
+        "line": np.repeat(names, [line.x.size for line in chart.lines]),
+        chart.x_column: np.concatenate([line.x for line in chart.lines], dtype=np.float64),
+        chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
+    }
+    alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
+    return FigureWithData(figure=figure, tables=(DataTable.of_columns(columns),), alt=alt)
+
+
+def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
+    """Return the figure of one number of a sweep over one or two axes: lines for few values of the first, else a map."""
+    if len(sweep.axes) > 2:
+        raise InputError(
+            f"a figure shows one or two axes, this sweep has {len(sweep.axes)}", fix="use its CSV file"
+        )
+    name = quantity or next(iter(sweep.columns))
+    if name not in sweep.columns:
+        raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
+    *outer, across = kept = sweep.kept
+    lines = not outer or outer[0].values.size <= _MOST_LINES
+    most = _DRAWN_POINTS if lines else _DRAWN_CELLS
+    steps = [1 if lines else -(-axis.values.size // most) for axis in outer]
+    steps.append(-(-across.values.size // most))
+    grid = sweep.columns[name].reshape([axis.values.size for axis in kept])
+    grid = grid[tuple(slice(None, None, step) for step in steps)]
+    places = [axis.values[::step] / axis.factor for axis, step in zip(kept, steps, strict=True)]
+    path, _, last = name.rpartition(".")
+    label = (f"{path}: " if path else "") + (style.figure_label(last) if last in GLOSSARY else last)
+    with drawing(9.0, 6.0) as figure:
+        axes = figure.subplots()
+        axes.set_xlabel(_axis_words(across))
+        if not outer:
+            axes.plot(places[0], grid, color="black")
+            axes.set_ylabel(label)
+        elif lines:
+            for place, (value, row) in enumerate(zip(places[0], grid, strict=True)):
+                look: dict[str, Any] = {"linestyle": _DASHES[place], "color": str(0.65 * place / _MOST_LINES)}
+                words = f"{outer[0].key} = {value:.4g} {outer[0].unit}".rstrip()
+                axes.plot(places[1], row, label=words, **look)
+            axes.set_ylabel(label)
+            legend_below(axes)
+        else:
+            shown = np.ma.masked_invalid(grid)
+            drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
+            axes.set_ylabel(_axis_words(outer[0]))
+            axes.figure.colorbar(drawn, ax=axes).set_label(label)
+    columns = {
+        axis.key: each.ravel()
+        for axis, each in zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
+    }
+    table = DataTable.of_columns(columns | {name: grid.ravel()})
+    return FigureWithData(figure=figure, tables=(table,))
+
+
+def draw_explanation(told: "Explanation") -> FigureWithData:
+    """Return what every effect of a scene is worth, against the accuracy wanted, and beside it the time it takes."""
+    shown = [one for one in told.plan.decisions if one.fate != "not applicable"]
+    rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
+    columns = {name: np.array([getattr(one, name) for one in shown]) for name in ("bound", "worth", "time_s")}
+    least = 1e-3 * min(told.plan.accuracy, *columns["bound"][columns["bound"] > 0.0])
+    with drawing(9.0, 1.6 + 0.35 * len(shown)) as figure:
+        worth, takes = figure.subplots(1, 2, sharey=True, width_ratios=(3, 1 + told.is_measured))
+        # A worth without a bound reaches to the edge.
+        most = 3.0 * max(1.0, *columns["bound"][np.isfinite(columns["bound"])])
+        bars = np.clip(np.nan_to_num(columns["bound"], nan=0.0, posinf=most), least, most)
+        for words, some, color in (("simulated", inside, style.BLUE), ("left out", ~inside, style.GREY)):
+            worth.barh(rows[some], bars[some], color=color, height=0.6, label=words if some.any() else "")
+            takes.barh(rows[some], 1e3 * np.nan_to_num(columns["time_s"])[some], color=color, height=0.6)
+        worth.plot(np.maximum(columns["worth"], least), rows, "o", color=style.INK, label="measured worth")
+        worth.axvline(told.plan.accuracy, color=style.ORANGE, linestyle="--", label="accuracy wanted")
+        worth.set(xscale="log", xlim=(least, most), xlabel="Worth at most, of the answer [-]")
+        worth.set_yticks(rows, [one.name for one in shown])
+        worth.invert_yaxis()
+        takes.set_xlabel("Takes [ms]" if told.is_measured else "Time: --measure")
+        figure.suptitle(f"What the effects of this {told.system} scene are worth, and what they take")
+        legend_of_figure(figure, columns=4)
+    alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
+    named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
+    table = DataTable.of_columns({**named, **columns})
+    return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
+
+
+def _axis_words(axis: "Axis") -> str:
+    return f"{axis.key} [{axis.unit}]" if axis.unit else axis.key
+
+
+_LEFT_BEHIND = 0.02
+"""A roller whose rim differs from the drive by this share of its highest speed at the end is drawn by itself."""
+_FLOOR = 1e-16
+
+
+def _same_lines(names: "Iterable[str]", lines: "FloatArray", prefix: str) -> "dict[str, FloatArray]":
+    """Return each different line once, under all its names."""
+    groups: list[tuple[list[str], FloatArray]] = []
+    for name, line in zip(names, lines.T, strict=True):
+        alike = (members for members, other in groups if np.allclose(line, other, rtol=1e-9, atol=1e-12))
+        if (members := next(alike, None)) is None:
+            groups.append((members := [], line))
+        members.append(f"{prefix}_{name}")
+    return {", ".join(members): line for members, line in groups}
+
+
+def name_lines(axes: "Axes", ends: "Iterable[tuple[str, float]]", *, gap: float = 0.042) -> None:
+    """Write names at the right end of lines, pushed apart where they would touch; call it with the limits set."""
+    to_axes = axes.transData + axes.transAxes.inverted()
+    right = axes.get_xlim()[1]
+    wanted = sorted((float(to_axes.transform((right, value))[1]), name) for name, value in ends)
+    # Names in order that are too close form a block about its mean; blocks that meet join.
+    blocks = [[place] for place, _ in wanted]
+    i = 0
+    while i < len(blocks) - 1:
+        low, high = _spread(blocks[i], gap), _spread(blocks[i + 1], gap)
+        if high[0] - low[-1] < gap - 1e-9:
+            blocks[i : i + 2] = [blocks[i] + blocks[i + 1]]
+            i = max(i - 1, 0)
+        else:
+            i += 1
+    spread = [place for block in blocks for place in _spread(block, gap)]
+    arrow = {"arrowstyle": "-", "color": style.GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
+    for (true, name), place in zip(wanted, spread, strict=True):
+        look: dict[str, Any] = {
+            "xycoords": "axes fraction",
+            "va": "center",
+            "fontsize": 9.0,
+            "arrowprops": arrow,
+        }
+        axes.annotate(style.typeset(name), (1.0, true), (1.03, place), annotation_clip=False, **look)
+
+
+def _spread(block: "Sequence[float]", gap: float) -> "list[float]":
+    middle = sum(block) / len(block)
+    return [middle + gap * (i - 0.5 * (len(block) - 1)) for i in range(len(block))]
+
+
+def draw_press_start_up(found: "StartUp") -> FigureWithData:
+    """Return the figure of a start-up.
+
+    From above: the tension of every span; the rim speed of every roller; when the belt slips on which roller, forward
+    (it runs ahead, as on a driven roller) or backward (it lags, as on a driver); what does not add up in the energy
+    balance, against the greatest of its parts.
+    """
+    spans, rollers = ([part.name for part in parts] for parts in (found.press.spans, found.press.rollers))
+    rims_m_s = found.roller_speed_rad_s * [roller.radius_m for roller in found.press.rollers]
+    margins = {"left": 0.13, "right": 0.84, "top": 0.96, "bottom": 0.05, "hspace": 0.16}
+    with drawing(9.0, 11.0, margins=margins) as figure:
+        panels = figure.subplots(4, 1, sharex=True, height_ratios=[3.2, 2.0, 1.2, 1.0])
+        tension, speed, slip, energy = panels
+        tension.set_xlim(found.time_s[0], found.time_s[-1])
+        tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
+        lines = _same_lines(spans, found.tension_N, "T")
+        for i, (line, color) in enumerate(zip(lines.values(), style.shades(len(lines)), strict=True)):
+            tension.plot(found.time_s, line, color=color, linestyle=style.LINE_STYLES[i % 4], linewidth=1.3)
+        tension.set_ylim(bottom=0.0)
+        name_lines(tension, [(name, float(line[-1])) for name, line in lines.items()])
+        _draw_speeds(speed, found, rims_m_s)
+        _draw_slips(slip, found)
+        residual = np.abs(found.energy.residual) / (float(np.abs(found.energy.drive).max()) or 1.0)
+        energy.semilogy(found.time_s, np.maximum(residual, _FLOOR), color=style.GREY, linewidth=1.0)
+        energy.set(xlabel="Time t [s]", ylabel="Energy residual [-]")
+        figure.align_ylabels()
+    columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
+    columns |= {f"tension_{name}_N": line for name, line in zip(spans, found.tension_N.T, strict=True)}
+    columns |= {f"rim_speed_{name}_m_s": line for name, line in zip(rollers, rims_m_s.T, strict=True)}
+    histories = DataTable.of_columns(columns | {"energy_residual_J": found.energy.residual})
+    slips = tuple((slip.roller, slip.start_s, slip.end_s, slip.direction) for slip in found.slips)
+    header = ("roller", "start_s", "end_s", "direction")
+    first = {slip.roller: slip.start_s for slip in reversed(found.slips)}
+    ones = ", ".join(f"roller {name} from {first[name]:.3g} s" for name in _slipped(found))
+    alt = f"Start-up over {found.time_s[-1]:.4g} s: tensions {style.span_of(found.tension_N)} N; " + (
+        f"the belt slips on {ones}." if ones else "no belt slips."
+    )
+    tables = histories, DataTable(name="slips", header=header, rows=slips)
+    return FigureWithData(figure=figure, tables=tables, alt=alt)
+
+
+def _slipped(found: "StartUp") -> list[str]:
+    """Return the rollers on which a belt slips, in the order in which it begins to."""
+    return list(dict.fromkeys(slip.roller for slip in found.slips))
+
+
+def _draw_speeds(axes: "Axes", found: "StartUp", rims_m_s: "FloatArray") -> None:
+    drive_m_s, slipped = found.drive_speed_m_s, _slipped(found)
+    least = _LEFT_BEHIND * float(np.abs(drive_m_s).max())
+    ends = [("drive", float(drive_m_s[-1]))]
+    for roller, rim_m_s in zip(found.press.rollers, rims_m_s.T, strict=True):
+        look = (style.ORANGE, 1.2) if roller.name in slipped else (style.GREY, 0.7)
+        axes.plot(found.time_s, rim_m_s, color=look[0], linewidth=look[1])
+        if abs(rim_m_s[-1] - drive_m_s[-1]) > least:
+            ends.append((f"roller {roller.name}", float(rim_m_s[-1])))
+    axes.plot(found.time_s, drive_m_s, color=style.BLUE, linewidth=1.6, linestyle="--")
+    axes.set_ylabel("Rim speed Rθ' [m/s]")
+    name_lines(axes, ends, gap=0.07)
+
+
+def _draw_slips(axes: "Axes", found: "StartUp") -> None:
+    names = _slipped(found)
+    for slip in found.slips:
+        color = style.ORANGE if slip.direction > 0 else style.BLUE
+        row = names.index(slip.roller)
+        axes.barh(row, slip.end_s - slip.start_s, left=slip.start_s, height=0.6, color=color)
+        # A slip shorter than a pixel still gets its mark.
+        axes.plot([slip.start_s], [row], marker="|", markersize=9.0, color=color)
+    axes.set_ylabel("Slip on")
+    axes.set_yticks(range(len(names)), [f"roller {name}" for name in names])
+    axes.set_ylim(max(len(names), 1) - 0.5, -0.5)
+    if not names:
+        say_instead(axes, "no belt slips")
+    for place, color, direction, word in (
+        (0.7, style.ORANGE, 1, "forward"),
+        (0.3, style.BLUE, -1, "backward"),
+    ):
+        if any(slip.direction == direction for slip in found.slips):
+            axes.text(1.03, place, word, transform=axes.transAxes, va="center", color=color, fontsize=9.0)
+
+
+_CROSSING = ("side", "mode", "excitation", "harmonic", "speed_m_s", "frequency_Hz", "speed_margin")
+
+_LOOK = {Side.TIGHT: (style.BLUE, "-"), Side.SLACK: (style.ORANGE, "--")}
+_SHAKES = ((0, (1, 1)), (0, (4, 2, 1, 2)), (0, (6, 2)), (0, (3, 1, 1, 1, 1, 1)))
+# A written margin takes so much of the chart's width and height.
+_LABEL_WIDTH, _LABEL_HEIGHT = 0.066, 0.032
+_LABEL_OFFSET = 0.03
+_MODE_LABELS_AT = 0.12
+_BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.4}
+
+
+def draw_saw_chart(chart: "SawChart") -> FigureWithData:
+    """Return a Campbell chart: frequencies of the modes of both sides over the blade's speed, and the excitations.
+
+    Where a mode meets an excitation there is a circle; the number beside it says by how much the speed at work would
+    have to change to get there. Where circles crowd, the numbers nearest to the speed at work are written; the
+    table has all.
+    """
+    top_Hz = 1.08 * max(float(found.max()) for found in chart.mode_Hz.values())
+    fastest_m_s = float(chart.speed_m_s[-1])
+    with drawing(9.0, 6.5) as figure:
+        axes = figure.subplots()
+        axes.set(xlim=(float(chart.speed_m_s[0]), fastest_m_s), ylim=(0.0, top_Hz))
+        axes.set(xlabel="Blade speed v [m/s]", ylabel="Frequency f [Hz]")
+        axes.set_title(
+            "Modes of the blade and what excites them; circles: resonance, at this change of speed", pad=18.0
+        )
+        _draw_modes(axes, chart)
+        for excitation, dashes in zip(chart.excitations, cycle(_SHAKES), strict=False):
+            _draw_excitation(axes, excitation, chart, dashes, top_Hz)
+        if chart.saw.speed_m_s > 0.0:
+            axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
+        _draw_crossings(axes, chart, top_Hz)
+        legend_below(axes, columns=4)
+    speeds, n_modes = chart.speed_m_s, chart.mode_Hz[Side.TIGHT].shape[1]
+    modes: dict[str, Any] = {
+        "side": [str(side) for side in chart.mode_Hz for _ in range(n_modes * speeds.size)],
+        "mode": [*np.repeat(np.arange(1, n_modes + 1), speeds.size).tolist()] * len(chart.mode_Hz),
+        "speed_m_s": np.tile(speeds, n_modes * len(chart.mode_Hz)),
+        "frequency_Hz": np.concatenate([found.T.ravel() for found in chart.mode_Hz.values()]),
+    }
+    crossings = {name: [getattr(one, name) for one in chart.crossings] for name in _CROSSING}
+    crossings["side"] = [str(side) for side in crossings["side"]]
+    crossings["speed_margin"] = [x if math.isfinite(x) else math.nan for x in crossings["speed_margin"]]
+    tables = DataTable.of_columns(modes), DataTable.of_columns(crossings, "crossings")
+    return FigureWithData(figure=figure, tables=tables)
+
+
+def _draw_modes(axes: "Axes", chart: "SawChart") -> None:
+    for side, frequencies in chart.mode_Hz.items():
+        color, dashes = _LOOK[side]
+        for mode, values in enumerate(frequencies.T, start=1):
+            axes.plot(chart.speed_m_s, values, dashes, color=color, linewidth=1.6, label=f"{side} side")
+            if side is Side.SLACK:
+                case = int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))
+                point = (float(chart.speed_m_s[case]), float(values[case]))
+                note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
+
+
+def _mode_label_place(chart: "SawChart") -> float:
+    slowest, fastest = float(chart.speed_m_s[0]), float(chart.speed_m_s[-1])
+    return slowest + _MODE_LABELS_AT * (fastest - slowest)
+
+
+def _draw_excitation(
+    axes: "Axes", excitation: "Excitation", chart: "SawChart", dashes: object, top_Hz: float
+) -> None:
+    lines = excitation.frequencies_Hz(chart.speed_m_s).T
+    if float(lines.min(axis=1).min()) >= top_Hz:
+        axes.plot([], [], color=style.GREY, linestyle=dashes, label=f"{excitation.name} (above the chart)")
+        return
+    fastest_m_s = float(chart.speed_m_s[-1])
+    for harmonic, values in zip(excitation.harmonics, lines, strict=True):
+        axes.plot(
+            chart.speed_m_s, values, color=style.GREY, linestyle=dashes, linewidth=1.1, label=excitation.name
+        )
+        at_right = bool(values[-1] <= top_Hz)
+        if not at_right and values[0] >= top_Hz:
+            continue
+        leaves_m_s = float(np.interp(top_Hz, values, chart.speed_m_s)) if not at_right else fastest_m_s
+        where = {"right": 4.0, "ha": "left", "va": "center"} if at_right else {"up": 3.0}
+        point = (leaves_m_s, min(float(values[-1]), top_Hz))
+        note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
+
+
+def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
+    slowest_m_s, span_m_s = float(chart.speed_m_s[0]), float(np.ptp(chart.speed_m_s))
+    slack = chart.mode_Hz[Side.SLACK][int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))]
+    written = [(_MODE_LABELS_AT, float(value) / top_Hz - _LABEL_OFFSET) for value in slack]
+    for crossing in sorted(chart.crossings, key=lambda crossing: abs(crossing.speed_margin)):
+        color, point = _LOOK[crossing.side][0], (crossing.speed_m_s, crossing.frequency_Hz)
+        ring: dict[str, Any] = {"markersize": 6.0, "markerfacecolor": "none", "markeredgewidth": 1.3}
+        axes.plot(*point, "o", markeredgecolor=color, **ring)
+        up = 1.0 if crossing.side is Side.TIGHT else -1.0
+        x = (crossing.speed_m_s - slowest_m_s) / span_m_s
+        y = crossing.frequency_Hz / top_Hz + up * _LABEL_OFFSET
+        crowded = any(
+            abs(x - other) < _LABEL_WIDTH and abs(y - there) < _LABEL_HEIGHT for other, there in written
+        )
+        outside = y < 0.5 * _LABEL_HEIGHT or x < 0.5 * _LABEL_WIDTH
+        if not (crowded or outside) and math.isfinite(crossing.speed_margin):
+            written.append((x, y))
+            words = f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}")
+            look: dict[str, Any] = {"va": "bottom" if up > 0.0 else "top", "bbox": _BACKGROUND, "zorder": 5}
+            note_at(axes, words, point, up=6.0 * up, color=color, **look)

@@ -1,0 +1,264 @@
+"""Sweeps are planned once for their box: what may go goes, and no number, no yes or no differs from everything."""
+
+import csv
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pyarrow.parquet
+import pytest
+
+from ropefric.errors import InputError
+from ropefric.files.folder import Folder
+from ropefric.scenes import sweep as sweeping
+from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table, write_sweep
+from ropefric.systems.effect import Model
+from ropefric.systems.hoist.contact import solve_lift
+from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
+
+WEAK = {"law": "wrap-power", "parameters": {"a": 0.0005, "b": -0.2, "c": 0.2}}
+STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}
+AXES = ("wheel.wrap=90deg:1440deg:200", "load.end_tension=10N:500N:150")
+
+
+def compared(make, *axes, **changes):
+    """The sweep as planned, after it was held against that with everything, point by point."""
+    found = []
+    for effects in ("auto", "all"):
+        scene = make(effects=effects, **changes)
+        found.append(sweep_scene(scene, tuple(parse_axis(scene, text) for text in axes)))
+    planned, whole = found
+    assert planned.failed == whole.failed
+    assert planned.failures == whole.failures, "a yes or no differs"
+    for name, wanted in whole.columns.items():
+        values = planned.columns[name]
+        assert (np.isnan(values) == np.isnan(wanted)).all(), name
+        off = np.abs(values - wanted) / np.where(wanted == 0.0, 1.0, np.abs(wanted))
+        limit = planned.accuracy if name == "margin_N" else min(planned.accuracy, planned.error_bound + 1e-12)
+        assert np.nanmax(off) <= limit, name
+    return planned
+
+
+def test_a_stiffness_that_matters_nowhere_much_goes_where_its_own_bound_lets_it(hoist_of):
+    planned = compared(hoist_of, *AXES, accuracy=0.02, rope=STIFF)
+    assert 20_000 < planned.left_out["bending-stiffness"] < 30_000
+    assert "bending-stiffness" in planned.simulated, "not at every point"
+
+
+def test_whether_a_hoist_lifts_is_never_left_open(hoist_of):
+    planned = compared(
+        hoist_of, *AXES, accuracy=0.1, rope=STIFF, load={"end_tension": "80 N", "payload": "30 kg"}
+    )
+    assert planned.left_out
+    assert planned.failures
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """The box is solved with and without whatever takes time, however little that is."""
+    monkeypatch.setattr(sweeping, "_LEAST_SAVED_S", 0.0)
+
+
+@pytest.mark.usefixtures("asked")
+def test_what_a_law_is_told_goes_everywhere_where_the_box_says_so(hoist_of):
+    planned = compared(hoist_of, *AXES, accuracy=0.02, friction=WEAK, rope=STIFF)
+    assert planned.left_out["wrap-dependence"] == 30_000
+
+
+@pytest.mark.usefixtures("asked")
+def test_where_the_box_ends_at_lift_off_nothing_is_left_out_that_has_no_bound_of_its_own(hoist_of):
+    axes = ("wheel.speed=0.1m/s:40m/s:200", "load.end_tension=5N:100N:150")
+    planned = compared(hoist_of, *axes, accuracy=0.1, friction=WEAK, rope=STIFF)
+    assert planned.failed > 0
+    assert "wrap-dependence" not in planned.left_out
+
+
+def test_a_small_sweep_is_solved_whole(hoist_of):
+    scene = hoist_of(accuracy=0.5, rope=STIFF)
+    assert not sweep_scene(scene, (parse_axis(scene, "wheel.wrap=90deg:1440deg:50"),)).left_out
+
+
+@pytest.mark.usefixtures("asked")
+def test_a_press_and_a_drive_keep_their_promise_over_a_grid(loaded, scene_of):
+    friction = {"law": "wrap-power", "parameters": {"a": 0.01, "b": -0.2, "c": 1.0}}
+    press = loaded("belt-press").document.data
+    press["press"]["load_factor"] = 1.0
+    press |= {"accuracy": 0.02, "friction": friction}
+    axes = ("press.preload=1500N:4000N:40", "press.load_factor=0.5:1.5:60")
+    planned = compared(lambda effects: scene_of(**(press | {"effects": effects})), *axes)
+    assert "wrap-dependence" in planned.left_out
+    drive = loaded("belt-drive").document.data | {"accuracy": 0.02}
+    drive |= {"friction": {"law": "wrap-power", "parameters": {"a": 0.001, "b": -0.2, "c": 0.3}}}
+    axes = ("tension.force=900N:2000N:200", "driving.speed=100rpm:1500rpm:150")
+    planned = compared(lambda effects: scene_of(**(drive | {"effects": effects})), *axes)
+    assert planned.left_out["wrap-dependence"] == 30_000
+
+
+def test_a_blade_is_a_string_where_its_tension_makes_it_one(loaded, scene_of):
+    saw = loaded("band-saw").document.data | {"accuracy": 0.02}
+    planned = compared(
+        lambda effects: scene_of(**(saw | {"effects": effects})), "tension.preload=3000N:300000N:12:log"
+    )
+    assert 0 < planned.left_out["bending"] < 12
+
+
+def check_random_hoists(hoist_of, count, seed):
+    """Boxes of two numbers, each from a scene of its own, with every optional part and near their limits."""
+    rng = np.random.default_rng(seed)
+    laws = {
+        "wrap-power": {"a": (0.0, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
+        "wrap-exponential": {"a": (0.0, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
+        "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
+        "constant-offset": {"a": (0.05, 0.4), "b": (0.0, 0.2)},
+        "howell": {"a": (0.1, 0.5), "b": (0.7, 0.99)},
+    }
+    from ropefric.friction.laws import ALL_LAWS
+
+    spared = 0
+    for _ in range(count):
+        name = str(rng.choice(sorted(laws)))
+        bounds = list(laws[name].values())
+        names = ALL_LAWS[name].parameter_names
+        parameters = {key: float(rng.uniform(*bound)) for key, bound in zip(names, bounds, strict=True)}
+        tension, wrap = 10.0 ** rng.uniform(0.7, 2.7), rng.uniform(30.0, 1200.0)
+        speed, stiff = rng.uniform(0.0, 12.0), 10.0 ** rng.uniform(-7.0, -2.5)
+        axes = {
+            "load.end_tension": f"{tension:g}N:{tension * rng.uniform(1.05, 20):g}N:60:log",
+            "wheel.wrap": f"{wrap:g}deg:{wrap * rng.uniform(1.01, 3.0):g}deg:50",
+            "wheel.radius": f"15mm:{rng.uniform(16, 300):g}mm:50",
+            "wheel.speed": f"0.1m/s:{0.2 + speed:g}m/s:50",
+            "rope.bending_stiffness": f"{stiff:g}N*m^2:{stiff * rng.uniform(1.1, 100):g}N*m^2:50:log",
+        }
+        chosen = rng.choice(list(axes), 2, replace=False)
+        planned = compared(
+            hoist_of,
+            *(f"{key}={axes[key]}" for key in chosen),
+            accuracy=float(rng.choice([0.001, 0.01, 0.02, 0.1])),
+            friction={"law": name, "parameters": parameters},
+            wheel={"wrap": f"{wrap:g} deg", "speed": f"{speed:g} m/s"},
+            rope=STIFF | {"bending_stiffness": f"{stiff:g} N*m^2"},
+            load={"end_tension": f"{tension:g} N", "payload": f"{tension * rng.uniform(0.05, 1.0):g} kg"},
+        )
+        spared += bool(planned.left_out)
+    return spared
+
+
+def answered(hoist_of, count, seed):
+    found = 0
+    for part in range(count):
+        try:
+            found += check_random_hoists(hoist_of, 1, [seed, part])
+        except InputError as error:
+            assert "no point of the sweep" in str(error) or "gives the coefficient" in str(error)  # noqa: PT017
+    return found
+
+
+@pytest.mark.usefixtures("asked")
+def test_random_sweeps_keep_the_promise(hoist_of):
+    assert answered(hoist_of, 25, 1) > 8
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("asked")
+def test_hundreds_of_random_sweeps_keep_the_promise(hoist_of):
+    assert answered(hoist_of, 600, 2) > 200
+
+
+@pytest.mark.parametrize(
+    "others", [(), ("centrifugal",), ("wrap-dependence", "size", "end-tension", "rope-weight")]
+)
+def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
+    problem = replace(
+        hoist_of(rope=STIFF).problem,
+        wrap_angle_rad=np.linspace(0.3, 25.0, 500),
+        bending_stiffness_N_m2=np.geomspace(1e-7, 3e-3, 500),
+        speed_m_s=6.0,
+    )
+    assert SYSTEM.effects["bending-stiffness"].each is stiffness_bound
+    bound = stiffness_bound(problem)
+    with_it, without = (
+        solve_lift(Model(problem=problem, effects=frozenset(others) | own)).logs
+        for own in ({"bending-stiffness"}, frozenset())
+    )
+    worth = np.abs(with_it - without).max(axis=0)
+    assert (worth <= bound).all()
+    assert np.median(bound / worth) < 4.0, "a bound that is ten times too large helps nobody"
+
+
+# --- tables ---
+
+
+@pytest.mark.parametrize("name", ["sweep.csv", "sweep.parquet"])
+def test_the_table_written_block_by_block_is_the_table_of_the_whole(hoist_of, tmp_path, monkeypatch, name):
+    monkeypatch.setattr(sweeping, "_BLOCK", 7)
+    scene = hoist_of(effects="all")
+    # The first points lift off: their rows wait until the names of the numbers are known.
+    axes = tuple(parse_axis(scene, text) for text in ("wheel.speed=60m/s:1m/s:9", "wheel.wrap=1turn:4turn:5"))
+    with sweep_table(axes, Folder(tmp_path), name) as table:
+        swept = sweep_scene(scene, axes, table=table, keep=12)
+    whole = sweep_scene(scene, axes)
+    assert swept.steps == (4, 2)
+    assert [axis.values.size for axis in swept.kept] == [3, 3]
+    kept = whole.columns["lift_force_N"].reshape(9, 5)[::4, ::2].ravel()
+    assert np.array_equal(swept.columns["lift_force_N"], kept, equal_nan=True)
+    assert swept.ranges == whole.ranges
+    assert whole.failed > 7
+    if name == "sweep.csv":
+        rows = list(csv.reader((tmp_path / name).read_text(encoding="utf-8").splitlines()))
+        assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average"]
+        cells = np.array([[float(cell or "nan") for cell in row] for row in rows[1:]])
+        write_sweep(whole, Folder(tmp_path), "again.csv")
+        assert (tmp_path / "again.csv").read_bytes() == (tmp_path / name).read_bytes()
+    else:
+        found = pyarrow.parquet.read_table(tmp_path / name)
+        assert found.column_names == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average"]
+        assert found["lift_force_N"].null_count == whole.failed
+        cells = found.to_pandas().to_numpy()
+    assert cells[:, 0] == pytest.approx(np.repeat(axes[0].values, 5))
+    assert cells[:, 1] == pytest.approx(np.tile([1.0, 1.75, 2.5, 3.25, 4.0], 9))
+    assert cells[:, 2] == pytest.approx(whole.columns["lift_force_N"], rel=1e-8, nan_ok=True)
+
+
+def test_a_sweep_that_is_broken_off_leaves_no_table(hoist_of, tmp_path):
+    scene = hoist_of()
+    axes = (parse_axis(scene, "wheel.wrap=90deg:900deg:120000"),)
+
+    def stop(done, total, what):
+        if done > 50_000:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
+        sweep_scene(scene, axes, table=table, progress=stop)
+    assert not list(tmp_path.iterdir())
+
+
+def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):
+    def peak(count):
+        scene = hoist_of(friction={"mu": 0.2})
+        axes = (
+            parse_axis(scene, f"wheel.wrap=90deg:900deg:{count}"),
+            parse_axis(scene, "wheel.radius=1cm:9cm:50"),
+        )
+        tracemalloc.start()
+        with sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
+            sweep_scene(scene, axes, table=table, keep=1000)
+        size = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return size
+
+    # What grows are the values of the axis itself.
+    assert peak(12_000) < 1.1 * peak(4_000) + 12_000 * 200
+
+
+def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkeypatch):
+    def missing(name):
+        raise ImportError
+
+    monkeypatch.setattr(sweeping, "import_module", missing)
+    scene = hoist_of()
+    axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
+    with (
+        pytest.raises(InputError, match=r"ropefric\[parquet\]"),
+        sweep_table(axes, Folder(tmp_path), "s.parquet"),
+    ):
+        pass

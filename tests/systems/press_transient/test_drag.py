@@ -1,0 +1,152 @@
+"""Drag opposes motion and holds at rest: against a regularised machine coded by itself; a press never drives itself."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from ropefric.errors import SolverError
+from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.press.transient.start_up import start_up
+
+
+def drive_of(law, speed_m_s=1.0, duration_s=0.3):
+    if law == "constant":
+        return DRIVE_LAWS[law](speed_m_s=speed_m_s)
+    if law == "table":
+        times = np.array([0.0, 0.1, 0.25, 0.4])
+        return DRIVE_LAWS[law](time_s=times, speed_m_s=speed_m_s * np.array([0.0, 0.6, 0.3, 1.0]))
+    return DRIVE_LAWS[law](speed_m_s=speed_m_s, duration_s=duration_s)
+
+
+CREEP_M_S, STILL_M_S = 4e-6, 1e-5
+
+
+def regularised(press, speed, loads, times_s, mu):
+    """The small machine by hand: friction and drag grow with the speed up to their limits, as a tanh."""
+    EA, eta = press.belts[0].axial_stiffness_N, press.belts[0].damping_s
+    lengths, rho = np.array(press.belts[0].span_lengths_m), 8.0
+    R = np.array([r.radius_m for r in press.rollers])
+    wrap = np.array([r.wrap_angle_rad for r in press.rollers])
+    J = np.array([r.inertia_kg_m2 for r in press.rollers])
+    tension = press.rollers[2].tensioner
+    T0 = 0.5 * (tension.spring_N_m * tension.travel_m + tension.force_N)
+    arc, E = rho * R * wrap, np.exp(mu * wrap)
+    load = press.rollers[1].torque_N_m / R[1]
+    final = float(speed(speed.x[-2]))
+
+    def rate(t, y, end):
+        b, db, v, x, dx = y[0:3], y[3:6], y[6:8], y[8], y[9]
+        v_drive = float(speed(min(t, np.nextafter(end, 0.0))))
+        shorten, dshorten = np.array([0.0, x, x]), np.array([0.0, dx, dx])
+        e, de = np.roll(b, -1) - b - shorten, np.roll(db, -1) - db - dshorten
+        T = np.maximum(T0 + EA / lengths * (e + eta * de), 0.0)
+        c = rho * v_drive**2
+        out, into = np.maximum(T - c, 0.0), np.maximum(np.roll(T, 1) - c, 0.0)
+        fast = db - np.array([v_drive, v[0], v[1]])
+        # (37): T_out + q = (T_in + q) e^M, q = ρAR b''/μ, solved for b''; backward with the sides exchanged.
+        ahead = mu * (out - E * into) / (rho * R * (E - 1.0))
+        behind = mu * (E * out - into) / (rho * R * (E - 1.0))
+        most = np.where(fast > 0.0, out - into - arc * ahead, into - out + arc * behind)
+        F = most * np.tanh(fast / CREEP_M_S)
+        belt = (T - np.roll(T, 1) - F) / arc
+        factor = 1.0 if loads == "constant" else v_drive / final
+        roll = (F[1:] - np.array([factor * load * np.tanh(v[0] / STILL_M_S), 0.0])) * R[1:] ** 2 / J[1:]
+        pull = T[1] + T[2] - 2.0 * T0 - 2.0 * c
+        push = (pull - tension.damping_N_s_m * dx - tension.spring_N_m * x) / tension.mass_kg
+        return np.concatenate([db, belt, roll, [dx, push]])
+
+    found, y = [], np.zeros(10)
+    y[3] = float(speed(0.0))  # what lies on the driver goes with it
+    starts = [one for one in speed.x[:-1] if one < times_s[-1]]
+    for start, end in zip(starts, [*starts[1:], times_s[-1]], strict=True):
+        inside = times_s[(times_s > start) & (times_s <= end)]
+        stops = np.unique(np.append(inside, end))
+        made = solve_ivp(
+            rate, (start, end), y, method="LSODA", t_eval=stops, rtol=1e-7, atol=1e-9, args=(end,)
+        )
+        found.append(made.y[:, : inside.size])
+        y = made.y[:, -1]
+    return np.hstack(found).T
+
+
+def random_case(seed):
+    rng = np.random.default_rng(seed)
+    return {
+        "law": ("constant", "ramp", "s-curve", "table")[seed % 4],
+        "loads": ("with-speed", "constant")[seed // 4 % 2],
+        "mu": rng.uniform(0.05, 0.3),
+        "load_N_m": rng.uniform(5.0, 60.0),
+        "k1": 10.0 ** rng.uniform(3.0, 5.0),
+    }
+
+
+def account_is_physical(found):
+    energy = found.energy
+    assert energy.relative_residual < 1e-8
+    for taken in (energy.load, energy.slip, energy.belt, energy.tensioner):
+        assert (np.diff(taken) >= -1e-9 * energy.scale_J).all()
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        {"law": "ramp", "loads": "with-speed", "mu": 0.25, "load_N_m": 20.0},
+        {"law": "ramp", "loads": "with-speed", "mu": 0.12, "load_N_m": 40.0},
+        *(random_case(seed) for seed in range(16)),
+    ],
+)
+def test_a_machine_coded_by_itself_slips_and_holds_alike(kit, case):
+    press = kit.small(load_N_m=case["load_N_m"], k1=case.get("k1", 1e4))
+    speed, times_s = drive_of(case["law"]), np.linspace(0.01, 1.0, 100)
+    wanted = regularised(press, speed, case["loads"], times_s, case["mu"])
+    found = start_up(press, speed=speed, time_s=times_s, friction=case["mu"], loads=case["loads"])
+    account_is_physical(found)
+    assert found.slips
+    rims = found.roller_speed_rad_s * [roller.radius_m for roller in press.rollers]
+    assert rims[:, 1].min() > -1e-9 or case["law"] != "ramp"
+    np.testing.assert_allclose(rims[:, 1:], wanted[:, 6:8], atol=0.01)
+    np.testing.assert_allclose(found.travel_m[:, 0] - 0.01, wanted[:, 8], atol=2e-4)
+    np.testing.assert_allclose((rims + found.slip_speed_m_s)[:, 1:], wanted[:, 4:6], atol=0.01)
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.15])
+@pytest.mark.parametrize("loads", ["with-speed", "constant"])
+def test_a_press_that_its_drivers_cannot_pull_stands(kit, mu, loads):
+    """Rolled along by drags that never change their sign, it would run backward for ever."""
+    press = kit.paper(force_N=1100.0)
+    found = start_up(
+        press, speed=kit.run_up(duration_s=4.0), time_s=np.linspace(0.0, 8.0, 161), friction=mu, loads=loads
+    )
+    account_is_physical(found)
+    # A roller may swing back and forth on its belts, but none is carried away backward.
+    turned = found.relative_angle_rad * press.radius_m + np.trapezoid(found.drive_speed_m_s, found.time_s)
+    assert found.roller_speed_rad_s[-1].min() > -1e-6
+    assert turned[-1].min() > -0.01
+
+
+@pytest.mark.parametrize("law", ["constant", "ramp", "s-curve", "table"])
+@pytest.mark.parametrize("seed", range(4))
+def test_any_paper_machine_keeps_its_account(kit, law, seed):
+    rng = np.random.default_rng([seed, len(law)])
+    press = kit.paper(
+        force_N=rng.uniform(500.0, 3000.0), EA_N=10.0 ** rng.uniform(6.0, 7.0), load=rng.uniform(0.2, 1.5)
+    )
+    found = start_up(
+        press,
+        speed=drive_of(law, kit.speed_m_s, 10.0 ** rng.uniform(-0.5, 0.3)),
+        time_s=np.linspace(0.0, 0.6, 61),
+        friction=rng.uniform(0.05, 0.3),
+        loads=("with-speed", "constant")[seed % 2],
+    )
+    account_is_physical(found)
+
+
+def test_a_linear_press_that_its_loads_drive_is_refused_and_the_time_named(kit):
+    """Belts that carry full loads push the rollers back where the drive stops."""
+    press = kit.small(load_N_m=60.0, eta_s=1e-5, C1=0.0)
+    speed = DRIVE_LAWS["table"](time_s=[0.0, 0.1, 0.2], speed_m_s=[0.0, 1.0, 0.01])
+    question = {"speed": speed, "time_s": np.linspace(0.0, 0.5, 501), "loads": "constant"}
+    with pytest.raises(SolverError, match=r"the loads drive the press: from t = 0\.[23]\d* s on") as caught:
+        start_up(press, integrator="rk4", **question)
+    assert caught.value.problem.code == "RF524"
+    account_is_physical(start_up(press, friction=5.0, **question))

@@ -1,0 +1,131 @@
+"""Where a start-up leads: the state its history leaves, and what creep makes of it; friction that follows tension."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import LAWS
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.slip import SlipTable
+from ropefric.systems.press.transient.motion import ElasticPress, friction_limit, settled_tension_N
+from ropefric.systems.press.transient.start_up import start_up
+
+LAW = WrapFriction(
+    law=LAWS["wrap-power"], theta=np.array([1.2, -0.4, 0.1]), reference=one_condition(0.1, 0.0025, 2.0, 500.0)
+)
+
+
+@pytest.mark.parametrize(("mu", "slipped"), [(1.2, set()), (0.45, {"10"})])
+def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, mu, slipped):
+    press = kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0)
+    found = start_up(
+        press, speed=kit.run_up("ramp", duration_s=0.3), time_s=np.linspace(0.0, 40.0, 41), friction=mu
+    )
+    assert set(found.summary()["first_slip_s"]) >= slipped
+    assert bool(found.slips) == bool(slipped)
+    assert not any(found.summary()["at_end"].values())
+    np.testing.assert_allclose(found.tension_N[-1], found.settled_tension_N, rtol=1e-6)
+    unslipped = settled_tension_N(ElasticPress(press), kit.speed_m_s)
+    assert (np.abs(found.settled_tension_N / unslipped - 1.0).max() > 1e-3) == bool(slipped)
+
+
+def test_what_still_slips_or_stands_at_the_end_settles_nowhere(kit):
+    found = start_up(
+        kit.paper(force_N=1100.0), speed=kit.run_up(), time_s=np.linspace(0.0, 4.0, 41), friction=0.2
+    )
+    assert found.settled_tension_N is None
+    ends = found.summary()["at_end"]
+    assert ends["1"] == ends["10"] == "slips"
+    assert ends["9"] == "stands"
+
+
+def test_elastic_creep_carries_the_settled_state_to_the_closure_share(kit):
+    """Strain goes round with the belts, L dT/dt = EA (v_end − v_start) + v (T_before − T), always in balance."""
+    press = kit.paper(density=0.0)
+    settled_N = settled_tension_N(ElasticPress(press), kit.speed_m_s)
+    spans = {(span.start, span.end): i for i, span in enumerate(press.spans)}
+    places = [(belt, spans[step]) for belt in press.belts for step in belt.steps]
+    n = len(places)
+    length_m = np.array([kit.lengths_m[i + 1] for _, i in places])
+    gather = np.zeros((len(spans), n))
+    gather[[i for _, i in places], range(n)] = 1.0
+    before = np.zeros((n, n))
+    for k, (belt, _) in enumerate(places):
+        own = [j for j, (other, _) in enumerate(places) if other is belt]
+        before[k, own[own.index(k) - 1]] = 1.0
+    carried = kit.speed_m_s / length_m[:, None] * (before - np.eye(n))
+    # Rims and travels move so that rollers and tensioners stay in balance.
+    held = np.vstack([press.incidence[press.is_driven], press.pull])
+    springs = np.diag(
+        [0.0] * int(press.is_driven.sum()) + [part.spring_N_m for part in press.tensioners.values()]
+    )
+    stretch = (2e6 / length_m)[:, None] * (gather.T @ held.T)
+    rate = carried - stretch @ np.linalg.solve(held @ gather @ stretch + springs, held @ gather @ carried)
+    stuck = ElasticPress(press)
+    by_belt = np.array(
+        [stuck.preload_N[spans[belt.steps[0]]] for belt, _ in places]
+    )  # each belt alone in its first
+    by_belt = np.where(
+        [belt.name == "lower" for belt, _ in places], stuck.preload_N[spans["9", "10"]], by_belt
+    )
+    many = gather.sum(axis=1)[[i for _, i in places]]
+    begun = by_belt + ((settled_N - gather @ by_belt)[[i for _, i in places]]) / many
+    np.testing.assert_allclose(gather @ begun, settled_N, rtol=1e-12)
+
+    def imbalance(tension_N):
+        T9, T4, T10, T14 = (tension_N[i - 1] for i in (9, 4, 10, 14))
+        return (T9 - T4) - (T10 - T14)
+
+    assert abs(imbalance(settled_N)) > 100.0
+    passage_s = length_m[:9].sum() / kit.speed_m_s
+    after = [gather @ expm(k * passage_s * rate) @ begun for k in (1.0, 3.0, 20.0)]
+    assert abs(imbalance(after[1])) < 0.3 * abs(imbalance(settled_N))
+    assert abs(imbalance(after[2])) < 1e-6 * abs(imbalance(settled_N))
+    np.testing.assert_allclose(
+        press.incidence[press.is_driven] @ after[2], press.rim_load_N[press.is_driven], atol=1e-6
+    )
+
+
+@pytest.mark.parametrize("exact_switching", [True, False])
+@pytest.mark.parametrize("force_N", [1300.0, 2000.0])
+def test_friction_that_follows_the_tensions_ends_at_the_steady_measure(kit, force_N, exact_switching):
+    """The utilisation at the end is that of the law at the tensions there, in the roller that slips as well."""
+    press = kit.paper(eta_s=1e-2, force_N=force_N)
+    question = {"speed": kit.run_up(duration_s=3.0), "time_s": np.linspace(0.0, 5.0, 501), "friction": LAW}
+    found, frozen = (
+        start_up(press, follows=follows, exact_switching=exact_switching, **question)
+        for follows in (True, False)
+    )
+    T = found.tension_N[-1] - press.density_kg_m * kit.speed_m_s**2
+    steady = SlipTable(press, T, LAW).utilisation
+    assert steady[1] == pytest.approx(1.0, abs=2e-4), "roller 2 slips"
+    np.testing.assert_allclose(found.utilisation[-1], steady, rtol=2e-4, atol=1e-5)
+    T = frozen.tension_N[-1] - press.density_kg_m * kit.speed_m_s**2
+    assert abs(SlipTable(press, T, LAW).utilisation[1] - 1.0) > 0.02, "friction as it is at standstill"
+    assert found.energy.relative_residual < (1e-8 if exact_switching else 1e-3)
+
+
+def test_the_tangent_of_friction_is_that_of_the_law(kit):
+    model = ElasticPress(kit.paper())
+    slack_N = np.linspace(300.0, 3000.0, 26).reshape(2, 13)
+    limit = friction_limit(model, LAW, slack_N=slack_N)
+
+    def pull_N(at_N):
+        contacts = SlipTable(model.press, model.preload_N, LAW).contacts
+        return at_N * np.exp(contacts._replace(upstream_N=at_N, downstream_N=at_N).exponent(LAW))
+
+    np.testing.assert_allclose(limit.growth * slack_N + limit.offset_N, pull_N(slack_N), rtol=1e-12)
+    h = 1e-4 * slack_N
+    np.testing.assert_allclose(
+        limit.growth, (pull_N(slack_N + h) - pull_N(slack_N - h)) / (2.0 * h), rtol=1e-3
+    )
+    for side in (np.exp(limit.width), np.exp(-limit.width)):
+        off = limit.growth * slack_N * side + limit.offset_N
+        assert np.abs(off / pull_N(slack_N * side) - 1.0).max() < 1e-3
+
+
+def test_a_law_that_looks_at_no_tension_has_nothing_to_follow(kit):
+    question = {"speed": kit.run_up("ramp", 1.0, 0.3), "time_s": np.linspace(0.0, 0.5, 26), "friction": 0.2}
+    one, other = (start_up(kit.small(), follows=follows, **question) for follows in (True, False))
+    np.testing.assert_array_equal(one.tension_N, other.tension_N)

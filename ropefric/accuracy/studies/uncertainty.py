@@ -21,7 +21,7 @@ from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.quantity import quantile
 
-WITHIN, GAIN, OUTLIER = 0.02, 0.01, 0.15
+WITHIN, GAIN, OUTLIER = 0.02, 0.03, 0.15
 TRUTH = {
     "constant": (0.2,),
     "wrap-power": (0.25, -0.4, 0.1),

@@ -501,10 +501,13 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
         return False
     laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
     nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
-    # Of a law on a bound no interval is known, and only its force can be looked at.
+    # Of a law on a bound, or not shown by the data, no interval is known, and only its force can be looked at.
     known = rival.status is FitStatus.OK
     return same_lift(
-        other.log_lift - own.log_lift, own.log_half_width, other.log_half_width, nested=nested or not known
+        other.log_lift - own.log_lift,
+        own.log_half_width,
+        np.nan_to_num(other.log_half_width),
+        nested=nested or not known,
     )
 
 

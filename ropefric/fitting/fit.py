@@ -262,14 +262,14 @@ def _starts(problem: FitProblem, settings: FitSettings) -> FloatArray:
 def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[FloatArray, bool, tuple[str, ...]]:
     """Return the best end of the searches from some starts, whether it is a minimum, and others as good in words."""
     ends = batched_fit(problem, starts=starts, loss=loss, tolerance=_TIGHT)
-    every = np.flatnonzero(ends.converged) if ends.converged.any() else np.zeros(1, dtype=np.intp)
+    every = np.flatnonzero(ends.converged | (not ends.converged.any()))
     least = ends.chi2[every].min()
     # Several starts end in one valley, and the last bits may not say at which of its places: the first one stands.
     best = every[ends.chi2[every] <= least + _SAME_COST * (1.0 + least)][0]
     theta, cost = ends.theta[best], float(ends.chi2[best])
     size = np.maximum(np.maximum(np.abs(ends.theta), np.abs(theta)), 1e-6)
     apart = (np.abs(ends.theta - theta) > _APART * size)[:, problem.vary].any(axis=1)
-    rivals = every[(ends.chi2[every] - cost < _AS_GOOD) & apart[every]]
+    rivals = np.flatnonzero((ends.chi2 - cost < _AS_GOOD) & apart)
     notes: tuple[str, ...] = ()
     if rivals.size:
         rival = rivals[np.argmin(ends.chi2[rivals])]

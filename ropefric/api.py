@@ -300,7 +300,7 @@ def fit(
     clustered: bool = True,
     n_starts: int = 4,
     seed: int = 0,
-    intervals: Literal["covariance", "profile", "bootstrap"] = "covariance",
+    intervals: Literal["auto", "covariance", "profile", "bootstrap", "bootstrap-t"] = "auto",
     of: Literal["peak", "kinetic"] = "peak",
 ) -> FitResult:
     """Return a friction law fitted to trials; `status` says whether to trust it.
@@ -323,8 +323,9 @@ def fit(
         Whether the errors hold what the repeats of a condition share.
     n_starts, seed : int
         Starts of the search, and the seed of what spreads them.
-    intervals : {"covariance", "profile", "bootstrap"}
-        Where the 95 % intervals come from.
+    intervals : {"auto", "covariance", "profile", "bootstrap", "bootstrap-t"}
+        Where the 95 % intervals of the parameters come from; "auto" is the covariance where χ² grows to the ends of its
+        intervals as a parabola does, else the profile.
     of : {"peak", "kinetic"}
         The force that is fitted: the break-away force, or the mean force while sliding (column `kinetic_N`).
 

@@ -33,7 +33,7 @@ SIGNATURES = {
     "find_breakaway": "(trace, *, window_s=None, peak='smoothed', start_s=None, stop_s=None, min_step_N=None, "
     "ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
-    "n_starts=4, seed=0, intervals='covariance', of='peak')",
+    "n_starts=4, seed=0, intervals='auto', of='peak')",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",

@@ -51,8 +51,8 @@ SIGNATURES = {
     "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None)",
-    "solve": "(scene, *, level=0.95)",
-    "sweep": "(scene, *axes, progress=None)",
+    "solve": "(scene, *, level=0.95, identify=False)",
+    "sweep": "(scene, *axes, progress=None, table=None)",
     "trial_table": "(trials)",
     "write_scenes": "(folder, names=(), *, overwrite=False)",
 }

@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ropefric.accuracy.measure import Machine, StudyResult
-from ropefric.accuracy.study import Measured, time_text
+from ropefric.accuracy.measure import Machine
+from ropefric.accuracy.study import Measured, StudyResult, time_text
 from ropefric.files.folder import Folder, as_folder
 from ropefric.plotting.figure import save_figure
 from ropefric.plotting.svg import svg_text

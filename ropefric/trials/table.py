@@ -277,7 +277,8 @@ def read_trial_table(path: str | os.PathLike[str]) -> TrialTable:
 
     The header names each column with its unit: `wheel_radius_mm`, `rope_diameter_mm`, `wrap_angle_deg`,
     `end_tension_N` (or `end_mass_kg`), `peak_N` (or `lift_force_kN`); optional `trial`, `kept`, `status`,
-    `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`. Other columns are passed over.
+    `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`; `rope_id`, `wheel`, `operator`,
+    `dwell_s` and `order`, by which a diagnosis tells trials into groups. Other columns are passed over.
     Separators ";", tab and "," and decimal commas are found out.
     """
     return _table(*cells.read_cells(path))

@@ -20,7 +20,7 @@ with on_first_use():
     from ropefric.files import folder as folders
     from ropefric.report import cost_page
     from ropefric.report import scene as pages
-    from ropefric.scenes import kinds, plan
+    from ropefric.scenes import kinds, plan, sweep_table
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import solve as solving
     from ropefric.scenes import sweep as sweeping
@@ -34,8 +34,6 @@ class TableFormat(StrEnum):
 
 
 _LISTED_POINTS = 1000
-_KEPT_POINTS = 1_000_000
-"""Of a sweep, for its figure; its table has all."""
 _TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
 
 
@@ -84,11 +82,11 @@ def solve(
             return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
         axes = tuple(sweeping.parse_axis(loaded, text) for text in sweep)
         with Progress(out, "solve") as progress, ExitStack() as stack:
-            written = None
+            write = None
             if target is not None:
-                written = stack.enter_context(sweeping.sweep_table(axes, target, f"sweep.{table}"))
+                write = stack.enter_context(sweep_table.sweep_table(axes, target, f"sweep.{table}")).add
             found = sweeping.sweep_scene(
-                loaded, axes, progress=progress.update, table=written, keep=_KEPT_POINTS
+                loaded, axes, progress=progress.update, write=write, keep=sweeping.KEPT_POINTS
             )
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}
@@ -113,7 +111,7 @@ def _write(
     for name, history in solution.scene.kind.histories.items():
         columns = history(solution.answer)
         if columns is not None:
-            files += folder.write({name: sweeping.columns_text(columns)})
+            files += folder.write({name: sweep_table.columns_text(columns)})
     return options.publish(out, folder, "answer", files)
 
 

@@ -9,25 +9,15 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ropefric.accuracy.studies import STUDIES
-from ropefric.accuracy.study import (
-    ACCURACIES,
-    Case,
-    Measured,
-    Setting,
-    Study,
-    cheapest,
-    in_case,
-    pareto_front,
-)
+from ropefric.accuracy.study import Case, Measured, Setting, Study, StudyResult
 
 _CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
-_UNSTEADY = 0.5
 
 Progress = Callable[[int, int, str], None]
 
@@ -119,52 +109,6 @@ def time_call(
             gc.enable()
     lower_s, median_s, upper_s = np.percentile(np.array(times_s) / loops, [25, 50, 75]).tolist()
     return Timing(median_s, lower_s, upper_s, repeats, loops)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StudyResult:
-    """What was measured of one study."""
-
-    study: Study
-    points: tuple[Measured, ...]
-    quick: bool
-
-    def front(self, case: str) -> tuple[Measured, ...]:
-        """Return the points of a case that no other beats in both error and time, fastest first."""
-        return pareto_front(in_case(self.points, case))
-
-    def cheapest(self, case: str) -> tuple[tuple[float, Measured | None], ...]:
-        """Return, for each accuracy 1e-2 … 1e-12, the fastest point that reaches it."""
-        points = in_case(self.points, case)
-        return tuple((accuracy, cheapest(points, accuracy)) for accuracy in ACCURACIES)
-
-    @property
-    def findings(self) -> tuple[str, ...]:
-        """Return what the measurement says, in sentences."""
-        return self.study.findings(self.points)
-
-    @property
-    def unsteady(self) -> float:
-        """Return the share of points whose times spread by more than half their median: other work was going on."""
-        spreads = [point.spread_s > _UNSTEADY * point.seconds for point in self.points]
-        return float(np.mean(spreads or [False]))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return {
-            **{key: getattr(self.study, key) for key in ("name", "title", "reference", "counted")},
-            "points": [point.to_dict() for point in self.points],
-            "cheapest": {
-                case.name: [
-                    {"accuracy": accuracy}
-                    | {key: getattr(point, key, None) for key in ("method", "setting", "seconds")}
-                    for accuracy, point in self.cheapest(case.name)
-                ]
-                for case in self.study.cases
-            },
-            "findings": list(self.findings),
-            "unsteady": self.unsteady,
-        }
 
 
 def measure_studies(

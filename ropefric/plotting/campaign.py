@@ -18,17 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.plotting import style
-from ropefric.plotting.figure import (
-    DataTable,
-    FigureWithData,
-    begin,
-    drawing,
-    figure_files,
-    legend_below,
-    legend_of_figure,
-    note_at,
-    say_instead,
-)
+from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, outcome_words
@@ -98,11 +88,11 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     with drawing(10.0, 1.1 + band_inch * len(bands)) as figure:
         panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
         if not rows:
-            say_instead(panels[0], "there is no trial")
+            style.say_instead(panels[0], "there is no trial")
         for axes, band in zip(panels, bands if rows else (), strict=False):
             _draw_band(axes, band, width)
         figure.suptitle(f"{extraction.name}, {counts}")
-        legend_of_figure(figure)
+        style.legend_of_figure(figure)
     alt = (
         f"Campaign {extraction.name}, {counts}."
         if rows
@@ -115,7 +105,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
         alt += (
             f" By check: {', '.join(f'{told[check]} {CHECKS[check][0]}' for check in CHECKS if told[check])}."
         )
-    return FigureWithData(figure=figure, tables=(DataTable(header=("trial", *CHECKS), rows=rows),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable.of_rows(("trial", *CHECKS), rows),), alt=alt)
 
 
 def _draw_band(axes: "Axes", band: Sequence[tuple[str, ...]], width: int) -> None:
@@ -262,16 +252,18 @@ def _trial_table(trials: Sequence[TrialResult]) -> DataTable:
     columns = {name: [getattr(trial, name) for trial in trials] for name in _OWN}
     columns |= {name: [getattr(trial.breakaway, name) for trial in trials] for name in picked}
     columns |= {name: [getattr(trial, name) for trial in trials] for name in _FATE}
-    return DataTable.of_columns(columns)
+    return DataTable(columns)
 
 
 def _trace_table(trials: Sequence[TrialResult]) -> DataTable:
-    rows: list[tuple[object, ...]] = []
+    columns: dict[str, list[object]] = {name: [] for name in ("trial", "time_s", "low_N", "high_N", "mean_N")}
     for trial in _recordings_of(trials):
         found = trial.outline
-        columns = np.column_stack([found.time_s, found.low_N, found.high_N, found.smoothed_N])
-        rows += [(trial.trial, *row) for row in columns.tolist()]
-    return DataTable(name="traces", header=("trial", "time_s", "low_N", "high_N", "mean_N"), rows=tuple(rows))
+        curves = (found.time_s, found.low_N, found.high_N, found.smoothed_N)
+        parts = ([trial.trial] * found.time_s.size, *(curve.tolist() for curve in curves))
+        for column, part in zip(columns.values(), parts, strict=True):
+            column.extend(part)
+    return DataTable(columns, "traces")
 
 
 def _recordings_of(trials: Sequence[TrialResult]) -> list[Any]:
@@ -289,7 +281,7 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
     axes.set(xlabel=style.figure_label("time_s"), ylabel=style.figure_label("force_N"))
     recordings = _recordings_of(trials)
     if not recordings:
-        say_instead(axes, "no recording could be read")
+        style.say_instead(axes, "no recording could be read")
         return
     color_of = {trial.trial: color for trial, color in zip(trials, colors, strict=True)}
     looks = [color_of[trial.trial] if _is_usable(trial) else style.GREY for trial in recordings]
@@ -331,7 +323,7 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
     if beyond:
         text = f"single samples as far as {' and '.join(beyond)} lie outside the frame"
         axes.set_title(text, fontsize=9, color=style.GREY, loc="left")
-    legend_below(axes)
+    style.legend_below(axes)
 
 
 def _draw_strip(
@@ -366,9 +358,9 @@ def _draw_strip(
             continue
         point = (order, trial.measured_N)
         if len(trials) > _CROWDED:
-            note_at(axes, reason, point, 9.0, va="center", color=style.GREY, rotation=90, zorder=6)
+            style.note_at(axes, reason, point, 9.0, va="center", color=style.GREY, rotation=90, zorder=6)
         else:
-            note_at(axes, reason, point, 0.0, 10.0, color=style.GREY, zorder=6)
+            style.note_at(axes, reason, point, 0.0, 10.0, color=style.GREY, zorder=6)
     _draw_flags(axes, {order: trial for order, trial, _ in numbered if not _is_usable(trial)})
     if not usable:
         axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=style.GREY)
@@ -380,7 +372,7 @@ def _draw_strip(
             "linewidth": 0.8,
         }
         axes.set_title(warning.split(" (")[0], fontsize=9, loc="left", bbox=banner)
-    legend_below(axes)
+    style.legend_below(axes)
 
 
 def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -> None:

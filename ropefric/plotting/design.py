@@ -10,15 +10,7 @@ from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.glossary import counted
 from ropefric.plotting import style
-from ropefric.plotting.figure import (
-    DataTable,
-    FigureWithData,
-    drawing,
-    legend_below,
-    legend_of_figure,
-    note_at,
-    say_instead,
-)
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +53,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
         axes.set_title(f"{laws}, {conditions}", loc="left")
         for x, text in ((1.02, "weight"), (1.12, "error,\nunseen")):
             axes.text(x, 1.0, text, transform=axes.transAxes, fontsize=9, va="bottom")
-    table = DataTable.of_columns({name: [getattr(entry, name) for entry in entries] for name in _LADDER})
+    table = DataTable({name: [getattr(entry, name) for entry in entries] for name in _LADDER})
     return FigureWithData(figure=figure, tables=(table,), alt=_ladder_in_words(comparison, laws))
 
 
@@ -134,7 +126,7 @@ def draw_budget(
         if total > 0.0:
             _draw_contributions(axes, names, parts)
         else:
-            say_instead(axes, "no contribution is known")
+            style.say_instead(axes, "no contribution is known")
         head = f"{title}: " if title else ""
         axes.set_title(
             style.typeset(f"{head}u = {style.shown(root, unit)} (k = 1), n = {len(names)} quantities")
@@ -149,7 +141,7 @@ def draw_budget(
             "no contribution is known",
             f"combined standard uncertainty {style.shown(root, unit)}; the largest contributions are {told}",
         )
-    table = DataTable.of_columns({"quantity": names, **columns})
+    table = DataTable({"quantity": names, **columns})
     return FigureWithData(figure=figure, tables=(table,), alt=alt)
 
 
@@ -194,15 +186,15 @@ def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithD
         if ranked:
             base_N = ranked[0][3]
             _draw_swings(axes, ranked, base_N)
-            legend_of_figure(figure)
+            style.legend_of_figure(figure)
             axes.set_title(f"base case {base_N:.4g} N; n = {len(ranked)} inputs, one changed at a time")
             spans = [f"{row[0]}: {style.shown(row[1])} to {style.shown(row[2], 'N')}" for row in ranked[:4]]
             alt = f"Lift force F_A, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: "
             alt += f"{'; '.join(spans)}."
         else:
-            say_instead(axes, "no input was changed")
+            style.say_instead(axes, "no input was changed")
     header = ("quantity", "low_N", "high_N", "base_N", "swing_N")
-    return FigureWithData(figure=figure, tables=(DataTable(header=header, rows=tuple(ranked)),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, ranked),), alt=alt)
 
 
 def _draw_swings(
@@ -221,7 +213,7 @@ def _draw_swings(
         axes.barh([*ends], widths, left=base_N, height=0.6, label=label if ends else "", **look)
         for place, value_N in ends.items():
             side, ha = (4.0, "left") if value_N >= base_N else (-4.0, "right")
-            note_at(axes, f"{value_N:.4g}", (value_N, place), side, ha=ha, va="center", fontsize=9)
+            style.note_at(axes, f"{value_N:.4g}", (value_N, place), side, ha=ha, va="center", fontsize=9)
     axes.axvline(base_N, color=style.INK, linewidth=1.2)
     widest = ranked[0][4] or 1.0
     reached = [value for row in ranked for value in row[1:4] if not math.isnan(value)]
@@ -265,7 +257,7 @@ def draw_design_chart(
             style.typeset(f"Lift force at F_B = {chart.end_tension_N:.4g} N; dashed: exceeded by ")
             + f"{100 * chart.probability:g} % of pulls with a new rope; pale: not tested"
         )
-        legend_below(axes, columns=4)
+        style.legend_below(axes, columns=4)
     forces_N = {name: getattr(chart, name).ravel() for name in ("lift_force_N", "lower_bound_N")}
     columns: dict[str, Any] = {
         "wheel_radius_m": np.repeat(chart.wheel_radius_m, n_wraps),
@@ -274,7 +266,7 @@ def draw_design_chart(
         **{name: np.where(np.isfinite(found), found, np.nan) for name, found in forces_N.items()},
         "extrapolated": chart.extrapolated.ravel(),
     }
-    tables = [DataTable.of_columns(columns)]
+    tables = [DataTable(columns)]
     low_deg, high_deg = np.degrees(chart.wrap_angle_rad[[0, -1]])
     alt = (
         f"Lift force over the wrap from {low_deg:.4g} to {high_deg:.4g} deg for {counted(n_wheels, 'wheel')} of radius "
@@ -283,7 +275,7 @@ def draw_design_chart(
     if required_N is not None:
         asked = {"required_N": [float(required_N)] * n_wheels, "safety": [float(safety)] * n_wheels}
         needed = {"wheel_radius_m": chart.wheel_radius_m} | asked | {"wrap_angle_rad": wraps_rad}
-        tables.append(DataTable.of_columns(needed, "smallest_wrap"))
+        tables.append(DataTable(needed, "smallest_wrap"))
         found = [
             f"{radius} needs {math.degrees(wrap):.4g} deg"
             if math.isfinite(wrap)
@@ -315,7 +307,7 @@ def _draw_load(axes: "Axes", wraps_rad: list[float], required_N: float, safety: 
     wraps_deg = np.degrees([wrap for wrap in wraps_rad if math.isfinite(wrap)])
     axes.plot(wraps_deg, np.full(wraps_deg.size, needed_N), "v", color=style.INK, markersize=8, zorder=6)
     for place, wrap_deg in enumerate(sorted(wraps_deg.tolist())):
-        note_at(axes, f"{wrap_deg:.0f}°", (wrap_deg, needed_N), up=7.0 + 10.0 * (place % 3), zorder=6)
+        style.note_at(axes, f"{wrap_deg:.0f}°", (wrap_deg, needed_N), up=7.0 + 10.0 * (place % 3), zorder=6)
     line: dict[str, Any] = {"color": style.ORANGE, "linewidth": 1.5}
     if safety != 1.0:
         axes.axhline(needed_N, label=f"required × {safety:g}: {needed_N:.4g} N", linestyle="-.", **line)

@@ -13,7 +13,6 @@ from typing import Any, TypeVar
 import numpy as np
 from matplotlib import font_manager
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
@@ -23,7 +22,7 @@ from matplotlib.text import Text
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.glossary import counted
-from ropefric.plotting.style import GREY, figure_text, house_style, plain_text
+from ropefric.plotting.style import figure_text, house_style, plain_text
 
 T = TypeVar("T")
 
@@ -60,19 +59,32 @@ def forget_fonts() -> None:
     gc.collect()  # figures that are done with hold them in cycles
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class DataTable:
-    """Numbers behind a figure, as a table."""
+    """Numbers behind a figure: columns of one length, each under its heading."""
 
+    columns: Mapping[str, Iterable[object]]
     name: str = ""
-    header: tuple[str, ...]
-    rows: tuple[tuple[object, ...], ...]
 
     @classmethod
-    def of_columns(cls, columns: Mapping[str, Iterable[object]], name: str = "") -> "DataTable":
-        """Return the table of columns of one length, each under its heading."""
-        lists = [part.tolist() if isinstance(part, np.ndarray) else part for part in columns.values()]
-        return cls(name=name, header=tuple(columns), rows=tuple(zip(*lists, strict=True)))
+    def of_rows(cls, header: Sequence[str], rows: Sequence[Sequence[object]], name: str = "") -> "DataTable":
+        """Return the table of rows under a header."""
+        columns = zip(*rows, strict=True) if rows else [()] * len(header)
+        return cls(dict(zip(header, columns, strict=True)), name)
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        """Return the headings."""
+        return tuple(self.columns)
+
+    @property
+    def rows(self) -> tuple[tuple[object, ...], ...]:
+        """Return the rows."""
+        return tuple(zip(*map(_listed, self.columns.values()), strict=True))
+
+
+def _listed(column: Iterable[object]) -> list[object]:
+    return column.tolist() if isinstance(column, np.ndarray) else list(column)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -148,50 +160,6 @@ def drawing(
         yield new_figure(width_inch, height_inch, margins=margins)
 
 
-def note_at(
-    axes: Axes, text: str, point: tuple[float, float], right: float = 0.0, up: float = 0.0, **look: Any
-) -> None:
-    """Write a small text at a point, so many points of print to the right of it and above it."""
-    shown: dict[str, Any] = {
-        "fontsize": 8.0,
-        "ha": "center",
-        "va": "bottom",
-        "textcoords": "offset points",
-    } | look
-    axes.annotate(text, point, xytext=(right, up), **shown)
-
-
-def legend_below(axes: Axes, *, columns: int = 2) -> None:
-    """Put a legend under the axes with one entry for each label; none where nothing is labelled."""
-    if entries := _entries([axes]):
-        labels, handles = list(entries), list(entries.values())
-        axes.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=columns)
-
-
-def legend_of_figure(figure: Figure, *, columns: int = 5) -> None:
-    """Put one legend under all axes of a figure, one entry for each label.
-
-    A figure with constrained layout makes room for it; one with margins of its own needs to have it.
-    """
-    if entries := _entries(figure.axes):
-        place: Any = "lower center" if figure.get_layout_engine() is None else "outside lower center"
-        figure.legend(list(entries.values()), list(entries), loc=place, ncols=columns)
-
-
-def _entries(panels: Sequence[Axes]) -> dict[str, Artist]:
-    """Return the first artist of each label."""
-    entries: dict[str, Artist] = {}
-    for axes in panels:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    return entries
-
-
-def say_instead(axes: Axes, text: str) -> None:
-    """Write on empty axes why nothing is drawn."""
-    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=GREY)
-
-
 def save_figure(
     figure: FigureWithData, folder: Folder | str | os.PathLike[str], stem: str
 ) -> tuple[Path, ...]:
@@ -208,16 +176,16 @@ def figure_files(figure: FigureWithData, stem: str, *, picture: bool = True) -> 
             figure.figure.savefig(stream, format="png", metadata={"Software": None})
         contents[f"{stem}.png"] = stream.getvalue()
     for table in figure.tables:
-        rows = zip(*map(_cells, zip(*table.rows, strict=True)), strict=True)
+        rows = zip(*(_cells(_listed(column)) for column in table.columns.values()), strict=True)
         text = csv_text([table.header, *rows])
         contents[f"{stem}_{table.name}.csv" if table.name else f"{stem}.csv"] = text.encode()
     return contents
 
 
-def _cells(column: tuple[object, ...]) -> list[object]:
+def _cells(column: list[object]) -> list[object]:
     if all(type(value) is float for value in column):
         # All in one go: the traces of a campaign are half a million numbers.
-        return [*("%.8g\n" * len(column) % column).replace("nan", "").split("\n")[:-1]]
+        return [*("%.8g\n" * len(column) % tuple(column)).replace("nan", "").split("\n")[:-1]]
     if all(type(value) is str for value in column):
         shown = {word: csv_cell(word) for word in set(column)}  # names of trials, at each of their samples
         return [shown[word] for word in column]

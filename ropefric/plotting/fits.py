@@ -16,7 +16,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, levels, same_setting
 from ropefric.glossary import counted
 from ropefric.plotting import style
-from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, say_instead
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -173,14 +173,14 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
                 axes.plot(factor * x, values, linewidth=1.6, label=fit.law, **style.line_look(place))
                 rows += [(over, fit.law, *pair) for pair in zip(x.tolist(), values.tolist(), strict=True)]
             if not mu.size:
-                say_instead(axes, _NO_TRIALS)
+                style.say_instead(axes, _NO_TRIALS)
             chosen = _have(points.conditions, settings)
             x = factor * getattr(points.conditions, over)
             for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN)):
                 _draw_means(axes, x[mask], mu[mask], mu_std[mask], **look)
         figure.axes[0].set_ylabel(style.figure_label("mu_average"))
         figure.suptitle(f"{counts}; bars: ±2 u (k = 2)")
-        legend_of_figure(figure)
+        style.legend_of_figure(figure)
     laws, known = ", ".join(fit.law for fit in fits), mu[np.isfinite(mu)]
     alt = f"Average friction coefficient of the laws {laws}; no trials are stored with the fit."
     if known.size:
@@ -190,8 +190,8 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             f"mean {known.mean():.4g}."
         )
     tables = (
-        DataTable.of_columns(points.settings | {"mu_average": mu, "mu_std": mu_std}),
-        DataTable(name="laws", header=("against", "law", "x", "mu_average"), rows=tuple(rows)),
+        DataTable(points.settings | {"mu_average": mu, "mu_std": mu_std}),
+        DataTable.of_rows(("against", "law", "x", "mu_average"), rows, "laws"),
     )
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
@@ -249,7 +249,7 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
         if rise.size:
             _draw_wheels(axes, points)
         else:
-            say_instead(axes, _NO_TRIALS)
+            style.say_instead(axes, _NO_TRIALS)
         axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.typeset("ln(F_A/F_B) [-]"))
         axes.set_xlim(0.0, float(np.degrees(grid[-1])))
         axes.set_ylim(bottom=0.0)
@@ -257,7 +257,7 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
             style.shown_regressor(name, settings[name]) for name in ("wheel_radius_m", "end_tension_N")
         )
         axes.set_title(f"{counts}; bars: ±2 u (k = 2); laws drawn for {style.typeset(held)}")
-        legend_of_figure(figure)
+        style.legend_of_figure(figure)
     laws = ", ".join(fit.law for fit in fits)
     alt = f"ln(F_A/F_B) against the wrap angle by the laws {laws}; no trials are stored with the fit."
     if rise.size:
@@ -273,7 +273,7 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
         "log_ratio": np.ravel([*curves.values()]),
     }
     conditions = points.settings | {"log_ratio": rise, "log_ratio_std": points.std_log}
-    tables = DataTable.of_columns(conditions), DataTable.of_columns(drawn, "laws")
+    tables = DataTable(conditions), DataTable(drawn, "laws")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
@@ -329,7 +329,7 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWith
         held = ",  ".join(style.shown_regressor(name, value) for name, value in settings.items())
         shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
         axes.set_title(style.typeset(f"Law {fit.law} at {held};  {shown_trials}"))
-        legend_of_figure(figure)
+        style.legend_of_figure(figure)
     outside = (x < low * (1 - 1e-9)) | (x > high * (1 + 1e-9))
     law = {over: x} | dict(zip(_BAND, columns, strict=True)) | {"extrapolated": outside}
     measured = {
@@ -346,7 +346,7 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWith
         f"{counted(n, 'trial')}. At {there} it is {lift}, 95 % confidence {low_N} to "
         f"{high_N}, new pulls {wide_low_N} to {wide_high_N}."
     )
-    tables = DataTable.of_columns(law), DataTable.of_columns(measured, "measured")
+    tables = DataTable(law), DataTable(measured, "measured")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
@@ -436,7 +436,7 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
         panels[0].set_ylabel("Residual of ln F, standardised [-]")
         share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
         figure.suptitle(f"Law {fit.law}: {what}, {share}")
-        legend_of_figure(figure)
+        style.legend_of_figure(figure)
     columns = {
         "order": order,
         "lift_force_N": np.exp(fitted),
@@ -451,7 +451,7 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
             f"Standardised residuals of {what} about the law {fit.law}: {beyond} lie beyond ±2, the largest is "
             f"{np.abs(z).max():.3g}. In force the residuals are {100 * rms:.3g} % (root mean square)."
         )
-    return FigureWithData(figure=figure, tables=(DataTable.of_columns(columns),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
 
 
 def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -472,7 +472,7 @@ def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray) -> None:
     for limit in (-_LIMIT, _LIMIT):
         axes.axhline(limit, color=style.INK, linewidth=1.0, linestyle=":", label="±2 standard deviations")
     if not z.size:
-        say_instead(axes, "nothing to show")
+        style.say_instead(axes, "nothing to show")
         return
     far = np.abs(z) > _LIMIT
     axes.plot(x[~far], z[~far], "o", color=style.BLUE, markersize=3.5, alpha=0.7, label="within ±2")

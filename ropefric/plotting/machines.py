@@ -9,15 +9,7 @@ import numpy as np
 from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting import style
-from ropefric.plotting.figure import (
-    DataTable,
-    FigureWithData,
-    drawing,
-    legend_below,
-    legend_of_figure,
-    note_at,
-    say_instead,
-)
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 from ropefric.systems.bandsaw.saw import Side
 
 if TYPE_CHECKING:
@@ -64,7 +56,7 @@ def draw_chart(chart: "Chart") -> FigureWithData:
             drawn += 1
         axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
         axes.set_title(chart.title)
-        legend_below(axes)
+        style.legend_below(axes)
     names = [line.name for line in chart.lines]
     columns = {
         "line": np.repeat(names, [line.x.size for line in chart.lines]),
@@ -72,7 +64,7 @@ def draw_chart(chart: "Chart") -> FigureWithData:
         chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
     }
     alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
-    return FigureWithData(figure=figure, tables=(DataTable.of_columns(columns),), alt=alt)
+    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
 
 
 def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
@@ -106,7 +98,7 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
                 words = f"{outer[0].key} = {value:.4g} {outer[0].unit}".rstrip()
                 axes.plot(places[1], row, label=words, **look)
             axes.set_ylabel(label)
-            legend_below(axes)
+            style.legend_below(axes)
         else:
             shown = np.ma.masked_invalid(grid)
             drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
@@ -116,7 +108,7 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
         axis.key: each.ravel()
         for axis, each in zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
     }
-    table = DataTable.of_columns(columns | {name: grid.ravel()})
+    table = DataTable(columns | {name: grid.ravel()})
     return FigureWithData(figure=figure, tables=(table,))
 
 
@@ -141,10 +133,10 @@ def draw_explanation(told: "Explanation") -> FigureWithData:
         worth.invert_yaxis()
         takes.set_xlabel("Takes [ms]" if told.is_measured else "Time: --measure")
         figure.suptitle(f"What the effects of this {told.system} scene are worth, and what they take")
-        legend_of_figure(figure, columns=4)
+        style.legend_of_figure(figure, columns=4)
     alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
-    table = DataTable.of_columns({**named, **columns})
+    table = DataTable({**named, **columns})
     return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
 
 
@@ -229,7 +221,7 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
     columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
     columns |= {f"tension_{name}_N": line for name, line in zip(spans, found.tension_N.T, strict=True)}
     columns |= {f"rim_speed_{name}_m_s": line for name, line in zip(rollers, rims_m_s.T, strict=True)}
-    histories = DataTable.of_columns(columns | {"energy_residual_J": found.energy.residual})
+    histories = DataTable(columns | {"energy_residual_J": found.energy.residual})
     slips = tuple((slip.roller, slip.start_s, slip.end_s, slip.direction) for slip in found.slips)
     header = ("roller", "start_s", "end_s", "direction")
     first = {slip.roller: slip.start_s for slip in reversed(found.slips)}
@@ -237,7 +229,7 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
     alt = f"Start-up over {found.time_s[-1]:.4g} s: tensions {style.span_of(found.tension_N)} N; " + (
         f"the belt slips on {ones}." if ones else "no belt slips."
     )
-    tables = histories, DataTable(name="slips", header=header, rows=slips)
+    tables = histories, DataTable.of_rows(header, slips, "slips")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
@@ -272,7 +264,7 @@ def _draw_slips(axes: "Axes", found: "StartUp") -> None:
     axes.set_yticks(range(len(names)), [f"roller {name}" for name in names])
     axes.set_ylim(max(len(names), 1) - 0.5, -0.5)
     if not names:
-        say_instead(axes, "no belt slips")
+        style.say_instead(axes, "no belt slips")
     for place, color, direction, word in (
         (0.7, style.ORANGE, 1, "forward"),
         (0.3, style.BLUE, -1, "backward"),
@@ -314,7 +306,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
         if chart.saw.speed_m_s > 0.0:
             axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
         _draw_crossings(axes, chart, top_Hz)
-        legend_below(axes, columns=4)
+        style.legend_below(axes, columns=4)
     speeds, n_modes = chart.speed_m_s, chart.mode_Hz[Side.TIGHT].shape[1]
     modes: dict[str, Any] = {
         "side": [str(side) for side in chart.mode_Hz for _ in range(n_modes * speeds.size)],
@@ -325,7 +317,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
     crossings = {name: [getattr(one, name) for one in chart.crossings] for name in _CROSSING}
     crossings["side"] = [str(side) for side in crossings["side"]]
     crossings["speed_margin"] = [x if math.isfinite(x) else math.nan for x in crossings["speed_margin"]]
-    tables = DataTable.of_columns(modes), DataTable.of_columns(crossings, "crossings")
+    tables = DataTable(modes), DataTable(crossings, "crossings")
     return FigureWithData(figure=figure, tables=tables)
 
 
@@ -337,7 +329,7 @@ def _draw_modes(axes: "Axes", chart: "SawChart") -> None:
             if side is Side.SLACK:
                 case = int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))
                 point = (float(chart.speed_m_s[case]), float(values[case]))
-                note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
+                style.note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
 
 
 def _mode_label_place(chart: "SawChart") -> float:
@@ -363,7 +355,7 @@ def _draw_excitation(
         leaves_m_s = float(np.interp(top_Hz, values, chart.speed_m_s)) if not at_right else fastest_m_s
         where = {"right": 4.0, "ha": "left", "va": "center"} if at_right else {"up": 3.0}
         point = (leaves_m_s, min(float(values[-1]), top_Hz))
-        note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
+        style.note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
 
 
 def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
@@ -385,4 +377,4 @@ def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
             written.append((x, y))
             words = f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}")
             look: dict[str, Any] = {"va": "bottom" if up > 0.0 else "top", "bbox": _BACKGROUND, "zorder": 5}
-            note_at(axes, words, point, up=6.0 * up, color=color, **look)
+            style.note_at(axes, words, point, up=6.0 * up, color=color, **look)

@@ -3,12 +3,15 @@
 import math
 import re
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib.style
 from matplotlib import colormaps
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ropefric.files.plain_text import visible
 from ropefric.fitting.predict import REGRESSORS
@@ -123,3 +126,47 @@ def shown(value: float, unit: str = "", digits: int = 4) -> str:
 def span_of(values: Any) -> str:
     """Return the range of some numbers in words."""
     return f"{values.min():.4g} to {values.max():.4g}"
+
+
+def note_at(
+    axes: Axes, text: str, point: tuple[float, float], right: float = 0.0, up: float = 0.0, **look: Any
+) -> None:
+    """Write a small text at a point, so many points of print to the right of it and above it."""
+    shown: dict[str, Any] = {
+        "fontsize": 8.0,
+        "ha": "center",
+        "va": "bottom",
+        "textcoords": "offset points",
+    } | look
+    axes.annotate(text, point, xytext=(right, up), **shown)
+
+
+def legend_below(axes: Axes, *, columns: int = 2) -> None:
+    """Put a legend under the axes with one entry for each label; none where nothing is labelled."""
+    if entries := _entries([axes]):
+        labels, handles = list(entries), list(entries.values())
+        axes.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=columns)
+
+
+def legend_of_figure(figure: Figure, *, columns: int = 5) -> None:
+    """Put one legend under all axes of a figure, one entry for each label.
+
+    A figure with constrained layout makes room for it; one with margins of its own needs to have it.
+    """
+    if entries := _entries(figure.axes):
+        place: Any = "lower center" if figure.get_layout_engine() is None else "outside lower center"
+        figure.legend(list(entries.values()), list(entries), loc=place, ncols=columns)
+
+
+def _entries(panels: Sequence[Axes]) -> dict[str, Artist]:
+    """Return the first artist of each label."""
+    entries: dict[str, Artist] = {}
+    for axes in panels:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    return entries
+
+
+def say_instead(axes: Axes, text: str) -> None:
+    """Write on empty axes why nothing is drawn."""
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=GREY)

@@ -5,10 +5,9 @@ import re
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from ropefric.accuracy.measure import StudyResult
-from ropefric.accuracy.study import ROUNDING, Measured, in_case, time_text
-from ropefric.plotting.figure import DataTable, FigureWithData, drawing, legend_of_figure, note_at
-from ropefric.plotting.style import GREY, LINE_STYLES, MARKERS, line_look
+from ropefric.accuracy.study import ROUNDING, Measured, StudyResult, in_case, time_text
+from ropefric.plotting import style
+from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +41,7 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
         for axes in panels[len(cases) :]:
             axes.remove()
         figure.suptitle(result.study.title, y=0.995, va="top")
-        legend_of_figure(figure, columns=columns)
+        style.legend_of_figure(figure, columns=columns)
     return FigureWithData(figure=figure, tables=(_table(result),), alt=_alt(result))
 
 
@@ -58,9 +57,9 @@ def _frame(n_rows: int, n_columns: int, legend_lines: int) -> tuple[float, float
 
 
 def _look(place: int) -> dict[str, Any]:
-    look = line_look(place) | {"marker": MARKERS[place % len(MARKERS)]}
-    if place >= len(LINE_STYLES):  # a second round would repeat line and colour together
-        look["linestyle"] = LINE_STYLES[(place + 1) % len(LINE_STYLES)]
+    look = style.line_look(place) | {"marker": style.MARKERS[place % len(style.MARKERS)]}
+    if place >= len(style.LINE_STYLES):  # a second round would repeat line and colour together
+        look["linestyle"] = style.LINE_STYLES[(place + 1) % len(style.LINE_STYLES)]
     return look
 
 
@@ -101,7 +100,7 @@ def _few_decades(axes: "Axes", points: list[Measured]) -> None:
     if min(errors) < 10 * ROUNDING:
         axes.axvline(ROUNDING, color="#8A8A8A", linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
         corner: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "ha": "right", "va": "top"}
-        note_at(axes, "rounding", (ROUNDING, 1.0), -3.0, -2.0, color=GREY, rotation=90, **corner)
+        style.note_at(axes, "rounding", (ROUNDING, 1.0), -3.0, -2.0, color=style.GREY, rotation=90, **corner)
 
 
 def _folded(title: str, width: int = 62) -> str:
@@ -114,7 +113,7 @@ def _table(result: StudyResult) -> DataTable:
     columns = {name: [getattr(point, name) for point in result.points] for name in _COLUMNS}
     for name in dict.fromkeys(name for point in result.points for name in point.shares):
         columns[name] = [point.shares.get(name, math.nan) for point in result.points]
-    return DataTable.of_columns(columns | {"on_front": [p in fronts[p.case] for p in result.points]})
+    return DataTable(columns | {"on_front": [p in fronts[p.case] for p in result.points]})
 
 
 def _alt(result: StudyResult) -> str:

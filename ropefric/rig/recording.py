@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -238,17 +239,8 @@ def _counts(sensor: Sensor, force_N: float) -> float:
     return force_N / sensor.cell.line.gain_N_V / sensor.adc.lsb_V
 
 
-def _snag(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
-    """Catch the rope before the pull and let it go again, at 0.1 to 0.95 of F_A."""
-    return _push(time_s, pull, rng, SNAG_S)
-
-
-def _impact(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
-    """Hit the rig before the pull: half a sine of 6 to 30 ms."""
-    return _push(time_s, pull, rng, IMPACT_S)
-
-
-def _push(time_s: FloatArray, pull: Pull, rng: Rng, lasting_s: tuple[float, float]) -> FloatArray:
+def _push(time_s: FloatArray, pull: Pull, rng: Rng, *, lasting_s: tuple[float, float]) -> FloatArray:
+    """Catch the rope before the pull and let it go, at 0.1 to 0.95 of F_A, or hit the rig: half a sine of 6 to 30 ms."""
     # While the weights hang; before, the zero is taken.
     form, _ = touched(time_s - pull.hang_s, rng, pull.ramp_s - pull.hang_s, lasting_s)
     room_N = pull.lift_force_N - pull.force_N(np.array([pull.ramp_s]))
@@ -302,8 +294,8 @@ FAULTS: Registry[Fault] = Registry(
         # Not in an ordinary campaign, unless they are asked for.
         Fault("hum", 0.0, on_setup=_hum),
         Fault("zero-drift", 0.0, None, _PULL, on_setup=_zero_drift),
-        Fault("snag", 0.0, None, _PULL, on_force=_snag),
-        Fault("impact", 0.0, None, _PULL, on_force=_impact),
+        Fault("snag", 0.0, None, _PULL, on_force=partial(_push, lasting_s=SNAG_S)),
+        Fault("impact", 0.0, None, _PULL, on_force=partial(_push, lasting_s=IMPACT_S)),
         Fault("precursor", 0.0, None, _PULL, on_force=_precursor),
         Fault("rounded", 0.0, None, _PULL, _rounded, ranges=SLOW | {"fall_s": (0.04, 0.2)}),
         Fault("slow-fall", 0.0, None, _PULL, _slow_fall, ranges=SLOW | {"fall_s": (0.2, 0.6)}),
@@ -313,20 +305,12 @@ FAULTS: Registry[Fault] = Registry(
 
 
 def _drawn(
-    bench: Bench,
-    forces_N: tuple[float, float],
-    rng: Rng,
-    faults: Sequence[Fault],
-    way: tuple[mechanics.RigProtocol, str],
-) -> Any:
-    protocol, physics = way
-    if physics == "coulomb":
-        return protocol.draw(bench, *forces_N, rng)
+    bench: Bench, forces_N: tuple[float, float], rng: Rng, faults: Sequence[Fault], physics: str
+) -> SliderPull:
     ranges = {key: value for fault in faults for key, value in fault.ranges.items()}
     expected = (fault.expected_status for fault in faults if fault.ranges and fault.expected_status)
-    return draw_slider_pull(
-        bench, *forces_N, rng, physics=physics, ranges=ranges, expects=next(expected, Status.OK)
-    )
+    expects = next(expected, Status.OK)
+    return draw_slider_pull(bench, *forces_N, rng, physics=physics, ranges=ranges, expects=expects)
 
 
 def simulate_recording(
@@ -357,7 +341,12 @@ def simulate_recording(
         fault.check_protocol(protocol)
     draw_rng, fault_rng, noise_rng = (np.random.default_rng(seed) for seed in rng.integers(2**63, size=3))
     measured_N = lift_force_N if way.measures_lift else end_tension_N
-    pull = _drawn(bench, (lift_force_N, end_tension_N), draw_rng, chosen, (way, physics))
+    forces_N = lift_force_N, end_tension_N
+    pull: Any = (
+        way.draw(bench, *forces_N, draw_rng)
+        if physics == "coulomb"
+        else _drawn(bench, forces_N, draw_rng, chosen, physics)
+    )
     sensor = Sensor(
         cell=bench.cell_named(cell) if cell else bench.cell_for(measured_N),
         adc=bench.adc,

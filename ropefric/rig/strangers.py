@@ -294,7 +294,7 @@ class Family:
 _LAB = {"noise": (1e-3, 6e-3), "rough": (0.0, 0.012), "bits": 12, "rate_Hz": (150.0, 1e4)}
 _NASTY = {"noise": (3e-3, 1.5e-2), "rough": (0.0, 0.02), "bits": 11, "rate_Hz": (100.0, 1e4)}
 _TEETH = {"direct": (0.3, 0.7), "laws": ("ageing", "slip"), "slide_s": (1.5, 4.0)}
-_OK, _NONE, _PEAKLESS, _CUT = Status.OK, Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED
+_NONE, _PEAKLESS, _CUT = Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED
 
 
 def _family(name: str, tier: str, *faults: str, expects: Status = Status.OK, **ranges: Any) -> Family:

@@ -240,7 +240,6 @@ def _schema(value: object) -> str:
     return SCHEMA
 
 
-_ROW = whole_number(0)
 _CELL = Table(
     partial(ForceCell, name=""),
     {

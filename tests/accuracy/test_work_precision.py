@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from ropefric.accuracy.measure import Machine, StudyResult
+from ropefric.accuracy.measure import Machine
 from ropefric.accuracy.studies import STUDIES
-from ropefric.accuracy.study import ROUNDING, Case, Measured, Study
+from ropefric.accuracy.study import ROUNDING, Case, Measured, Study, StudyResult
 from ropefric.plotting.figure import save_figure
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.cost_page import cost_markdown, cost_sections, write_cost

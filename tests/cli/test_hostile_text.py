@@ -113,7 +113,7 @@ def test_any_name_can_stand_in_a_figure(name):
     axes.set_xticks([0, 1], [name, "b"])
     axes.legend()
     figure.suptitle(f"{name}: $F_{{\\mathrm{{A}}}}$ and {name}")
-    made = FigureWithData(figure=figure, tables=(DataTable(header=("n",), rows=()),), alt=name)
+    made = FigureWithData(figure=figure, tables=(DataTable.of_rows(("n",), ()),), alt=name)
     picture = svg_text(made)
     assert visible(picture) == picture
     assert "A" in picture

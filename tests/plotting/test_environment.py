@@ -24,7 +24,7 @@ with house_style():
     axes.plot([0, 1, 2], [3.0, 1.0, 2.0], label=r"$F_A$")
     axes.set(xlabel="wrap angle [deg]", ylabel=r"$\\mu$", title="a title")
     axes.legend()
-made = FigureWithData(figure=figure, tables=(DataTable(header=("x",), rows=((1.0,),)),))
+made = FigureWithData(figure=figure, tables=(DataTable.of_rows(("x",), ((1.0,),)),))
 save_figure(made, Path(sys.argv[1]), "figure")
 """
 RC = "text.usetex: True\nfont.family: serif\nsavefig.dpi: 30\naxes.facecolor: red\nfigure.autolayout: True\n"
@@ -64,7 +64,7 @@ def test_threads_draw_what_one_draws(tmp_path):
             axes.plot([0, 1, 2], [3.0, 1.0, 2.0], label="a line")
             axes.set(xlabel="wrap angle [deg]", ylabel="force [N]")
             axes.legend()
-        made = FigureWithData(figure=figure, tables=(DataTable(header=("x",), rows=((1.0,),)),))
+        made = FigureWithData(figure=figure, tables=(DataTable.of_rows(("x",), ((1.0,),)),))
         paths = save_figure(made, tmp_path / str(number), "figure")
         return [path.read_bytes() for path in paths]
 

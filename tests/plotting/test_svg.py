@@ -140,7 +140,7 @@ def test_no_figure_is_without_words():
     with house_style():
         figure = new_figure()
         figure.subplots().set(xlabel="Time t [s]", ylabel="Break-away force $F_{\\mathrm{A}}$ [N]")
-    table = DataTable(header=("n",), rows=((1,), (2,)))
+    table = DataTable.of_rows(("n",), ((1,), (2,)))
     assert (
         FigureWithData(figure=figure, tables=(table,)).alt
         == "Break-away force F_A [N] over Time t [s] (2 rows of data)."

@@ -153,7 +153,7 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
         where = " and ".join(f"{point.error:.0e} in {point.case}" for point in bad)
         worst = max(point.error for point in points if point.method == CLOSED[0])
         sentences.append(
-            "The textbook's difference of two powers is the study.cheapest closed form and loses digits: it is off by "
+            "The textbook's difference of two powers is the cheapest closed form and loses digits: it is off by "
             f"{where}. The stable form is never off by more than {worst:.0e}; for one condition, the checks of the "
             "input cost more than the formula."
         )

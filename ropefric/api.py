@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError
+from ropefric.files.folder import Folder
 from ropefric.fitting import budgets, next_tests
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
@@ -29,7 +30,8 @@ from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
-from ropefric.scenes.sweep import Axis, Sweep, parse_axis, sweep_scene
+from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene
+from ropefric.scenes.sweep_table import sweep_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration
@@ -298,7 +300,7 @@ def fit(
     clustered: bool = True,
     n_starts: int = 4,
     seed: int = 0,
-    intervals: Literal["covariance", "profile", "bootstrap"] = "covariance",
+    intervals: Literal["auto", "covariance", "profile", "bootstrap", "bootstrap-t"] = "auto",
     of: Literal["peak", "kinetic"] = "peak",
 ) -> FitResult:
     """Return a friction law fitted to trials; `status` says whether to trust it.
@@ -321,8 +323,9 @@ def fit(
         Whether the errors hold what the repeats of a condition share.
     n_starts, seed : int
         Starts of the search, and the seed of what spreads them.
-    intervals : {"covariance", "profile", "bootstrap"}
-        Where the 95 % intervals come from.
+    intervals : {"auto", "covariance", "profile", "bootstrap", "bootstrap-t"}
+        Where the 95 % intervals of the parameters come from; "auto" is the covariance where χ² grows to the ends of its
+        intervals as a parabola does, else the profile.
     of : {"peak", "kinetic"}
         The force that is fitted: the break-away force, or the mean force while sliding (column `kinetic_N`).
 
@@ -677,7 +680,7 @@ def plan_tests(
     )  # fmt: skip
 
 
-def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
+def solve(scene: Scene | PathLike, *, level: float = 0.95, identify: bool = False) -> Solution:
     """Return the answer to a scene, simulated with the effects that its accuracy calls for.
 
     Parameters
@@ -686,6 +689,8 @@ def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
         The scene or its file.
     level : float
         Of the intervals.
+    identify : bool
+        Find, too, what the scene's measurements tell of the machine: a saw's preload and mounting.
 
     Returns
     -------
@@ -706,7 +711,7 @@ def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
     >>> round(hoist["lift_force_N"]), hoist["effects"]["simulated"]
     (319, ['wrap-dependence', 'size', 'end-tension'])
     """
-    return solve_scene(_as_scene(scene), level=level)
+    return solve_scene(_as_scene(scene), level=level, identify=identify)
 
 
 def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
@@ -732,7 +737,10 @@ def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
 
 
 def sweep(
-    scene: Scene | PathLike, *axes: str | Axis, progress: Callable[[int, int, str], None] | None = None
+    scene: Scene | PathLike,
+    *axes: str | Axis,
+    progress: Callable[[int, int, str], None] | None = None,
+    table: PathLike | None = None,
 ) -> Sweep:
     """Return the numbers of a scene's answer over a grid of any of its own numbers.
 
@@ -744,6 +752,9 @@ def sweep(
         "wheel.wrap=90deg:1440deg:50", "wheel.radius=20mm,40mm"; several make a grid, of which the last runs fastest.
     progress : callable, optional
         Called with points done, points in all, and what they are.
+    table : path-like, optional
+        A file ending in .csv or .parquet, written block by block. The result then keeps at most a million points
+        of the grid, spread evenly, so that memory stays flat.
 
     Returns
     -------
@@ -768,7 +779,11 @@ def sweep(
     """
     loaded = _as_scene(scene)
     grid = tuple(parse_axis(loaded, axis) if isinstance(axis, str) else axis for axis in axes)
-    return sweep_scene(loaded, grid, progress=progress)
+    if table is None:
+        return sweep_scene(loaded, grid, progress=progress)
+    path = Path(table)
+    with sweep_table(grid, Folder(path.parent), path.name) as written:
+        return sweep_scene(loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS)
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:

@@ -33,7 +33,7 @@ SIGNATURES = {
     "find_breakaway": "(trace, *, window_s=None, peak='smoothed', start_s=None, stop_s=None, min_step_N=None, "
     "ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
-    "n_starts=4, seed=0, intervals='covariance', of='peak')",
+    "n_starts=4, seed=0, intervals='auto', of='peak')",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
@@ -51,8 +51,8 @@ SIGNATURES = {
     "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None)",
-    "solve": "(scene, *, level=0.95)",
-    "sweep": "(scene, *axes, progress=None)",
+    "solve": "(scene, *, level=0.95, identify=False)",
+    "sweep": "(scene, *axes, progress=None, table=None)",
     "trial_table": "(trials)",
     "write_scenes": "(folder, names=(), *, overwrite=False)",
 }

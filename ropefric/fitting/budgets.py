@@ -14,10 +14,10 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.fitting.fit import rope_slopes
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
 from ropefric.traces.budget import chain_quantities
 from ropefric.trials.conditions import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
@@ -39,7 +39,6 @@ GRAVITY_LIMIT = 0.0027
 
 _STANDARD_GRAVITY_M_S2 = 9.80665
 _PLACE = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
-_STEP = 1e-5
 _SETTINGS = {
     "wheel_radius_m": ("wheel radius", "R_w", "m"),
     "rope_radius_m": ("rope radius", "R_r", "m"),
@@ -379,12 +378,16 @@ def lift_model(
         for key, words in _SETTINGS.items()
     ]
     quantities += [_rope(fit)] if one_pull else []
-    k = len(quantities)
+    first = len(quantities)
+    # Known by their own uncertainty, and a line each: what many conditions have in common.
+    quantities += [Quantity(item.name, "δ", item.unit, item.std) for item in fit.common_errors]
+    k, common = len(quantities), fit.common_changes / [item.std for item in fit.common_errors]
+    covariance = fit.covariance - fit.common_changes @ fit.common_changes.T
     block = Block(
         name=f"parameters of {law.name}",
         symbols=tuple(np.array(law.parameter_names)[free].tolist()),
         estimates=theta[free],
-        covariance=np.asarray(fit.covariance)[np.ix_(free, free)],
+        covariance=np.asarray(covariance)[np.ix_(free, free)],
         dof=degrees_of_freedom(fit),
     )
 
@@ -395,17 +398,24 @@ def lift_model(
             rows = inputs[answered]
             sets = np.tile(theta, (len(rows), 1))
             sets[:, free] = rows[:, k:]
+            sets += rows[:, first:k] @ common.T
             # As in every prediction: a draw beyond a bound of the law counts as on it.
             sets = np.clip(sets, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
             at = Conditions(**dict(zip(_SETTINGS, rows.T[:4], strict=True)))
             with np.errstate(over="ignore"):
-                found[answered] = np.exp(law.log_lift_of_pairs(sets, at) + rows[:, 4:k].sum(axis=1))
+                found[answered] = np.exp(law.log_lift_of_pairs(sets, at) + rows[:, 4:first].sum(axis=1))
         return found
 
     by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
-    slopes = [by_radius, _by_rope(law, theta, wheel), by_wrap, by_log_tension / wheel.end_tension_N[0]]
-    slopes += [1.0] * (k - 4)
-    by_all = F_A * np.concatenate([slopes, law.jacobian(theta, wheel)[0, free]])
+    slopes = [
+        by_radius,
+        float(rope_slopes(law, theta, wheel)[0]),
+        by_wrap,
+        by_log_tension / wheel.end_tension_N[0],
+    ]
+    by_parameter = law.jacobian(theta, wheel)[0]
+    slopes += [1.0] * (first - 4)
+    by_all = F_A * np.concatenate([slopes, by_parameter @ common, by_parameter[free]])
     name, known = "lift force of one pull" if one_pull else "lift force", block if free.any() else None
     return MeasurementModel(name, "F_A", "N", tuple(quantities), evaluate, by_all, known)
 
@@ -441,10 +451,3 @@ def _rope(fit: FitResult) -> Quantity:
         parts.tolist(), [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]
     )
     return Quantity("scatter of one new rope", "δ_rope", "-", std, dof=dof, type="A")
-
-
-def _by_rope(law: FrictionLaw, theta: FloatArray, wheel: Conditions) -> float:
-    """Return ∂ ln F_A/∂R_r [1/m] by central differences: no law has it in closed form."""
-    R_r = wheel.rope_radius_m
-    ends = [law.log_lift(theta, replace(wheel, rope_radius_m=R_r * (1.0 + s)))[0] for s in (_STEP, -_STEP)]
-    return float((ends[0] - ends[1]) / (2.0 * _STEP * R_r[0]))

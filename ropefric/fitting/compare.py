@@ -48,6 +48,7 @@ _NO_ANSWER = frozenset({FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS})
 _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
 _STRAYED = 10.0
+_CLEAR = 1e-5
 # Criteria are differences of logarithms, weights and p-values their powers.
 _DIGITS = 6
 
@@ -218,11 +219,16 @@ def _contests(
                 for law in entries
                 if law != low and (low == "constant" or ALL_LAWS[low] in ALL_LAWS[law].special_cases)
             ]
+            tested = (test.p_value for test in tests if (test.simpler, test.fuller) == (low, high))
+            # So clear that no simulated campaign would lead as far.
+            clear = next((p_value for p_value in tested if p_value < _CLEAR), None)
             contest = Contest(
                 simpler=low,
                 fuller=high,
                 lead=standings[low].aicc - standings[high].aicc,
-                p_value=lead_by_chance(standings[low], standings[high], family, means),
+                p_value=clear
+                if clear is not None
+                else lead_by_chance(standings[low], standings[high], family, means),
                 loco_ratio=_ratio(entries[high].loco_error, entries[low].loco_error),
             )
             held.append(contest)
@@ -436,7 +442,8 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     apart = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
     if other := [name for name in apart if name not in open_]:
         where = "on the conditions tested" if wheel is None else "for the wheel asked for"
-        text = f"are within {RIVAL:g} in AICc and answer differently {where}"
+        near_it = f"are within {RIVAL:g} in AICc and " if chosen.delta_aicc <= RIVAL else ""
+        text = f"{near_it}answer differently {where}"
         doubts.append(("undecided", f"{chosen.law} and {' and '.join(other)} {text}"))
     undecided = [chosen.law, *dict.fromkeys([*apart, *open_])] if comparison.conclusive else []
     weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"
@@ -494,10 +501,13 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
         return False
     laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
     nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
-    # Of a law on a bound no interval is known, and only its force can be looked at.
+    # Of a law on a bound, or not shown by the data, no interval is known, and only its force can be looked at.
     known = rival.status is FitStatus.OK
     return same_lift(
-        other.log_lift - own.log_lift, own.log_half_width, other.log_half_width, nested=nested or not known
+        other.log_lift - own.log_lift,
+        own.log_half_width,
+        np.nan_to_num(other.log_half_width),
+        nested=nested or not known,
     )
 
 

@@ -16,11 +16,10 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.predict import degrees_of_freedom, linear_std, new_rope_std, outside_range
+from ropefric.fitting.predict import half_width, new_rope_std, outside_range
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, as_floats
 from ropefric.friction.law import LiftModel
-from ropefric.uncertainty.quantity import quantile
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
 
@@ -151,16 +150,14 @@ class LiftBound:
     """ln F_A of a fitted law and what one new rope exceeds with a probability; the mean law itself for None."""
 
     def __init__(self, fit: FitResult, probability: float | None) -> None:
-        self.law, self.theta, self.covariance = fit.friction_law, fit.theta, fit.covariance
-        self.reach = self.scatter = 0.0
+        self.fit, self.law, self.theta, self.probability = fit, fit.friction_law, fit.theta, probability
         if probability is None:
             return
         if not 0.5 <= probability < 1.0:
             text = f"the probability is {probability:g}"
             fix = "give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)"
             raise InputError(text, key="probability", fix=fix)
-        self.reach, self.scatter = quantile(probability, degrees_of_freedom(fit)), new_rope_std(fit)
-        if not (math.isfinite(self.scatter) and np.isfinite(fit.covariance).all()):
+        if not (math.isfinite(new_rope_std(fit)) and np.isfinite(fit.covariance).all()):
             text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
             fix = (
                 "repeat some trials and fit again, or design for the mean law (--on-average, None in Python)"
@@ -175,9 +172,9 @@ class LiftBound:
             some = rows[first : first + _CHUNK]
             chosen = conditions if some.size == len(conditions) else conditions.select(some)
             eta[some] = bound[some] = self.law.log_lift(self.theta, chosen)
-            if self.reach:
-                std = linear_std(LiftModel(law=self.law), self.theta, self.covariance, chosen)
-                bound[some] -= self.reach * np.hypot(std, self.scatter)
+            if self.probability is not None:
+                model = LiftModel(law=self.law)
+                bound[some] -= half_width(self.fit, model, chosen, self.probability, one_pull=True)
         return eta, bound
 
 
@@ -315,7 +312,7 @@ def _search(
         below = above(root, rows, mean)[0] < 0.0
         some = rows[below]
         root[below] = rising_root(lambda at, i: above(at, some[i], mean), lows[some], highs[some])
-        if bound.reach > 0.0:
+        if bound.probability is not None:
             left, right = first_crossing(lambda at, i: above(at, rows[i], bound), root, highs[rows])
             held = ~np.isnan(right)
             status[rows[~held]] = DesignStatus.TOO_UNCERTAIN

@@ -199,7 +199,7 @@ class _Trends:
         }
         every = {"offset": np.ones_like(wrap)}
         every |= {title: wrap * np.log(level / level.min()) for title, level in levels.items()}
-        every["coil contact"] = beyond
+        every["coil contact"], self.touching = beyond, bool(beyond.any())
         self.columns = {title: column for title, column in every.items() if _adds(wrap[:, None], column)}
         self.aicc = {
             chosen: self._aicc(chosen)
@@ -282,6 +282,10 @@ def _adds(columns: FloatArray, column: FloatArray) -> bool:
 def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     """Return the verdict on an effect of the settings."""
     effect, _quantity, experiment = _EFFECTS[title]
+    if title == "coil contact" and not trends.touching:
+        return Cause(
+            title, "no", "no turn lies beside another, by the wraps or by what is said of them", experiment
+        )
     if title not in trends.columns:
         return Cause(title, "cannot-tell", _untold(title), experiment)
     line = trends.line(title)
@@ -299,7 +303,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     by_law = min(lacking.values(), default=math.inf) - min(having.values(), default=math.inf)
     numbers |= {"gain_on_constant": gain, "lead_on_others": lead}
     parts.append(_criteria_words(having, lacking, plain, gain, lead))
-    yes = lead >= _STRONG or (by_law >= _STRONG and lead > -_WEAK) or _named_by(effect, ranked, trends, title)
+    yes = lead >= _STRONG or (by_law >= _STRONG and lead > 0.0) or _named_by(effect, ranked, trends, title)
     # Another effect that could stand in its place: as good without what the best description has.
     alike = [
         o for o in trends.best if o != title and trends.least(title, there=True, without=o) < other + _STRONG
@@ -325,7 +329,7 @@ def _untold(title: str) -> str:
     if title == "offset":
         return "all conditions have one wrap, where an offset cannot be told from μ"
     if title == "coil contact":
-        return "no wrap has a turn that touches another, or they all have as many for their wrap"
+        return "the turns that touch go with the wrap in all conditions"
     return f"all conditions have one {_EFFECTS[title].quantity}"
 
 

@@ -3,6 +3,8 @@
 The search goes from several starts, with weights that follow the parameters; `assemble` makes the result of it.
 """
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 from math import sqrt
 from typing import Any
@@ -16,9 +18,9 @@ from ropefric.files.digits import significant, to_share
 from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, reduced
-from ropefric.fitting.result import FitResult
+from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import Conditions, levels
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable
@@ -50,6 +52,15 @@ _FREE = 1e-6
 # A gain in χ² by this part of the mean squared residual is no gain, among combinations of at least this size.
 _FLAT = 1e-3
 _FLAT_RANK = 1e-6
+_STEP = 1e-5
+_SETTINGS_STD = ("wheel_radius_std_m", "wrap_std_rad", "rope_radius_std_m")
+_COMMON: tuple[tuple[Callable[[Any], str], str], ...] = (
+    (lambda cell: f"calibration of cell {cell}" if cell else "calibration of the force cell", "-"),
+    (lambda force_N: f"weights of {force_N:.4g} N" if force_N else "the second force cell", "-"),
+    (lambda radius_m: f"radius of the wheels of {1e3 * radius_m:.4g} mm", "m"),
+    (lambda wrap_rad: f"setting of the wrap of {math.degrees(wrap_rad):.4g} deg", "rad"),
+    (lambda rope: f"radius of the rope {rope if isinstance(rope, str) else f'of {1e3 * rope:.4g} mm'}", "m"),
+)
 
 
 def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitResult:
@@ -134,6 +145,56 @@ def shared_variance(law: FrictionLaw, theta: FloatArray, table: TrialTable) -> F
     return variance
 
 
+def common_errors(
+    problem: FitProblem, theta: FloatArray, table: TrialTable
+) -> tuple[tuple[CommonError, ...], FloatArray]:
+    """Return the errors that several conditions share, and by how much one standard uncertainty of each moves ln F_A.
+
+    Shape (n, b). A force cell is the same in all its trials; a wheel, a rope, a weight and a wrap setting are in every
+    condition that has them, each rope by its name where it has one. What belongs to one condition only is part of the
+    scatter between conditions.
+    """
+    used, at, law = table.used, problem.conditions, problem.law
+    is_slack = table.measures_slack
+
+    def of(name: str) -> FloatArray:
+        return np.asarray(getattr(table, name), np.float64)[used]
+
+    tight, slack = (of("peak_N"), of("peak_std_N")), (of("end_tension_N"), of("end_tension_std_N"))
+    (read_N, read_std_N), (set_N, set_std_N) = (slack, tight) if is_slack else (tight, slack)
+    own = of("cell_std_N")
+    shares = np.nan_to_num(np.where(np.isnan(own), read_std_N, own)) / read_N
+    stated = (shares, np.nan_to_num(set_std_N) / set_N, *map(of, _SETTINGS_STD))
+    if not any(values.any() for values in stated):
+        return (), np.zeros((used.sum(), 0))
+    slopes = law.log_lift_gradient_conditions(theta, at)
+    by_force = (slopes[:, 2], np.ones(len(at))) if is_slack else (np.ones(len(at)), slopes[:, 2])
+    if not np.isnan(of("end_tension_set_N")).all():  # a second cell, which all trials share
+        set_N = np.zeros_like(set_N)
+    by_rope = rope_slopes(law, theta, at) if stated[4].any() else np.zeros(len(at))
+    names = {name: np.array(words)[used] for name, words in table.labels.items()}
+    cells, ropes = names.get("cell", np.full(len(at), "")), names.get("rope_id", at.rope_radius_m)
+    values = (cells, set_N, at.wheel_radius_m, at.wrap_angle_rad, ropes)
+    kinds = zip(_COMMON, stated, (*by_force, *slopes.T[:2], by_rope), values, strict=True)
+    found, effects = list[CommonError](), list[FloatArray]()
+    for (words, unit), std, slope, value in kinds:
+        number = np.unique(value, return_inverse=True)[1] if value.dtype.kind == "U" else levels(value)
+        for one in np.unique(number[std > 0.0]):
+            here = (number == one) & (std > 0.0)
+            if np.ptp(problem.group[here]):
+                found.append(CommonError(words(value[here][0]), unit, float(std[here].max()), ()))
+                effects.append(np.where(here, std * slope, 0.0))
+    return tuple(found), np.stack(effects, axis=-1) if effects else np.zeros((used.sum(), 0))
+
+
+def rope_slopes(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArray:
+    """Return ∂ ln F_A/∂R_r [1/m] by central differences, shape (n,): no law has it in closed form."""
+    ends = [
+        law.log_lift(theta, replace(at, rope_radius_m=at.rope_radius_m * (1.0 + s))) for s in (_STEP, -_STEP)
+    ]
+    return np.asarray((ends[0] - ends[1]) / (2.0 * _STEP * at.rope_radius_m))
+
+
 def trial_std(within: float, shared: FloatArray, group: IntArray) -> FloatArray:
     """Return the standard deviation that a trial enters a least-squares fit with, shape (n,).
 
@@ -181,9 +242,10 @@ def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fo
         theta = _rounded(weighed, theta, at_bound)
     # The weights of the very parameters that are handed on.
     weighed, scatter, shared = _weighed(problem, table, theta, loss)
+    common, effects = common_errors(problem, theta, table)
     return Found(
         problem=weighed, theta=theta, at_bound=at_bound, converged=converged, scatter=scatter, shared=shared,
-        notes=notes,
+        notes=notes, common=common, effects=effects,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ once: along a grid, further where needed, then to the root. A bootstrap refits t
 """
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isfinite
 from typing import Literal
 
 import numpy as np
@@ -18,8 +18,9 @@ from ropefric.errors import FitError, InputError, UnknownNameError
 from ropefric.files.digits import to_share
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import MANY, FitProblem, Rows, pooled, reduced
-from ropefric.fitting.result import FitResult
-from ropefric.fitting.statistics import plain_covariance, two_level_scatter
+from ropefric.fitting.result import FitResult, FitStatus
+from ropefric.fitting.statistics import decomposed, plain_covariance, two_level_scatter
+from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
 from ropefric.uncertainty.quantity import quantile
 
@@ -47,10 +48,16 @@ _END_NOTES: dict[EndKind, str] = {
 }
 BootstrapKind = Literal["parametric", "clustered"]
 
-INTERVALS = ("covariance", "profile", "bootstrap")
-"""Ways to the 95 % intervals of the parameters."""
+INTERVALS = ("auto", "covariance", "profile", "bootstrap", "bootstrap-t")
+"""Ways to the 95 % intervals of the parameters; "auto" is the covariance where χ² bears it out, else the profile."""
 
+_BESIDE_A_BOUND = (
+    "a parameter lies on its bound: 95 % intervals beside it are on the safe side, they held the truth in 97 to 100 % "
+    "of simulated campaigns (ropefric cost uncertainty)"
+)
 _WORTH_A_NOTE = 0.025
+# √Δχ² at the ends of an interval from the covariance, over what a parabola has there: χ² bears the interval out.
+_STRAIGHT = (0.8, 1.25)
 _MOST_RESAMPLES = 1_000_000
 # With fewer conditions than this, drawing whole conditions gives intervals that are too narrow.
 _ENOUGH_TO_DRAW = 20
@@ -303,21 +310,84 @@ def bootstrap(
     return BootstrapResult(theta=refits, notes=tuple(notes))
 
 
+def bootstrap_t(
+    problem: FitProblem,
+    theta: npt.ArrayLike,
+    *,
+    at: Conditions | None = None,
+    level: float = 0.95,
+    n: int = 2000,
+    seed: int = 0,
+) -> FloatArray:
+    """Return the bootstrap-t interval of every parameter, and of ln F_A at c conditions, shape (p + c, 2).
+
+    Residuals of the conditions' means, each over √(1 − h), are drawn anew about the law. Of each resample not the
+    estimate itself but its distance in its own standard errors is kept (Efron & Tibshirani 1993, chapter 12): the
+    quantiles of that take the place of Student's.
+    """
+    means, best, law = pooled(problem)[0], np.asarray(theta, dtype=np.float64), problem.law
+    k, spare = means.n_points, means.n_points - problem.n_varying
+    if spare < 1:
+        text = f"{k} conditions leave nothing to draw residuals of {problem.n_varying} parameters from"
+        raise FitError(text, fix="measure more conditions")
+
+    def answers(sets: FloatArray, chi2: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return parameters and predictions of m sets, and their standard errors, shape (m, p + c) each."""
+        J = law.jacobian(sets, means.conditions)[..., problem.vary] / means.std[:, None]
+        scale = np.maximum(np.linalg.norm(J, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+        slopes = np.tile(np.eye(best.size)[:, problem.vary], (len(sets), 1, 1))
+        found = sets
+        if at is not None:
+            slopes = np.concatenate([slopes, law.jacobian(sets, at)[..., problem.vary]], axis=1)
+            found = np.hstack([sets, law.log_lift(sets, at)])
+        root = slopes / scale @ np.linalg.pinv(J / scale)
+        return found, np.sqrt((root**2).sum(axis=-1) * chi2[:, None] / spare)
+
+    residual = means.residuals(best)
+    own, std = answers(best[None], np.array([residual @ residual]))
+    left = decomposed(means.jacobian(best)[:, problem.vary]).root()[1]
+    residual = residual / np.sqrt(np.maximum(1.0 - (left**2).sum(axis=1), 1e-3))
+    drawn = residual[np.random.default_rng(seed).integers(k, size=(n, k))]
+    fits = batched_fit(means, law.log_lift(best, means.conditions) - means.std * drawn, best)
+    found, errors = answers(fits.theta[fits.converged], fits.chi2[fits.converged])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = (found - own) / errors
+    away = np.where(np.isfinite(away), away, 0.0)
+    ends = (
+        own[0, :, None]
+        - np.quantile(away, [0.5 + 0.5 * level, 0.5 - 0.5 * level], axis=0).T * std[0, :, None]
+    )
+    p = best.size
+    ends[:p] = np.clip(ends[:p], problem.lower[:, None], problem.upper[:, None])
+    return np.asarray(ends)
+
+
 def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0) -> FitResult:
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(method, INTERVALS))
+    linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
+    if method == "auto":
+        bound = any(item.at_bound for item in fit.parameters)
+        known = all(isfinite(item.std) or item.at_bound for item in fit.parameters)
+        told = linear and known and fit.statistics.interval_dof > 0.0
+        told = told and fit.status is not FitStatus.NOT_CONVERGED
+        method = "profile" if told and (bound or not is_straight(fit)) else "covariance"
     if method == "covariance":
         return fit
     problem = fit.data
-    if fit.provenance.get("settings", {}).get("loss", "linear") != "linear":
+    if not linear:
         text = f"{method} intervals are those of least squares, not of a robust loss"
         raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
     how: dict[str, str | int] = {"method": method}
     if method == "profile":
-        found = _profile(fit, problem)
-        ends, notes = found.ci, found.notes
+        found = profile_of(fit)
+        on_bound = any(item.at_bound for item in fit.parameters)
+        ends, notes = found.ci, (*found.notes, *((_BESIDE_A_BOUND,) if on_bound else ()))
+    elif method == "bootstrap-t":
+        ends, notes = bootstrap_t(problem, fit.theta, n=n, seed=seed), ()
+        how |= {"n": n, "seed": seed}
     else:
         enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
         whole = enough <= fit.statistics.n_conditions < fit.statistics.n
@@ -336,15 +406,31 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
     )
 
 
-def _profile(fit: FitResult, problem: FitProblem) -> ProfileResult:
-    if fit.covariance_kind == "scaled":
-        return profile_intervals(problem, fit.theta)
+def is_straight(fit: FitResult) -> bool:
+    """Return whether χ² grows to the ends of the covariance's intervals as a parabola does, within a quarter."""
+    problem, best = fit.data, fit.theta
+    scale = float((problem.residuals(best) ** 2).sum())
+    walk = _Walk(problem, best, scale, np.full(best.size, max(scale, 1e-300)))
+    reach = np.array([0.5 * (item.ci95[1] - item.ci95[0]) for item in fit.parameters])[walk.parameter]
+    std = np.sqrt(np.diag(plain_covariance(problem.jacobian(best)[:, problem.vary])))
+    sides = np.flatnonzero((walk.room > 0.0) & (reach > 0.0))
+    distance = np.minimum(reach, walk.room)[sides]
+    found = walk.gaps(sides, distance) + walk.root[sides]
+    straight = found * np.repeat(std, 2)[sides] / distance
+    return bool(((straight > _STRAIGHT[0]) & (straight < _STRAIGHT[1])).all())
+
+
+def profile_of(fit: FitResult) -> ProfileResult:
+    """Return the profile intervals of a fit, as wide as its own covariance and degrees of freedom make them."""
+    problem = fit.data
     # χ² believes in independent trials and a normal quantile; the fit's own covariance and Student's t know better.
     variance = np.diag(fit.covariance)
     shown = variance > 0.0
     plain = np.ones_like(variance)
     plain[shown] = np.diag(plain_covariance(problem.jacobian(fit.theta)[:, shown]))
-    ratio = np.where(shown & np.isfinite(variance) & (plain > 0.0), variance / plain, 1.0)
+    ratio = np.where(shown & np.isfinite(variance) & (plain > 0.0), variance / plain, 0.0)
+    # Of a parameter on its bound no variance is known, but the scatter is the same for all.
+    ratio = np.where(ratio > 0.0, ratio, ratio.max(initial=0.0) or 1.0)
     dof, normal = fit.statistics.interval_dof, quantile(0.975, inf)
     reach = quantile(0.975, dof) if dof > 0 else normal
     return profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2, absolute_std=True)

@@ -9,15 +9,16 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from scipy.special import stdtr, stdtrit
+from scipy.special import ndtri, stdtr, stdtrit
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.result import Doubt, FitResult, Verdict, far_apart, verdict_of
+from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, far_apart, verdict_of
+from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
-from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
+from ropefric.uncertainty.quantity import check_level, joint_draws, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]
@@ -43,6 +44,8 @@ _BLOCK = 1_000_000
 # Student's t of so many degrees of freedom is normal; beyond so many scales lies none of a mixture's ends.
 _MANY_DOF, _FARTHEST, _HALVINGS = 1e6, 1e3, 80
 _ONE_SIGMA = 0.8413447460685429
+# Nothing is left to estimate an interval from: what was not found could be anything.
+_NOTHING_TOLD = (FitStatus.TOO_FEW_POINTS, FitStatus.NOT_CONVERGED)
 
 
 def outside_range(validity: Validity, conditions: Conditions) -> BoolArray:
@@ -98,12 +101,13 @@ class Prediction:
         so is longer upward.
     prediction_interval_N : ndarray, shape (n, 2)
         Where the F_A of one pull with one new rope lies [N]: the scatter between repeats and between
-        conditions comes on top. NaN where the fit knows no scatter.
+        conditions comes on top, each with its own degrees of freedom. NaN where the fit knows no scatter.
     level : float
         Level of both.
-    dof : float
-        Degrees of freedom of Student's t in them; 0 where nothing is left to estimate a scatter from, so that there
-        is no standard deviation and no interval (NaN).
+    dof : ndarray, shape (n,)
+        Degrees of freedom of Student's t in the confidence interval; 0 where nothing is left to estimate it from
+        (no condition too many, data that agree to rounding, parameters that the data do not show), so that there is
+        no standard deviation and no interval (NaN).
     method : {"linear", "monte-carlo"}
         How the uncertainty of the law was carried over.
     linear_agrees : ndarray of bool, shape (n,), or None
@@ -136,7 +140,7 @@ class Prediction:
     interval_N: FloatArray
     prediction_interval_N: FloatArray
     level: float
-    dof: float
+    dof: FloatArray
     method: Method
     linear_agrees: BoolArray | None
     drawn_interval_N: FloatArray | None
@@ -200,9 +204,9 @@ class Prediction:
 
     def _row(self, i: int) -> dict[str, Any]:
         given = {name: float(getattr(self.conditions, name)[i]) for name in REGRESSORS}
-        arrays = ("lift_force_N", "std_N", "interval_N", "prediction_interval_N", "extrapolated")
+        arrays = ("lift_force_N", "std_N", "interval_N", "prediction_interval_N", "extrapolated", "dof")
         found = {name: getattr(self, name)[i].tolist() for name in arrays}
-        found |= {name: getattr(self, name) for name in ("level", "dof", "method", "spread_N", "of")}
+        found |= {name: getattr(self, name) for name in ("level", "method", "spread_N", "of")}
         found |= {
             "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
             "notes": list(self.notes(i)),
@@ -239,21 +243,25 @@ def predict(
         worst = int(np.argmax(log_lift))
         text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
-    dof = 0.0 if fit.statistics.interval_dof == 0.0 else degrees_of_freedom(fit)
-    std = linear_std(model, theta, covariance, conditions)
-    if dof == 0.0:
-        std = np.full_like(std, math.nan)  # nothing is left over that could tell the scatter
-    reach = quantile(0.5 + 0.5 * level, dof) if dof > 0.0 else math.nan
-    ends = np.stack([log_lift - reach * std, log_lift + reach * std], axis=1)
+    (variance, dof), probability = _law_spread(fit, model, conditions), 0.5 + 0.5 * level
+    seen = all(math.isfinite(item.std) or item.at_bound for item in fit.parameters)
+    told = fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
+    if not told:
+        variance, dof = np.full_like(variance, math.nan), np.zeros_like(dof)
+    std = np.sqrt(variance)
+    half = _quantiles(probability, dof) * std
+    ends = np.stack([log_lift - half, log_lift + half], axis=1)
     if check is None:
         check = len(conditions) <= _CHECKED_CONDITIONS
-    drawing = method == "monte-carlo" and dof > 0.0
+    drawing = method == "monte-carlo" and told
     agrees, draws, drawn = None, 0, None
-    if drawing or (check and dof > 0.0 and np.isfinite(covariance).all()):
+    if drawing or (check and told and np.isfinite(covariance).all()):
         draws = n if drawing else _CHECKING_DRAWS
-        rng = np.random.default_rng(seed)
         try:
-            drawn = drawn_range(model, theta, covariance, conditions, dof=dof, level=level, n=draws, rng=rng)
+            drawn = drawn_range(
+                model, theta, covariance, conditions, dof=degrees_of_freedom(fit), level=level, n=draws,
+                rng=np.random.default_rng(seed), common=fit.common_changes,
+            )  # fmt: skip
         except InputError:
             if drawing:
                 raise
@@ -264,9 +272,10 @@ def predict(
             apart = np.abs(drawn[1] - ends)
             agrees = np.asarray((apart <= 0.5 * room * np.diff(ends, axis=1) + 1e-12).all(axis=1))
             std, ends = drawn if drawing else (std, ends)
-    # About the middle of the law's own interval, which is not quite log_lift where draws are skew.
-    middle, half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
-    wide = np.hypot(half, reach * new_rope_std(fit))
+    # About the middle of the law's own interval, which is not quite log_lift where draws are skew; as much wider.
+    middle, drawn_half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
+    wide = half_width(fit, model, conditions, probability, one_pull=True) if told else half
+    wide = np.sqrt(np.maximum(wide**2 - half**2, 0.0) + drawn_half**2)
     with np.errstate(over="ignore"):
         lift = np.exp(log_lift)
         return Prediction(
@@ -292,6 +301,50 @@ def predict(
         )
 
 
+def _law_spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
+    """Return the variance of ln F_A of the mean law, J C Jᵀ, and its degrees of freedom, shape (n,) each."""
+    variance = linear_std(model, fit.theta, fit.covariance, conditions) ** 2
+    changes = fit.common_changes
+    known = linear_std(model, fit.theta, changes @ changes.T, conditions) ** 2 if changes.size else 0.0
+    return variance, combined_dof(variance, known, degrees_of_freedom(fit))
+
+
+def linear_std(
+    model: LiftModel, theta: FloatArray, covariance: FloatArray, conditions: Conditions
+) -> FloatArray:
+    """Return the standard deviation of ln F_A of the mean law, √(J C Jᵀ), shape (n,)."""
+    J = model.jacobian(theta, conditions)
+    # Rounding may turn a variance of zero a hair negative.
+    return np.asarray(np.sqrt(np.maximum(((J @ covariance) * J).sum(axis=-1), 0.0)))
+
+
+def _quantiles(probability: float, dof: FloatArray) -> FloatArray:
+    """Return Student's t quantiles, shape (n,); NaN without a degree of freedom."""
+    finite = stdtrit(np.where((dof > 0.0) & np.isfinite(dof), dof, 1.0), probability)
+    return np.where(dof > 0.0, np.where(np.isinf(dof), ndtri(probability), finite), np.nan)
+
+
+def half_width(
+    fit: FitResult, model: LiftModel, conditions: Conditions, probability: float, *, one_pull: bool
+) -> FloatArray:
+    """Return how far ln F_A may lie from the law to one side, with a probability, shape (n,).
+
+    Of the mean law, or of one pull with a new rope. What that brings on top, s_b² + s_w², is a mean square between
+    conditions, with the degrees of freedom of the law's own errors, and what single pulls scatter beyond it, with
+    those of the repeats (Welch and Satterthwaite).
+    """
+    variance, dof = _law_spread(fit, model, conditions)
+    if not one_pull:
+        return _quantiles(probability, dof) * np.sqrt(variance)
+    found, new2 = fit.statistics, new_rope_std(fit) ** 2
+    pulls = float(np.nan_to_num(found.scatter_within)) ** 2 * (1.0 - found.n_conditions / found.n)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shared = variance / np.sqrt(dof) + (new2 - pulls) / math.sqrt(degrees_of_freedom(fit))
+        spread = shared**2 + pulls**2 / max(found.n - found.n_conditions, 1)
+        dof = np.where(spread > 0.0, (variance + new2) ** 2 / spread, np.inf)
+    return np.asarray(_quantiles(probability, dof) * np.sqrt(variance + new2))
+
+
 def averaged(own: Prediction, answers: Sequence[Prediction], weights: Sequence[float]) -> Prediction:
     """Return the weighted average of the answers of several laws; its intervals hold the spread between them.
 
@@ -300,7 +353,8 @@ def averaged(own: Prediction, answers: Sequence[Prediction], weights: Sequence[f
     """
     share = np.array(weights)[:, np.newaxis] / sum(weights)
     centre = np.stack([item.log_lift for item in answers])
-    dof = np.array([[item.dof if 0.0 < item.dof < _MANY_DOF else _MANY_DOF] for item in answers])
+    dof = np.stack([item.dof for item in answers])
+    dof = np.where((dof > 0.0) & (dof < _MANY_DOF), dof, _MANY_DOF)
     reach = stdtrit(dof, 0.5 + 0.5 * own.level)
 
     def known(values: list[FloatArray]) -> FloatArray:
@@ -368,16 +422,6 @@ def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftMo
     return LiftModel(law=fit.friction_law, linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
 
 
-def linear_std(
-    model: LiftModel, theta: FloatArray, covariance: FloatArray, conditions: Conditions
-) -> FloatArray:
-    """Return the standard deviation of ln F_A of the mean law, √(J C Jᵀ), shape (n,)."""
-    J = model.jacobian(theta, conditions)
-    variance = ((J @ covariance) * J).sum(axis=-1)
-    # Rounding may turn a variance of zero a hair negative; NaN stays NaN.
-    return np.sqrt(np.where(variance < 0.0, 0.0, variance))
-
-
 def drawn_range(
     model: LiftModel,
     theta: FloatArray,
@@ -388,17 +432,22 @@ def drawn_range(
     level: float,
     n: int,
     rng: np.random.Generator,
+    common: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the standard deviation (c,) and the interval (c, 2) of ln F_A for c conditions, from n draws.
 
-    The parameters are drawn from the multivariate t of their covariance, moved onto the law's bounds where they
-    cross them; the standard deviation is half the central 68.27 % of the draws, less the t's heavier tails.
+    The parameters are drawn from the multivariate t of their covariance, the part of it that is `common` error
+    (p, b) from the normal, and moved onto the law's bounds where they cross them; the standard deviation is half the
+    central 68.27 % of the draws, less the t's heavier tails.
     """
     if not np.isfinite(covariance).all():
         text = "the covariance of the parameters is not finite, so nothing can be drawn from it"
         fix = "use method='linear', or a fit whose parameters are all seen by the data"
         raise InputError(text, key="covariance", fix=fix)
-    draws = joint_draws(theta, symmetric_root(covariance), dof=dof, n=n, rng=rng)
+    known = np.zeros((theta.size, 0)) if common is None else common
+    draws = joint_draws(theta, symmetric_root(covariance - known @ known.T), dof=dof, n=n, rng=rng)
+    if known.size:
+        draws = draws + rng.standard_normal((n, known.shape[1])) @ known.T
     draws = np.clip(draws, np.minimum(model.law.lower, theta), np.maximum(model.law.upper, theta))
     tail = 50.0 * (1.0 - level)
     at = [tail, 100.0 - tail, 100.0 * (1.0 - _ONE_SIGMA), 100.0 * _ONE_SIGMA]
@@ -416,5 +465,7 @@ def drawn_range(
                 fix="the fit is too uncertain for this method; measure more conditions",
             )
         found[:, rows] = np.percentile(model.log_lift(usable, part), at, axis=0)
-    std = 0.5 * (found[3] - found[2]) / quantile(_ONE_SIGMA, dof)
+    of_all = linear_std(model, theta, covariance, conditions) ** 2
+    of_answer = combined_dof(of_all, linear_std(model, theta, known @ known.T, conditions) ** 2, dof)
+    std = 0.5 * (found[3] - found[2]) / _quantiles(_ONE_SIGMA, of_answer)
     return std, found[:2].T.copy()

@@ -28,7 +28,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from math import inf, isfinite, nan
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.special import fdtrc
@@ -181,6 +181,8 @@ def same_lift(
 CovarianceKind = Literal["absolute", "scaled", "clustered"]
 
 SCHEMA = "ropefric.fit/1"
+ERRORS = "two levels"
+"""How the standard errors of a stored fit were found; those of fits without this word are not compared with today's."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -197,6 +199,15 @@ class FittedParameter:
     vary: bool
 
 
+class CommonError(NamedTuple):
+    """An error that several conditions share, such as a cell's gain, and how one standard uncertainty moves the fit."""
+
+    name: str
+    unit: str
+    std: float
+    change: tuple[float, ...]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitResult:
     """A fitted friction law.
@@ -208,10 +219,11 @@ class FitResult:
     parameters : tuple of FittedParameter
         In the law's order.
     covariance : ndarray, shape (p, p)
-        Covariance of the parameters in the law's order; zero for those that are fixed or on a bound.
+        Covariance of the parameters in the law's order; zero for those that are fixed, or on a bound where the data
+        do not see them.
     covariance_kind : {"absolute", "scaled", "clustered"}
         "absolute": from the known scatter as it stands; "scaled": times χ²/dof, because the scatter is not known;
-        "clustered": sandwich over conditions, which includes what the repeats of a condition share.
+        "clustered": from how the means of the conditions scatter, which includes what the repeats of one share.
     statistics : FitStatistics
         How well it fits.
     status : FitStatus
@@ -228,6 +240,9 @@ class FitResult:
         Resolved settings, input and its hash, versions.
     trials : dict of str to list
         The data by condition: enough to fit again.
+    common_errors : tuple of CommonError
+        What several conditions have in common and no scatter shows: cells, wheels, ropes, weights, wraps. `change`
+        is that of the parameters by one standard uncertainty; the covariance includes it.
     problem : FitProblem, optional
         What was fitted; None after loading from a file.
     """
@@ -244,6 +259,7 @@ class FitResult:
     notes: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
     trials: Mapping[str, list[float]] = field(default_factory=dict)
+    common_errors: tuple[CommonError, ...] = ()
     problem: FitProblem | None = None
 
     @property
@@ -253,8 +269,14 @@ class FitResult:
 
     @property
     def shown(self) -> BoolArray:
-        """Return which parameters were fitted and lie on no bound, shape (p,): those with a variance."""
-        return np.array([item.vary and not item.at_bound for item in self.parameters], dtype=np.bool_)
+        """Return which parameters have a variance, shape (p,)."""
+        return np.asarray(np.diag(self.covariance) > 0.0)
+
+    @property
+    def common_changes(self) -> FloatArray:
+        """Return the changes of the parameters by one standard uncertainty of each common error, shape (p, b)."""
+        changes = [item.change for item in self.common_errors]
+        return np.array(changes, np.float64).reshape(-1, len(self.parameters)).T
 
     @property
     def data(self) -> FitProblem:
@@ -325,6 +347,8 @@ class FitResult:
             "statistics": asdict(self.statistics),
             "identifiability": asdict(self.identifiability),
         }
+        if self.common_errors:
+            tree["common_errors"] = [item._asdict() for item in self.common_errors]
         for item in tree["parameters"].values():
             del item["name"]
         return dict(_plain(tree))
@@ -351,6 +375,12 @@ class FitResult:
             validity={name: (float(low), float(high)) for name, (low, high) in tree["validity"].items()},
             provenance=dict(tree["provenance"]),
             trials={name: [_number(cell) for cell in column] for name, column in tree["trials"].items()},
+            common_errors=tuple(
+                CommonError(
+                    item["name"], item["unit"], _number(item["std"]), tuple(map(_number, item["change"]))
+                )
+                for item in tree.get("common_errors", ())
+            ),
         )
 
 

@@ -35,7 +35,9 @@ _ROUNDS = 4
 # Of ln F_B, for how the slope by it changes with the parameters; the error is a millionth of a small correction.
 _STEP = 1e-6
 # In standard errors, and steps: enough to know a deviance by which laws are told apart.
-_NEAR, _STEPS, _SEARCHES = 1e-2, 60, 4
+_NEAR, _STEPS, _SEARCHES = 1e-3, 60, 4
+# Another start may lead to a better place if it is no worse than this many times what was found.
+_HOPEFUL = 2.0
 # A wild trial: so many standard deviations off the others, and once in so many tables by chance.
 _FAR, _WILD = 8.0, 1e-4
 _LEAST_DOF, _UNJUDGED, _EXACT = 5, 1e-3, 1e-6
@@ -66,7 +68,8 @@ class Contest:
     lead : float
         By how much the AICc of the fuller law is lower.
     p_value : float
-        Share of data simulated from the simpler law in which some law fuller than it leads by as much (bootstrap).
+        Share of data simulated from the simpler law in which some law fuller than it leads by as much (bootstrap); of
+        the F-test where that is below 1e-5.
     loco_ratio : float
         Error of the fuller law at conditions left out over that of the simpler one; NaN where one is not known.
     """
@@ -243,11 +246,12 @@ def searched(problem: FitProblem, log_lift: FloatArray, theta: FloatArray) -> Ba
     The solution of one data set is a start for the others too, so that all are searched as well as the first was.
     """
     law, at = problem.law, problem.conditions
+    how: dict[str, Any] = {"tolerance": _NEAR, "max_iterations": _STEPS * max(problem.n_varying - 2, 1)}
     mu = float(np.median((log_lift[0] - at.log_end_tension) / np.maximum(at.wrap_angle_rad, 1e-9)))
-    starts = [theta, problem.start, *np.asarray(law.candidates(max(mu, 1e-3), at, log_lift[0]), np.float64)]
+    starts = [problem.start, *np.asarray(law.candidates(max(mu, 1e-3), at, log_lift[0]), np.float64)]
     pool = np.clip(np.stack(starts), problem.lower, problem.upper)
     pool = np.where(problem.vary, pool, problem.start)
-    fits = batched_fit(problem, log_lift, theta, tolerance=_NEAR, max_iterations=_STEPS)
+    fits = batched_fit(problem, log_lift, theta, **how)
     for _ in range(_SEARCHES):
         pool = pool[law.admissible(pool, at)]
         if not len(pool):
@@ -255,9 +259,12 @@ def searched(problem: FitProblem, log_lift: FloatArray, theta: FloatArray) -> Ba
         lifts = law.log_lift(pool, at)
         costs = ((log_lift[:, np.newaxis] - lifts) ** 2 / problem.std**2).sum(axis=-1)
         nearest = np.argmin(np.where(np.isclose(costs, fits.chi2[:, np.newaxis]), np.inf, costs), axis=1)
-        again = batched_fit(problem, log_lift, pool[nearest], tolerance=_NEAR, max_iterations=_STEPS)
-        better = again.chi2 < fits.chi2
-        fits.theta[better], fits.chi2[better] = again.theta[better], again.chi2[better]
+        rows = np.flatnonzero(costs[np.arange(len(costs)), nearest] <= _HOPEFUL * fits.chi2)
+        if not rows.size:
+            break
+        again = batched_fit(problem, log_lift[rows], pool[nearest[rows]], **how)
+        better = again.chi2 < fits.chi2[rows]
+        fits.theta[rows[better]], fits.chi2[rows[better]] = again.theta[better], again.chi2[better]
         pool = fits.theta
     return fits
 

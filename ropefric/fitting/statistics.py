@@ -6,7 +6,7 @@ Everything about a Jacobian comes from one decomposition, `decomposed`.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,8 +18,8 @@ from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions, distinct
 
-# Repeats that agree closer than this were not measured, or were copied.
-_SMALLEST_SCATTER = 1e-9
+SMALLEST_SCATTER = 1e-9
+"""Repeats that agree closer than this were not measured, or were copied; closer to a law, rounding."""
 # Rounding of the Jacobian alone gives ratios of singular values up to this.
 RANK_RATIO = 1e8
 # A parameter whose slopes are below this has a variance that no float holds: it changes nothing.
@@ -31,6 +31,8 @@ _RATIO_DECIMALS = 6
 _RESIDUE = 1e-14
 # A condition that fixes a parameter alone has a leverage of 1 and no residual to judge it by.
 _LARGEST_LEVERAGE = 0.999
+# What known errors explain of the scatter about a law, at most, where no repeats tell the rest.
+_LEAST_SHARE = 0.1
 # Decimals of a correlation beside those its smallest eigenvalue needs, and the most that rounding leaves any.
 _DECIMALS = 3
 _MOST_DECIMALS = 17
@@ -56,7 +58,7 @@ class Scatter:
     @property
     def known(self) -> bool:
         """Return whether there are repeats that scatter."""
-        return self.dof > 0 and self.within > _SMALLEST_SCATTER
+        return self.dof > 0 and self.within > SMALLEST_SCATTER
 
 
 def group_means(values: FloatArray, group: IntArray) -> FloatArray:
@@ -77,17 +79,16 @@ def pooled_scatter(residuals: FloatArray, group: IntArray) -> Scatter:
 
 
 def two_level_scatter(problem: FitProblem, theta: FloatArray) -> tuple[float, float]:
-    """Return the scatter of the residuals in ln F_A within and between conditions, by analysis of variance."""
+    """Return the scatter of the residuals in ln F_A within and between conditions; all of it within without repeats."""
     residual = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
     group = np.unique(problem.group, return_inverse=True)[1]
-    size = np.bincount(group)
-    n, k, p = residual.size, size.size, problem.n_varying
+    n, k, p = residual.size, int(group.max(initial=-1)) + 1, problem.n_varying
     if n == k or k <= max(p, 1):
         return sqrt(float((residual**2).sum()) / max(n - p, 1)), 0.0
-    within = pooled_scatter(residual, group).within
-    between_square = float((size * group_means(residual, group) ** 2).sum()) / (k - p)
-    typical_size = float(n - (size**2).sum() / n) / (k - 1)
-    return within, sqrt(max(0.0, (between_square - within**2) / typical_size))
+    scatter = pooled_scatter(residual, group)
+    jacobian = problem.jacobian(theta)[:, problem.vary]
+    found = two_levels(jacobian, residual, problem.std, group, scatter)
+    return scatter.within, found.between if isfinite(found.between) else 0.0
 
 
 # ---- what a Jacobian knows of its parameters ----
@@ -135,26 +136,118 @@ def plain_covariance(jacobian: FloatArray, weights: FloatArray | None = None) ->
 
 
 def clustered_covariance(
-    jacobian: FloatArray, residuals: FloatArray, group: IntArray, weights: FloatArray | None = None
-) -> FloatArray:
-    """Return the sandwich covariance with the conditions as clusters, shape (q, q).
-
-    Right whatever the trials of one condition share (a new rope, a weight, a wrap set once), as long as the
-    conditions are independent.
+    jacobian: FloatArray,
+    residuals: FloatArray,
+    group: IntArray,
+    weights: FloatArray | None = None,
+    *,
+    of: FloatArray | None = None,
+) -> tuple[FloatArray, list[float]]:
+    """Return the sandwich covariance with the conditions as clusters, shape (q, q), and degrees of freedom.
 
     Bell & McCaffrey's (2002) CR2: each condition's part is divided by √(1 − h), h its leverage, which makes the
-    estimate unbiased if the scatter is even; the simple factor k/(k − 1) leaves it too small by about q/k.
+    estimate unbiased if the scatter is even. Satterthwaite's degrees of freedom are of each combination of parameters
+    in the rows `of` (r, q), of each parameter by default. Right however unevenly the conditions scatter, and so with
+    few of them: see `two_levels`.
     """
     w = np.ones_like(residuals) if weights is None else weights
     # In the combinations that are seen, and not in the parameters: where these can be traded for each other the
     # inverse of JᵀWJ is so large that products with it lose twice the digits.
     half, left = decomposed(jacobian, w).root()
+    scores = _by_condition(left * (np.sqrt(w) * residuals)[:, None], group)
+    mean = _by_condition(left, group) / np.sqrt(np.bincount(group))[:, None]
+    rest = 1.0 - np.minimum((mean**2).sum(axis=1), _LARGEST_LEVERAGE)
+    parts = half @ (scores / np.sqrt(rest)[:, None]).T
+    wanted = half if of is None else of @ half
+    return np.asarray(parts @ parts.T), [squares_dof(mean, (mean @ row) ** 2 / rest) for row in wanted]
+
+
+def _by_condition(values: FloatArray, group: IntArray) -> FloatArray:
+    """Return the sums of rows over the conditions, shape (k, q)."""
     k = int(group.max(initial=-1)) + 1
-    scores = np.zeros((k, half.shape[1]))
-    np.add.at(scores, group, left * (np.sqrt(w) * residuals)[:, None])
-    leverage = np.minimum(np.bincount(group, (left**2).sum(axis=1), k), _LARGEST_LEVERAGE)
-    parts = half @ (scores / np.sqrt(1.0 - leverage)[:, None]).T
-    return np.asarray(parts @ parts.T)
+    sums = [np.bincount(group, column) for column in values.T]
+    return np.stack(sums, axis=-1) if sums else np.zeros((k, 0))
+
+
+def squares_dof(left: FloatArray, size: FloatArray) -> float:
+    """Return Satterthwaite's degrees of freedom of Σ d_c r_c² over k residuals r = (I − U Uᵀ) ε of even scatter.
+
+    2 E²/Var of the quadratic form, E = Σ d_c (1 − h_c), Var = 2 tr (D M D M) with M = I − U Uᵀ; the same for Σ r_c²
+    where d_c are the variances of ε_c. U has shape (k, q), d (k,); all d alike give k − q.
+    """
+    free = 1.0 - (left**2).sum(axis=1)
+    spread = float(size**2 @ (2.0 * free - 1.0)) + float((((left.T * size) @ left) ** 2).sum())
+    return significant(float(size @ free) ** 2 / spread) if spread > 0.0 else 0.0
+
+
+def combined_dof(variance: npt.ArrayLike, known: npt.ArrayLike, dof: float) -> FloatArray:
+    """Return Welch and Satterthwaite's degrees of freedom of a variance of which a part is known for sure."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.asarray(variance) / np.maximum(np.asarray(variance) - known, 0.0)
+    return np.where(np.isnan(share), dof, dof * np.maximum(share, 1.0) ** 2)
+
+
+class TwoLevels(NamedTuple):
+    """Scatter about a law within and between conditions, and what it leaves open of the parameters."""
+
+    between: float
+    p_value: float
+    covariance: FloatArray
+    common: FloatArray
+    dof: float
+
+
+def two_levels(  # noqa: PLR0917  (the fit's own arrays, in the order of `find_trends`)
+    jacobian: FloatArray,
+    log_residuals: FloatArray,
+    std: FloatArray,
+    group: IntArray,
+    scatter: Scatter,
+    common: FloatArray | None = None,
+) -> TwoLevels:
+    """Return the scatter between conditions, the covariance (q, q) it and the repeats leave, and what is `common`.
+
+    V = s_b² 1 + s_w²/n_c are the variances of the conditions' means, θ̂ − θ = G ē, so the covariance is G V Gᵀ. With
+    s_w² from the repeats, s_b² follows by the method of moments: Q = Σ w_c r̄_c² over the residuals of the means has
+    the expectation Σ w_c (1 − h_c)(s_b² + s_w²/n_c) + Σ |M z_b|². The last sum is over the `common` errors, (n, b)
+    changes of ln F_A by one standard uncertainty each: a cell's gain, a wheel's radius. Residuals show them only in
+    part, so they move the parameters beside the scatter, by the (q, b) returned.
+
+    Where all conditions have as many repeats, G V Gᵀ is Q/(k − q) (JᵀWJ)⁻¹ whatever s_b is, and t with k − q degrees
+    of freedom is exact for a law linear in its parameters; where they do not, Q has Satterthwaite's. Q is not held
+    above what the repeats alone would leave: that would cost the exactness. p is that of Q by the F-test against the
+    repeats; without repeats s_b is the whole scatter.
+    """
+    k, n = int(group.max(initial=-1)) + 1, log_residuals.size
+    half, left = decomposed(jacobian).root()
+    size, weight = np.bincount(group), np.bincount(group, std**-2.0)
+    root = np.sqrt(weight)
+    mean = _by_condition(left / std[:, None], group) / root[:, None]
+    residual = root * np.bincount(group, log_residuals / std**2) / weight
+    by_trial = half @ (left / std[:, None]).T
+    effects = np.zeros((n, 0)) if common is None else common
+    shown = (
+        _by_condition(effects / std[:, None] ** 2, group) / root[:, None]
+        if effects.size
+        else np.zeros((k, 0))
+    )
+    shown = shown - mean @ (mean.T @ shown)
+    free = 1.0 - np.minimum((mean**2).sum(axis=1), 1.0)
+    within2 = scatter.within**2 if scatter.known else 0.0
+    by_repeats = within2 * weight / size
+    total, expected = float(residual @ residual), float(free @ by_repeats)
+    least = min(total, expected) if scatter.known else _LEAST_SHARE * total
+    left_over = max(total - float((shown**2).sum()), least)
+    if left_over < expected:
+        between2, by_repeats, within2 = 0.0, by_repeats * left_over / expected, within2 * left_over / expected
+    else:
+        between2 = (left_over - expected) / float(free @ weight)
+    by_condition = _by_condition(by_trial.T, group)
+    covariance = between2 * by_condition.T @ by_condition + within2 * by_trial @ by_trial.T
+    dof = squares_dof(mean, by_repeats + between2 * weight)
+    p_value = float(fdtrc(k - half.shape[1], scatter.dof, left_over / expected)) if scatter.known else nan
+    between = sqrt(between2) if scatter.known or n == k else nan
+    return TwoLevels(between, p_value, covariance, by_trial @ effects, dof)
 
 
 def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
@@ -291,24 +384,6 @@ class Trend(NamedTuple):
     regressor: str
     size: float
     p_value: float
-
-
-def lack_of_fit(
-    jacobian: FloatArray, log_residuals: FloatArray, std: FloatArray, group: IntArray, scatter: Scatter
-) -> tuple[float, float]:
-    """Return the scatter between conditions by the method of moments, and the p-value of its F-test.
-
-    Q = Σ w_c r̄_c² over the conditions, w_c the inverse variance of a mean, has the expectation
-    k − q + s_b² Σ w_c (1 − h_c). The test is against the repeats.
-    """
-    k, q = int(group.max(initial=-1)) + 1, jacobian.shape[1]
-    if not scatter.known or k <= q:
-        return nan, nan
-    weight = np.bincount(group, 1.0 / std**2)
-    excess = float(weight @ group_means(log_residuals, group) ** 2)
-    leverage = np.bincount(group, (_basis(jacobian) ** 2).sum(axis=1), k)
-    variance = (excess - (k - q)) / float(weight @ (1.0 - np.minimum(leverage, 1.0)))
-    return sqrt(max(variance, 0.0)), float(fdtrc(k - q, scatter.dof, excess / (k - q)))
 
 
 def find_trends(

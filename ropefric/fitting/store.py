@@ -17,7 +17,7 @@ from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
-from ropefric.fitting.result import SCHEMA, FitResult, FitStatus
+from ropefric.fitting.result import ERRORS, SCHEMA, FitResult, FitStatus
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.trials.table import read_trial_table
@@ -321,10 +321,14 @@ def _damaged(key: str) -> DataError:
 
 
 def _difference(stored: FitResult, again: FitResult) -> float:
-    """Return the largest change of a value or a standard error, in standard errors."""
+    """Return the largest change of a value or, of a fit with errors of today's kind, a standard error, in such."""
     changes = [0.0]
+    of_today = stored.provenance.get("versions", {}).get("errors") == ERRORS
     for old, new in zip(stored.parameters, again.parameters, strict=True):
         known = isfinite(old.std) and old.std > 0
         scale = old.std if known else max(abs(old.value), 1e-12)
-        changes += [abs(new.value - old.value) / scale, abs(new.std - old.std) / scale if known else 0.0]
+        changes += [
+            abs(new.value - old.value) / scale,
+            abs(new.std - old.std) / scale if known and of_today else 0.0,
+        ]
     return float(np.max(changes))

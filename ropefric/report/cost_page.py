@@ -1,5 +1,6 @@
 """What accuracy costs, on one page: a figure, the cheapest method for each accuracy, and what was found."""
 
+import math
 import os
 import re
 from collections.abc import Sequence
@@ -72,6 +73,17 @@ def _study_section(result: StudyResult) -> Section:
 def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
     names = [name for name in result.points[0].shares if name != "recordings"]
+    if all(math.isnan(point.bias) for point in result.points):
+        table = [
+            (
+                point.case,
+                point.name,
+                *(plain(100.0 * point.shares[name], ".3g") for name in names),
+                time_text(point.seconds),
+            )
+            for point in result.points
+        ]
+        return ("case", "method", *(f"{name.replace('_', ' ')} [%]" for name in names), "time"), table
     rows = []
     for point in result.points:
         shares = (plain(100.0 * point.shares[name], ".0f") for name in names)

@@ -116,6 +116,7 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
     names = ", ".join(sweep.simulated) or "none"
     bound = f"at most {sweep.error_bound:.2g} (wanted: {sweep.accuracy:g})"
     lines = [f"effects: {names}; relative difference to everything {bound}"]
+    lines += [f"{name} left out at {count} points" for name, count in sweep.left_out.items()]
     if sweep.failed:
         lines.append(f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}")
     total = math.prod(sweep.shape)

@@ -1,26 +1,22 @@
 """A scene solved over a grid of its own numbers: in one call where the system allows, point by point elsewhere.
 
-An axis is a key of the scene and the values it is to take; the answers are a table, written block by block because it
-may have millions of rows.
+An axis is a key of the scene and the values it is to take. There may be millions of points, so they are solved block by
+block, planned once for their box.
 """
 
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from math import prod
-from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError, UnknownNameError
-from ropefric.files.folder import Folder
-from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Failure, Quantity
@@ -30,6 +26,8 @@ from ropefric.systems.effect import Effect, assemble
 
 MOST_POINTS = 10_000_000
 """Of an axis, and of a whole grid: some 2.5 GB."""
+KEPT_POINTS = 1_000_000
+"""Of a sweep whose table is written, for its figure."""
 _NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
 
 
@@ -140,10 +138,15 @@ _LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
 _BETWEEN = 2.0
 """What an effect may change between the levels, over what it changes at them."""
 
+_ROUNDING = 1e-12
+_SEEN_S = 1.0
+"""What is solved in one call takes at most about this long."""
 _LEAST_SAVED_S = 5e-2
 """An effect that takes less than this over the whole grid is not worth solving the box without it."""
 
 Progress = Callable[[int, int, str], None]
+Write = Callable[[Mapping[str, FloatArray], int], None]
+"""Takes the numbers of the next points, and how many these are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -222,12 +225,12 @@ def sweep_scene(
     axes: tuple[Axis, ...],
     *,
     progress: Progress | None = None,
-    table: "SweepTable | None" = None,
+    write: Write | None = None,
     keep: int = MOST_POINTS,
 ) -> Sweep:
     """Return the numbers of a scene's answer over the grid of all axes.
 
-    They are solved block by block, so that memory stays flat: each goes to the `table` that is being written, and in
+    They are solved block by block, so that memory stays flat: each is handed on to be written, and in
     the result are at most some `keep` points, spread evenly.
     """
     keys = [axis.key for axis in axes]
@@ -264,8 +267,8 @@ def sweep_scene(
             for way in found.failures:
                 failures[way.words] += int(way.fails.sum())
         kept.add(block, start, stop)
-        if table is not None:
-            table.add(block, stop - start)
+        if write is not None:
+            write(block, stop - start)
     if failed == total:
         raise InputError(
             f"no point of the sweep has an answer; the first says: {first_failure}",
@@ -351,6 +354,10 @@ class _Run:
         self.shape = tuple(axis.values.size for axis in axes)
         self.fields = [self.kind.sweep_fields.get(axis.key) for axis in axes]
         self.by_array = None not in self.fields and self.kind.in_one_call(scene.problem)
+        effects = self.kind.system.effects.values()
+        cost_s = sum(one.cost for one in effects if not one.needs(scene.problem))
+        # Of a dear machine few at once, so that people see how far it is.
+        self.size = min(_BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
         self.gone: frozenset[str] = frozenset()
         self.spent = 0.0
         self.each: list[Effect[Any, Any]] = []
@@ -400,7 +407,7 @@ class _Run:
                 found = self._solved(box, names - self.gone - {one.name})
             except RopefricError:
                 continue
-            spent = _BETWEEN * max(map(_log_change, found.quantities, whole.quantities))
+            spent = math.log1p(_BETWEEN * max(map(_change, found.quantities, whole.quantities)))
             if spent <= (0.5 * self.room if any(other.each for other in applicable) else self.room):
                 self.gone, self.spent = self.gone | {one.name}, spent
 
@@ -423,9 +430,8 @@ class _Run:
     def outcomes(self, start: int, stop: int, progress: Progress | None) -> Iterator[Outcome]:
         """Yield what the points of a block give; point by point where a key does not go in one call."""
         total, kind = prod(self.shape), self.kind
-        size = stop - start if self.by_array else 1
-        for first in range(start, stop, size):
-            places = np.arange(first, first + size)
+        for first in range(start, stop, self.size):
+            places = np.arange(first, min(first + self.size, stop))
             grid = np.unravel_index(places, self.shape)
             values = [axis.values[place] for axis, place in zip(self.axes, grid, strict=True)]
             problem = self.build(values) if self.by_array else None
@@ -498,8 +504,10 @@ class _Run:
             yield places, found
 
     def _planned(self, problem: Any) -> _Found:
-        """Return what a problem gives as planned by itself, with everything where sweeps are planned as a whole."""
+        """Return what a problem gives as asked for; with everything where sweeps are planned as a whole."""
         kind, scene = self.kind, self.scene
+        if self.by_array and isinstance(scene.effects, tuple):
+            return self._listed(problem, frozenset(scene.effects))
         effects = "all" if scene.effects == "auto" and self.by_array else scene.effects
         plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=effects)
         answer = kind.system.solve(model, plan.method)
@@ -511,15 +519,40 @@ class _Run:
             plan.error_bound,
         )
 
+    def _listed(self, problem: Any, names: frozenset[str]) -> _Found:
+        """Return what a list of effects gives; how far that is from everything is found by solving that, too.
 
-def _log_change(one: Quantity, other: Quantity) -> float:
-    """Return how far a number is from another, |Δ ln|, or as a share of what it errs by a share of."""
+        Without the effects that have a bound for each case: they may be dear.
+        """
+        effects = self.kind.system.effects
+        if any(effects[name].needs(problem) for name in names):
+            make_plan(
+                self.kind.system, problem, accuracy=self.scene.accuracy, effects=tuple(names)
+            )  # refuses
+        missing = [one for one in effects.values() if one.name not in names and not one.needs(problem)]
+        found, off = self._solved(problem, names), 0.0
+        try:
+            others = names | {one.name for one in missing if one.each is None}
+            if others != names:
+                whole = self._solved(problem, others)
+                off = math.log1p(max(map(_change, found.quantities, whole.quantities)))
+            off += sum(float(one.each(problem).max()) for one in missing if one.each is not None)
+        except RopefricError:
+            off = math.inf
+        error = math.expm1(min(off, 700.0)) if off < math.inf else math.inf
+        error += found.error_bound * (1.0 + error)
+        return found._replace(left_out=frozenset(one.name for one in missing), error_bound=error)
+
+
+def _change(one: Quantity, other: Quantity) -> float:
+    """Return how far a number is from another, as a share of that, or of what it errs by a share of."""
     value, reference = one.value, other.value
-    same = (value == reference) | (np.isnan(value) & np.isnan(reference))
+    scale = np.abs(reference if other.scale is None else other.scale)
+    # What rounding leaves of zero is no number to take shares of.
+    rounding = _ROUNDING * float(np.nanmax(scale, initial=1.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.abs(np.log(value / reference))
-        if other.scale is not None:
-            share = np.abs(np.log1p((value - reference) / other.scale))
+        share = np.abs(value - reference) / scale
+        same = (np.abs(value - reference) <= rounding) | (np.isnan(value) & np.isnan(reference))
     return float(np.where(same, 0.0, np.where(np.isnan(share), np.inf, share)).max())
 
 
@@ -532,117 +565,3 @@ def _is_settled(found: _Found, error: FloatArray, accuracy: float) -> BoolArray:
     for way in found.failures:
         settled &= np.abs(way.value - way.limit) > error * np.abs(way.value)
     return settled
-
-
-def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]:
-    """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
-    keys = (f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in axes)
-    return (*keys, *columns)
-
-
-class SweepTable:
-    """A sweep's table while it is written, one row a point, the last axis fastest: CSV, or Parquet by its name.
-
-    Swept values stand in the unit in which they were asked for; a point without an answer has empty cells.
-    """
-
-    def __init__(self, axes: tuple[Axis, ...], stream: BinaryIO, *, parquet: bool = False) -> None:
-        self._axes, self._stream = axes, stream
-        self._written = self._waiting = 0
-        self._parquet: Any = _parquet() if parquet else None
-        self._writer: Any = None
-        # An axis has few values, so each is put into words once.
-        self._words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in axes]
-        self._lines: list[str] = []
-
-    def add(self, columns: Mapping[str, FloatArray], count: int) -> None:
-        """Write the next points; those before the first that has an answer wait for the names of its numbers."""
-        self._waiting += count
-        if not columns:
-            return
-        if not self._lines:
-            self._lines = [word + ",".join(["%.9g"] * len(columns)) + "\n" for word in self._words[-1]]
-            self._names = tuple(columns)
-            if self._parquet is None:
-                self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
-        values = np.stack([columns[name] for name in self._names], axis=-1)
-        while self._waiting > count:
-            size = min(self._waiting - count, _BLOCK)
-            self._write(np.full((size, len(self._names)), np.nan))
-        self._write(values)
-
-    def _write(self, values: FloatArray) -> None:
-        start, stop = self._written, self._written + len(values)
-        self._written, self._waiting = stop, self._waiting - len(values)
-        if self._parquet is not None:
-            self._write_group(start, stop, values)
-            return
-        shape, length = [axis.values.size for axis in self._axes[:-1]], len(self._lines)
-        for outer in range(start // length, -(-stop // length)):
-            first, last = max(start, outer * length), min(stop, (outer + 1) * length)
-            rows = self._lines[first - outer * length : last - outer * length]
-            words = "".join(
-                word[i] for word, i in zip(self._words, np.unravel_index(outer, shape), strict=False)
-            )
-            self._stream.write(_rows(words, rows, values[first - start : last - start]).encode())
-
-    def _write_group(self, start: int, stop: int, values: FloatArray) -> None:
-        arrow, parquet = self._parquet
-        grid = np.unravel_index(np.arange(start, stop), [axis.values.size for axis in self._axes])
-        swept = [axis.values[i] / axis.factor for axis, i in zip(self._axes, grid, strict=True)]
-        arrays = [arrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
-        group = arrow.table(arrays, names=list(header_of(self._axes, self._names)))
-        if self._writer is None:
-            self._writer = parquet.ParquetWriter(self._stream, group.schema)
-        self._writer.write_table(group)
-
-    def close(self) -> None:
-        """End the table."""
-        if self._lines and self._waiting:
-            self._write(np.full((self._waiting, len(self._names)), np.nan))
-        if self._writer is not None:
-            self._writer.close()
-
-
-def _parquet() -> tuple[Any, Any]:
-    try:
-        return import_module("pyarrow"), import_module("pyarrow.parquet")
-    except ImportError:
-        raise InputError(
-            "Parquet needs pyarrow, which is not installed",
-            code="RF107",
-            key="--table",
-            fix='pip install "ropefric[parquet]", or write CSV',
-        ) from None
-
-
-@contextmanager
-def sweep_table(axes: tuple[Axis, ...], folder: Folder, name: str) -> Iterator[SweepTable]:
-    """Yield the table of a sweep to be written into a folder; one that is broken off leaves no file."""
-    with folder.stream(name) as stream:
-        table = SweepTable(axes, stream, parquet=name.endswith(".parquet"))
-        yield table
-        table.close()
-
-
-def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
-    """Write a sweep that is at hand as CSV or Parquet, as `SweepTable` does; return the path."""
-    with sweep_table(sweep.kept, folder, name) as table:
-        size = prod(axis.values.size for axis in sweep.kept)
-        for start in range(0, size, _BLOCK):
-            block = {key: values[start : start + _BLOCK] for key, values in sweep.columns.items()}
-            table.add(block, min(_BLOCK, size - start))
-    return folder.path / name
-
-
-def columns_text(columns: Mapping[str, FloatArray]) -> str:
-    """Return columns of one length as CSV."""
-    values = np.stack(list(columns.values()), axis=-1)
-    row = ",".join(["%.9g"] * len(columns)) + "\n"
-    return csv_text([map(csv_cell, columns)]) + _rows("", [row] * len(values), values)
-
-
-def _rows(outer: str, rows: list[str], values: FloatArray) -> str:
-    """Return the rows of one block: what stands before all of them, and after it each row's template filled in."""
-    text: str = outer.join(["", *rows]) % tuple(values.ravel().tolist())
-    return text.replace("nan", "") if np.isnan(values).any() else text

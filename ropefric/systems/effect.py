@@ -22,6 +22,11 @@ A = TypeVar("A")
 """An answer."""
 
 
+def unknown(problem: object) -> float:  # noqa: ARG001
+    """Return that nothing is known of what an effect is worth."""
+    return math.inf
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effect(Generic[P, M]):
     """Something physical that a model may contain or not: all that the planner knows of it.
@@ -59,7 +64,7 @@ class Effect(Generic[P, M]):
     name: str
     adds: str
     instead: str
-    influence: Callable[[P], float]
+    influence: Callable[[P], float] = unknown
     each: Callable[[P], FloatArray] | None = None
     cost: float = 0.0
     needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
@@ -152,34 +157,27 @@ def log_change(logs: FloatArray, others: FloatArray) -> float:
     return float(np.max(np.where(np.isnan(apart), math.inf, apart)))
 
 
-class Subsets:
-    """What the effects of a machine are worth whose answer costs next to nothing: found by solving all their subsets.
-
-    `solve(model)` gives an answer with `logs`, the logarithms of its numbers; `effects()` all effects.
-    """
-
-    def __init__(
-        self, solve: Callable[[Any], Any], effects: Callable[[], Mapping[str, Effect[Any, Any]]]
-    ) -> None:
-        def changes(problem: Any) -> dict[str, float]:
-            names = [name for name, one in effects().items() if not one.needs(problem)]
-            return largest_changes(names, lambda some: solve(Model(problem=problem, effects=some)).logs)
-
-        self._changes = lru_cache(maxsize=2)(changes)
-
-    def of(self, name: str) -> Callable[[Any], float]:
-        """Return the `influence` of an effect."""
-        return lambda problem: self._changes(problem)[name]
-
-
 def closed_form_system(
     name: str, effects: Registry[Effect[Any, Any]], solve: Callable[[Any], Any], *, error: float, why: str
 ) -> System[Any, Any, Any]:
-    """Return the system of a machine whose answers have `logs`, the logarithms of their numbers."""
+    """Return the system of a machine whose answers cost next to nothing and have `logs`, of all their numbers.
+
+    What an effect is worth that has no `influence` of its own is found by solving all subsets of effects.
+    """
+
+    @lru_cache(maxsize=2)
+    def changes(problem: Any) -> dict[str, float]:
+        names = [name for name, one in effects.items() if not one.needs(problem)]
+        return largest_changes(names, lambda some: solve(Model(problem=problem, effects=some)).logs)
+
+    def bounded(one: Effect[Any, Any]) -> Effect[Any, Any]:
+        own = one.influence is unknown
+        return replace(one, influence=lambda problem: changes(problem)[one.name]) if own else one
+
     method = Method(name="closed form", error=error, why=why)
     return System(
         name=name,
-        effects=effects,
+        effects=Registry(effects.kind, map(bounded, effects.values())),
         bare=lambda problem: Model(problem=problem),
         method=lambda model, budget: method,  # noqa: ARG005
         solve=lambda model, method: solve(model),  # noqa: ARG005
@@ -190,7 +188,6 @@ def closed_form_system(
 def law_effects(
     wheel: str,
     rope: str,
-    worth: Subsets,
     needs: Callable[[Any], tuple[str, ...]],
     cost: float,
 ) -> tuple[Effect[Any, Any], Effect[Any, Any]]:
@@ -201,7 +198,6 @@ def law_effects(
             adds="a coefficient that depends on wrap and tension",
             instead="its average at the reference wrap and tension",
             needs=needs,
-            influence=worth.of("wrap-dependence"),
             cost=cost,
         ),
         Effect(
@@ -209,7 +205,6 @@ def law_effects(
             adds=f"a coefficient that depends on the {wheel}'s radius over the {rope}'s",
             instead="the coefficient at the reference wheel and rope",
             needs=needs,
-            influence=worth.of("size"),
             cost=cost,
         ),
     )

@@ -63,6 +63,17 @@ def chain_quantities(force_N: float, calibration: Calibration) -> tuple[Quantity
     return tuple(found)
 
 
+def cell_std_N(force_N: float, calibration: Calibration | None) -> float:
+    """Return the part [N] of a force's standard uncertainty that all forces of its cell share; NaN without a chain.
+
+    Linearity, hysteresis, transmitter and calibration line: what neither repeats nor other conditions average out.
+    """
+    if calibration is None:
+        return math.nan
+    own = ("cell's repeatability", "resolution")
+    return math.hypot(*(item.std for item in chain_quantities(force_N, calibration) if item.name not in own))
+
+
 def force_std_N(force_N: float, calibration: Calibration | None, *, picking_std_N: float = 0.0) -> float:
     """Return the standard uncertainty [N] of one force: its chain, its tare and the picking of its peak."""
     if calibration is None:

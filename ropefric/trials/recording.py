@@ -15,7 +15,7 @@ from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
-from ropefric.traces.budget import end_tension_std_N, force_std_N
+from ropefric.traces.budget import cell_std_N, end_tension_std_N, force_std_N
 from ropefric.traces.calibration import Calibration, Saturation, tare_from_interval
 from ropefric.traces.decided import pick_at
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std
@@ -242,6 +242,7 @@ def _result(
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
         peak_std_N=peak_std_N,
+        cell_std_N=cell_std_N(breakaway.peak_N, calibration) if is_ok else nan,
         end_tension_set_N=set_N,
         kinetic_mean_std_N=force_std_N(
             breakaway.kinetic_N, calibration, picking_std_N=_kinetic_picking_N(breakaway)

@@ -31,7 +31,12 @@ _REQUIRED = {
     "peak_N": "peak_N",
 }
 """Numbers every table needs, and a header that gives each."""
-_OPTIONAL = ("peak_std_N", "end_tension_std_N", "wrap_std_rad", "wheel_radius_std_m")
+_OPTIONAL = (
+    *("peak_std_N", "end_tension_std_N", "wrap_std_rad", "wheel_radius_std_m"),
+    *("rope_radius_std_m", "cell_std_N"),
+)
+_UNKNOWN = ("peak_std_N", "cell_std_N")
+"""Those of them that are NaN where they are not given; the others are zero."""
 _NUMBERS = (*_REQUIRED, *_OPTIONAL)
 _BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
 """Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
@@ -51,8 +56,11 @@ _QUANTITIES = {
     "wrap_std": ("wrap_std_rad", "rad", 1.0),
     "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
     "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
+    "rope_radius_std": ("rope_radius_std_m", "m", 1.0),
+    "rope_diameter_std": ("rope_radius_std_m", "m", 0.5),
+    "cell_std": ("cell_std_N", "N", 1.0),
 }
-LABELS = ("rope_id", "wheel", "operator", "dwell", "order")
+LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
 """Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
     "kinetic": ("kinetic_N", "N", 1.0),
@@ -73,6 +81,9 @@ _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
 _EMPTY = frozenset({"nan", "na", "n/a", "none", "null", "<na>", "-"})
 _TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
 _FALSE = frozenset({"false", "no", "0", "0.0", "rejected"})
+# A force this many standard deviations of its repeats below the end tension is no scatter; what they scatter by where
+# there are none [-].
+_FAR, _TYPICAL_SCATTER = 4.0, 0.02
 _HASH_DIGITS = 64
 # Warnings about single rows; beyond, only their number.
 _MOST_TOLD = 20
@@ -94,8 +105,12 @@ class TrialTable:
         F_B and F_A [N]; NaN where a trial gave none.
     peak_std_N : ndarray, shape (N,)
         Standard uncertainty of F_A by the instrument [N]; NaN where unknown.
-    end_tension_std_N, wrap_std_rad, wheel_radius_std_m : ndarray, shape (N,)
-        Standard uncertainties of the settings; 0 where unknown.
+    end_tension_std_N, wrap_std_rad, wheel_radius_std_m, rope_radius_std_m : ndarray, shape (N,)
+        Standard uncertainties of the settings; 0 where unknown. A weight, a wheel, a rope and a wrap setting are wrong
+        by the same amount in every condition that has them.
+    cell_std_N : ndarray, shape (N,)
+        The part of the measured force's uncertainty that all trials of a force cell share [N]; NaN where unknown,
+        and then the whole is taken as shared.
     kinetic_N, kinetic_mean_std_N : ndarray, shape (N,)
         Mean force while sliding, and its standard uncertainty [N]; NaN where unknown.
     end_tension_set_N : ndarray, shape (N,)
@@ -111,7 +126,7 @@ class TrialTable:
     warnings : tuple of Problem
         What is doubtful about it.
     labels : mapping of str to tuple of str
-        What stands beside the trials in columns of `LABELS`: their rope, wheel, operator, dwell and order.
+        What stands beside the trials in columns of `LABELS`: their rope, wheel, operator, dwell, order and force cell.
 
     Raises
     ------
@@ -138,6 +153,8 @@ class TrialTable:
     end_tension_std_N: FloatArray = 0.0  # type: ignore[assignment]
     wrap_std_rad: FloatArray = 0.0  # type: ignore[assignment]
     wheel_radius_std_m: FloatArray = 0.0  # type: ignore[assignment]
+    rope_radius_std_m: FloatArray = 0.0  # type: ignore[assignment]
+    cell_std_N: FloatArray = np.nan  # type: ignore[assignment]
     kinetic_N: FloatArray = np.nan  # type: ignore[assignment]
     kinetic_mean_std_N: FloatArray = np.nan  # type: ignore[assignment]
     end_tension_set_N: FloatArray = np.nan  # type: ignore[assignment]
@@ -155,7 +172,7 @@ class TrialTable:
             if given.shape not in {(), (n,)}:
                 raise InputError(f"{name} has shape {given.shape} for {n} trials", key=name)
             array = np.broadcast_to(given, (n,)).copy()
-            if name in _OPTIONAL and name != "peak_std_N":
+            if name in _OPTIONAL and name not in _UNKNOWN:
                 array[np.isnan(array)] = 0.0
             array.flags.writeable = False
             object.__setattr__(self, name, array)
@@ -251,6 +268,7 @@ class TrialTable:
         data: dict[str, Any] = {"trial": list(self.trial)}
         data |= {_FRAME_NAMES.get(name, name): getattr(self, name) for name in _NUMBERS}
         data |= {name: getattr(self, name) for name in _BESIDE if not np.isnan(getattr(self, name)).all()}
+        data |= {name: list(words) for name, words in self.labels.items()}
         return pd.DataFrame(data | {"kept": self.kept, "status": list(self.status)})
 
 
@@ -259,7 +277,8 @@ def read_trial_table(path: str | os.PathLike[str]) -> TrialTable:
 
     The header names each column with its unit: `wheel_radius_mm`, `rope_diameter_mm`, `wrap_angle_deg`,
     `end_tension_N` (or `end_mass_kg`), `peak_N` (or `lift_force_kN`); optional `trial`, `kept`, `status`,
-    `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`. Other columns are passed over.
+    `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`; `rope_id`, `wheel`, `operator`,
+    `dwell_s` and `order`, by which a diagnosis tells trials into groups. Other columns are passed over.
     Separators ";", tab and "," and decimal commas are found out.
     """
     return _table(*cells.read_cells(path))
@@ -283,17 +302,20 @@ def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
 def table_of_extraction(extraction: Extraction) -> TrialTable:
     """Return the trial table of an extraction; a pull in which friction helped the rope along is not kept."""
     trials = extraction.trials
-    names = (*_REQUIRED, "peak_std_N", "end_tension_std_N", *_BESIDE)
+    names = (*_REQUIRED, "peak_std_N", "end_tension_std_N", "cell_std_N", *_BESIDE)
     columns: dict[str, Any] = {name: np.array([trial.measured(name) for trial in trials]) for name in names}
     kept = np.array([trial.kept for trial in trials], dtype=np.bool_)
-    kept &= columns["peak_N"] > columns["end_tension_N"]
+    kept &= (columns["peak_N"] > columns["end_tension_N"]) | _below_by_scatter(columns, kept)
     status = tuple(trial.breakaway.status.value for trial in trials)
     rows = tuple((line, ()) for line in range(1, 1 + len(trials)))
     place = cells.CellTable(path="extraction", separator=",", header=(), header_line=None, rows=rows)
     doubts = (*_rows_twice(place, columns, kept), *_too_few(place, kept, status))
     raise_problems(doubts)
     names_of = tuple(trial.trial for trial in trials)
-    own = [{**dict(trial.own), "rope_id": trial.rope_id, "dwell": f"{trial.dwell_s:g}"} for trial in trials]
+    own = [
+        {**dict(trial.own), "rope_id": trial.rope_id, "cell": trial.cell, "dwell": f"{trial.dwell_s:g}"}
+        for trial in trials
+    ]
     labels = {name: tuple(str(row.get(name, "")) for row in own) for name in LABELS}
     return TrialTable(
         trial=names_of, kept=kept, status=status, source=place.path, warnings=doubts, labels=_filled(labels), **columns
@@ -332,10 +354,11 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
             wrong[i].append(table.problem(line, key, "RF102", message, "write true or false"))
     status = tuple(word.lower() or "ok" for word in texts.get("status", [""] * n))
     is_used = kept & np.array([word == "ok" for word in status], dtype=np.bool_)
+    scattered = is_used & _below_by_scatter(numbers, is_used)
     for i in np.flatnonzero(is_used & _unusable(numbers, columns)).tolist():
         of_row = {name: float(numbers[name][i]) for name in _NUMBERS}
         known = {name: column for name, column in columns.items() if (i, column.header) not in unread}
-        wrong[i] += _why_unusable(table, table.rows[i][0], of_row, known)
+        wrong[i] += _why_unusable(table, table.rows[i][0], of_row, known, by_scatter=bool(scattered[i]))
     names = [from_spreadsheet(name) for name in texts.get("trial", [""] * n)]
     trial = tuple(name or f"row-{line}" for name, (line, _) in zip(names, table.rows, strict=True))
     every = (
@@ -416,6 +439,32 @@ def _numbers(
     return numbers
 
 
+def _below_by_scatter(numbers: Mapping[str, FloatArray], used: BoolArray) -> BoolArray:
+    """Return which forces are at or below their end tension by no more than repeats scatter, as ln F_A/F_B may be.
+
+    Where friction is small some pulls must be: leaving them out would make it look larger. None that lies as far off
+    the other pulls of its condition, and none where most are below: that is a mistake.
+    """
+    peak_N, end_N = numbers["peak_N"], numbers["end_tension_N"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rise = np.log(peak_N / end_N)
+    settings = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+    usable = used & np.isfinite([rise, *(numbers[name] for name in settings)]).all(axis=0)
+    above = usable & (rise > 0.0)
+    below = usable & ~above
+    if not below.any() or 2 * np.count_nonzero(below) > np.count_nonzero(usable):
+        return np.zeros_like(used)
+    group = np.zeros(used.size, dtype=np.int64)
+    group[usable] = condition_groups(*(numbers[name][usable] for name in settings))
+    size = np.bincount(group[above], minlength=int(group.max()) + 1)
+    mean = np.bincount(group[above], rise[above], size.size) / np.maximum(size, 1)
+    spread, spare = _TYPICAL_SCATTER, int(size.sum()) - np.count_nonzero(size)
+    if spare:
+        about = rise[above] - mean[group[above]]
+        spread = max(math.sqrt(float(about @ about) / spare), 0.1 * _TYPICAL_SCATTER)
+    return np.asarray(below & (rise >= mean[group] - _FAR * spread) & (rise >= -_FAR * spread))
+
+
 def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, cells.Column]) -> BoolArray:
     """Return which rows lack a number, or have one that cannot be, if they are to be used."""
     wrong = (numbers["peak_N"] <= numbers["end_tension_N"]) | (numbers["peak_N"] == 0.0)
@@ -425,7 +474,12 @@ def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, cells.Colum
 
 
 def _why_unusable(
-    table: cells.CellTable, line: int, numbers: Mapping[str, float], columns: Mapping[str, cells.Column]
+    table: cells.CellTable,
+    line: int,
+    numbers: Mapping[str, float],
+    columns: Mapping[str, cells.Column],
+    *,
+    by_scatter: bool,
 ) -> Iterator[Problem]:
     for name in _REQUIRED:
         if name in columns and math.isnan(numbers[name]):
@@ -439,7 +493,11 @@ def _why_unusable(
             yield table.problem(line, columns[name].header, "RF110", message, "correct the number")
             return
     peak_N, end_N = numbers["peak_N"], numbers["end_tension_N"]
-    if peak_N <= end_N:
+    if by_scatter:
+        message = f"F_A = {peak_N:.6g} N is not above F_B = {end_N:.6g} N, by no more than forces scatter: it is kept"
+        fix = "leave it: without the low ones, friction that small would seem larger than it is"
+        yield table.problem(line, columns["peak_N"].header, "RF411", message, fix, warning=True)
+    elif peak_N <= end_N:
         message = (
             f"the break-away force {peak_N:.6g} N is not above the end tension {end_N:.6g} N: "
             "friction can only add to it"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.accuracy.measure import error_table
-from ropefric.accuracy.studies import picks
+from ropefric.accuracy.studies import picks, uncertainty
 
 
 def _errors(study, case, method):
@@ -35,5 +35,6 @@ def order():
 
 @pytest.fixture(autouse=True)
 def _few_recordings(monkeypatch):
-    """One recording of each family in the study of pickers: drawing four takes seconds."""
+    """One recording of each family in the study of pickers, three campaigns in that of intervals: more take seconds."""
     monkeypatch.setattr(picks, "PER_FAMILY", 1)
+    monkeypatch.setattr(uncertainty, "QUICK", 3)

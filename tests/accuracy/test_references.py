@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from ropefric.accuracy.studies import blade_modes, end_tension, fit, integral, uncertainty
+from ropefric.accuracy.studies import blade_modes, end_tension, fit, integral, interval
 from ropefric.friction.laws import LAWS
 
 mp.mp.dps = 50
@@ -132,10 +132,10 @@ def test_frequencies_are_those_the_field_prints():
 
 @pytest.mark.parametrize("law", ["constant", "thickness"])
 def test_exact_interval_is_where_chi_squared_has_grown_by_its_quantile(law):
-    problem = uncertainty.interval_problem(law)
-    best, low, high = uncertainty.exact_interval(law)
+    problem = interval.interval_problem(law)
+    best, low, high = interval.exact_interval(law)
     quantile = mp.mpf(2) * mp.erfinv(mp.mpf("0.95")) ** 2
-    A = mp.mpf(uncertainty.SIZE_SHARE)
+    A = mp.mpf(interval.SIZE_SHARE)
 
     def chi2(mu):
         mu = mp.mpf(float(mu))
@@ -152,8 +152,8 @@ def test_exact_interval_is_where_chi_squared_has_grown_by_its_quantile(law):
 
 def test_the_exponent_of_the_thick_rope_is_inverted():
     """The wheel of the study and the law of the library mean the same A."""
-    problem = uncertainty.interval_problem("thickness")
+    problem = interval.interval_problem("thickness")
     mu = 0.7
     rise = LAWS["thickness"].log_lift([mu], problem.conditions) - np.log(20.0)
     exponent = rise / problem.conditions.wrap_angle_rad
-    np.testing.assert_allclose(uncertainty.mu_of_exponent("thickness", exponent), mu, rtol=1e-13)
+    np.testing.assert_allclose(interval.mu_of_exponent("thickness", exponent), mu, rtol=1e-13)

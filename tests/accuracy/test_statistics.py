@@ -10,7 +10,7 @@ from ropefric.accuracy.study import Measured
 
 def test_bootstrap_errs_with_one_over_the_root_of_the_number(errors):
     """The 97.5 % point of n normal draws scatters by √(0.975 · 0.025/n)/0.0584, that is 1.364/√n of the arm."""
-    found = errors("uncertainty", "curved", "bootstrap")
+    found = errors("interval", "curved", "bootstrap")
     counts = np.array(sorted(found))
     slope, _ = np.polyfit(np.log(counts), np.log([found[n] for n in counts]), 1)
     assert slope == pytest.approx(-0.5, abs=0.06)
@@ -20,7 +20,7 @@ def test_bootstrap_errs_with_one_over_the_root_of_the_number(errors):
 
 
 def test_draws_err_with_one_over_the_root_of_the_number_where_the_law_is_linear(errors):
-    found = errors("uncertainty", "linear", "monte carlo")
+    found = errors("interval", "linear", "monte carlo")
     counts = np.array(sorted(found))
     slope, _ = np.polyfit(np.log(counts), np.log([found[n] for n in counts]), 1)
     assert slope == pytest.approx(-0.5, abs=0.1)
@@ -28,7 +28,7 @@ def test_draws_err_with_one_over_the_root_of_the_number_where_the_law_is_linear(
 
 def test_draws_from_a_covariance_end_at_its_own_error_where_the_law_bends():
     covariance, profile, last = (
-        error_table("uncertainty", "curved", method=method)[-1].error
+        error_table("interval", "curved", method=method)[-1].error
         for method in ("covariance", "profile", "monte carlo")
     )
     # The root mean square of both arms against the larger of the two.
@@ -38,7 +38,7 @@ def test_draws_from_a_covariance_end_at_its_own_error_where_the_law_bends():
 
 def test_covariance_is_exact_where_the_law_is_linear():
     for method, bound in (("covariance", 1e-13), ("profile", 1e-6)):
-        (row,) = error_table("uncertainty", "linear", method=method)
+        (row,) = error_table("interval", "linear", method=method)
         assert row.error < bound
 
 

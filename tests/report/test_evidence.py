@@ -1,9 +1,11 @@
 """What stands behind an answer: budgets, sensitivities and plans, against closed forms and their own definition."""
 
 import csv
+import html
 import json
 import math
 import statistics
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,9 +21,11 @@ from ropefric.pipeline.evidence import (
     evidence_files,
     gather_evidence,
     recorded_run,
+    rejection_words,
     state_design,
     swings_of_design,
 )
+from ropefric.trials.outliers import RULES
 from ropefric.trials.table import TrialTable
 
 WHEEL = one_condition(0.04, 0.005, 5.0, 60.0)
@@ -115,3 +119,31 @@ def test_a_manifest_that_is_none_is_said(tmp_path, text):
     (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
     with pytest.raises(DataError, match="this is no ropefric"):
         recorded_run(tmp_path)
+
+
+def test_what_the_outlier_rule_costs_and_the_result_without_it(run, evidence, page):
+    """As if the rule had taken one trial more: without the rule, the result is the one with that trial."""
+    conditions, trials, answer = run.extraction.conditions, run.extraction.trials, run.answer
+    sizes = [sum(trial.usable and trial.trial in item.trials for trial in trials) for item in conditions]
+    lost = sum(RULES["two-sigma"].good_lost(n) for n in sizes)
+    told = f"takes {lost:.2g} good trials on average; here it took"
+    assert f"{told} 0 of {sum(sizes)}" in evidence.rejection[0]
+    assert evidence.rejection[0] in html.unescape(page)
+    taken = int(np.flatnonzero(answer.table.used)[3])
+    marked = tuple(
+        replace(t, kept=False, rejected_by="two-sigma") if i == taken else t for i, t in enumerate(trials)
+    )
+    kept = answer.table.kept & (np.arange(len(trials)) != taken)
+    fit = fit_law(replace(answer.table, kept=kept), answer.fit.law)
+    changed = replace(
+        run,
+        extraction=replace(run.extraction, trials=marked),
+        answer=replace(
+            answer, table=replace(answer.table, kept=kept), winner=replace(answer.winner, fit=fit)
+        ),
+    )
+    expected, without = rejection_words(changed)
+    assert f"{told} 1 of {sum(sizes)}" in expected
+    lifts_N = [predict(one, answer.prediction.conditions).lift_force_N[0] for one in (answer.fit, fit)]
+    assert f"lifts {lifts_N[0]:.5g} N in the design instead of {lifts_N[1]:.5g} N" in without
+    assert f"{answer.fit.law} has " in without

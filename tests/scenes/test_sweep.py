@@ -9,7 +9,8 @@ import pytest
 from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.files.folder import Folder
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import columns_text, parse_axis, scalar_keys, sweep_scene, write_sweep
+from ropefric.scenes.sweep import parse_axis, scalar_keys, sweep_scene
+from ropefric.scenes.sweep_table import columns_text, write_sweep
 
 
 def test_ranges_and_lists_in_any_unit(hoist_of):
@@ -99,6 +100,7 @@ def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
     hoist_of, tmp_path, monkeypatch, block
 ):
     monkeypatch.setattr("ropefric.scenes.sweep._BLOCK", block)
+    monkeypatch.setattr("ropefric.scenes.sweep_table._BLOCK", block)
     scene = hoist_of(effects="all")
     axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
     swept = sweep_scene(scene, axes)

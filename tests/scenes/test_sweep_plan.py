@@ -8,10 +8,13 @@ import numpy as np
 import pyarrow.parquet
 import pytest
 
+import ropefric as rf
 from ropefric.errors import InputError
 from ropefric.files.folder import Folder
 from ropefric.scenes import sweep as sweeping
-from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table, write_sweep
+from ropefric.scenes import sweep_table as tables
+from ropefric.scenes.sweep import parse_axis, sweep_scene
+from ropefric.scenes.sweep_table import sweep_table, write_sweep
 from ropefric.systems.effect import Model
 from ropefric.systems.hoist.contact import solve_lift
 from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
@@ -191,11 +194,12 @@ def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
 @pytest.mark.parametrize("name", ["sweep.csv", "sweep.parquet"])
 def test_the_table_written_block_by_block_is_the_table_of_the_whole(hoist_of, tmp_path, monkeypatch, name):
     monkeypatch.setattr(sweeping, "_BLOCK", 7)
+    monkeypatch.setattr(tables, "_BLOCK", 7)
     scene = hoist_of(effects="all")
     # The first points lift off: their rows wait until the names of the numbers are known.
     axes = tuple(parse_axis(scene, text) for text in ("wheel.speed=60m/s:1m/s:9", "wheel.wrap=1turn:4turn:5"))
     with sweep_table(axes, Folder(tmp_path), name) as table:
-        swept = sweep_scene(scene, axes, table=table, keep=12)
+        swept = sweep_scene(scene, axes, write=table.add, keep=12)
     whole = sweep_scene(scene, axes)
     assert swept.steps == (4, 2)
     assert [axis.values.size for axis in swept.kept] == [3, 3]
@@ -228,8 +232,14 @@ def test_a_sweep_that_is_broken_off_leaves_no_table(hoist_of, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt), sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
-        sweep_scene(scene, axes, table=table, progress=stop)
+        sweep_scene(scene, axes, write=table.add, progress=stop)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_sweep_in_python_writes_its_table_too(hoist_of, tmp_path):
+    found = rf.sweep(hoist_of(), "wheel.wrap=1turn,2turn", table=tmp_path / "made" / "sweep.parquet")
+    table = pyarrow.parquet.read_table(tmp_path / "made" / "sweep.parquet")
+    assert table["lift_force_N"].to_pylist() == pytest.approx(found.columns["lift_force_N"].tolist())
 
 
 def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):
@@ -241,7 +251,7 @@ def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):
         )
         tracemalloc.start()
         with sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
-            sweep_scene(scene, axes, table=table, keep=1000)
+            sweep_scene(scene, axes, write=table.add, keep=1000)
         size = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         return size
@@ -254,7 +264,7 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
     def missing(name):
         raise ImportError
 
-    monkeypatch.setattr(sweeping, "import_module", missing)
+    monkeypatch.setattr(tables, "import_module", missing)
     scene = hoist_of()
     axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
     with (
@@ -262,3 +272,23 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
         sweep_table(axes, Folder(tmp_path), "s.parquet"),
     ):
         pass
+
+
+def test_a_list_of_effects_says_how_far_it_is_from_everything(hoist_of, loaded):
+    axes = ("wheel.wrap=90deg:1440deg:20", "load.end_tension=20N:500N:15")
+    listed, whole = (
+        sweep_scene(scene, tuple(parse_axis(scene, text) for text in axes))
+        for scene in (
+            hoist_of(effects=effects, rope=STIFF) for effects in (["wrap-dependence", "size"], "all")
+        )
+    )
+    off = max(np.abs(values / whole.columns[name] - 1.0).max() for name, values in listed.columns.items())
+    assert listed.error_bound > off, "the stiffness has a bound only"
+    assert listed.error_bound < 3.0 * off
+    assert listed.left_out["centrifugal"] == 300
+    saw = loaded("band-saw")
+    swept = sweep_scene(saw, (parse_axis(saw, "tension.preload=3000N,30000N"),))
+    assert 0.05 < swept.error_bound < 0.2, "the bound of its stiffness at the smaller preload"
+    lacking = hoist_of(effects=["bending-stiffness"])
+    with pytest.raises(InputError, match=r"rope\.bending_stiffness"):
+        sweep_scene(lacking, (parse_axis(lacking, "wheel.wrap=1turn,2turn"),))

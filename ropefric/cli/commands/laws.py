@@ -39,7 +39,9 @@ def fit(
     bound: Words = listed("NAME=LOW:HIGH", "Bounds of a parameter"),
     start: Words = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
     intervals: str = Option(
-        "covariance", metavar="covariance|profile|bootstrap", help="Where the 95 % intervals come from."
+        "auto",
+        metavar="auto|covariance|profile|bootstrap|bootstrap-t",
+        help="Where the 95 % intervals come from; auto is the covariance where it will do, else the profile.",
     ),
     loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
     seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),

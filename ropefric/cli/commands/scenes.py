@@ -20,7 +20,7 @@ with on_first_use():
     from ropefric.files import folder as folders
     from ropefric.report import cost_page
     from ropefric.report import scene as pages
-    from ropefric.scenes import kinds, plan
+    from ropefric.scenes import kinds, plan, sweep_table
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import solve as solving
     from ropefric.scenes import sweep as sweeping
@@ -34,8 +34,6 @@ class TableFormat(StrEnum):
 
 
 _LISTED_POINTS = 1000
-_KEPT_POINTS = 1_000_000
-"""Of a sweep, for its figure; its table has all."""
 _TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
 
 
@@ -84,11 +82,11 @@ def solve(
             return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
         axes = tuple(sweeping.parse_axis(loaded, text) for text in sweep)
         with Progress(out, "solve") as progress, ExitStack() as stack:
-            written = None
+            write = None
             if target is not None:
-                written = stack.enter_context(sweeping.sweep_table(axes, target, f"sweep.{table}"))
+                write = stack.enter_context(sweep_table.sweep_table(axes, target, f"sweep.{table}")).add
             found = sweeping.sweep_scene(
-                loaded, axes, progress=progress.update, table=written, keep=_KEPT_POINTS
+                loaded, axes, progress=progress.update, write=write, keep=sweeping.KEPT_POINTS
             )
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}
@@ -113,7 +111,7 @@ def _write(
     for name, history in solution.scene.kind.histories.items():
         columns = history(solution.answer)
         if columns is not None:
-            files += folder.write({name: sweeping.columns_text(columns)})
+            files += folder.write({name: sweep_table.columns_text(columns)})
     return options.publish(out, folder, "answer", files)
 
 
@@ -177,6 +175,7 @@ def cost(
         None, "--campaign", help="For picks: a campaign with truth.toml; repeatable."
     ),
     quick: bool = flag("--quick", "Some settings only, and little time for each."),
+    full: bool = flag("--full", "For uncertainty: every law, size and scatter, 1000 campaigns each; hours."),
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
@@ -192,6 +191,10 @@ def cost(
         from ropefric.accuracy.studies.picks import with_campaigns  # noqa: PLC0415  (its package loads all studies)
 
         chosen = [with_campaigns(one, campaign) if one.name == "picks" else one for one in chosen]
+    if full:
+        from ropefric.accuracy.studies.uncertainty import with_all_designs  # noqa: PLC0415  (as above)
+
+        chosen = [with_all_designs(one) if one.name == "uncertainty" else one for one in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
     with options.open_folder(

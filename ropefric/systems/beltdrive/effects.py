@@ -4,9 +4,8 @@ from typing import Any
 
 from ropefric.registry import Registry
 from ropefric.systems.beltdrive.drive import DriveAnswer, DriveModel, DriveProblem, solve_drive
-from ropefric.systems.effect import Effect, Subsets, System, closed_form_system, law_effects, missing
+from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing
 
-_WORTH = Subsets(solve_drive, lambda: EFFECTS)
 EFFECTS: Registry[Effect[Any, Any]] = Registry(
     "effect of a belt drive",
     (
@@ -15,23 +14,20 @@ EFFECTS: Registry[Effect[Any, Any]] = Registry(
             adds="the tension m v^2 that keeps the running belt on its circle and presses nothing",
             instead="a belt at rest",
             needs=missing({"linear_density_kg_m": "belt.linear_density", "speed_rad_s": "driving.speed"}),
-            influence=_WORTH.of("centrifugal"),
         ),
         Effect(
             name="wedge",
             adds="the flanks of the groove, that press with 1/sin(half its angle)",
             instead="a flat pulley",
             needs=missing({"groove_angle_rad": "belt.groove_angle"}),
-            influence=_WORTH.of("wedge"),
         ),
         Effect(
             name="creep",
             adds="a belt that stretches where it adheres, so that the driven pulley runs slower and power is lost",
             instead="a belt that does not stretch; both rims run at one speed",
             needs=missing({"axial_stiffness_N": "belt.axial_stiffness"}),
-            influence=_WORTH.of("creep"),
         ),
-        *law_effects("pulley", "belt", _WORTH, missing({}), 1e-7),
+        *law_effects("pulley", "belt", missing({}), 1e-7),
     ),
 )
 """In the order in which they are applied."""

@@ -10,10 +10,9 @@ from ropefric.errors import RopefricError
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.registry import Registry
 from ropefric.systems.checks import lean
-from ropefric.systems.effect import Effect, Subsets, System, closed_form_system, missing
+from ropefric.systems.effect import Effect, System, closed_form_system, missing
 from ropefric.systems.hoist.contact import HoistModel, HoistProblem, Lift, solve_lift
 
-_WORTH = Subsets(solve_lift, lambda: EFFECTS)
 _LEVELS, _STEP = 5, 1e-4
 """Of each number that a law looks at, over its range; and the relative step of a slope there."""
 _BETWEEN = 1.1
@@ -99,21 +98,18 @@ EFFECTS: Registry[Effect[Any, Any]] = Registry(
             name="wrap-dependence",
             adds="a coefficient that depends on how far the rope wraps",
             instead="its average at the reference wrap, over the whole wrap",
-            influence=_WORTH.of("wrap-dependence"),
             cost=1e-7,
         ),
         Effect(
             name="size",
             adds="a coefficient that depends on the wheel's radius over the rope's",
             instead="the coefficient at the reference wheel and rope",
-            influence=_WORTH.of("size"),
             cost=5e-8,
         ),
         Effect(
             name="end-tension",
             adds="a coefficient that depends on the end tension (the wrap it stands for)",
             instead="the coefficient at the reference end tension",
-            influence=_WORTH.of("end-tension"),
             cost=1e-7,
         ),
         Effect(
@@ -123,21 +119,18 @@ EFFECTS: Registry[Effect[Any, Any]] = Registry(
             needs=missing(
                 {"linear_density_kg_m": "rope.linear_density", "hanging_length_m": "rope.hanging_length"}
             ),
-            influence=_WORTH.of("rope-weight"),
         ),
         Effect(
             name="centrifugal",
             adds="the tension rho v^2 that keeps the running rope on its circle and presses nothing",
             instead="a rope at rest",
             needs=missing({"linear_density_kg_m": "rope.linear_density", "speed_m_s": "wheel.speed"}),
-            influence=_WORTH.of("centrifugal"),
         ),
         Effect(
             name="bending-stiffness",
             adds="the tension EI/(2 R^2) that bends the rope, and the arcs at both ends where it stands off",
             instead="a limp rope",
             needs=_stiffness_needs,
-            influence=_WORTH.of("bending-stiffness"),
             each=stiffness_bound,
             cost=1e-6,
         ),

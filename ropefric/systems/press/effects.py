@@ -154,7 +154,11 @@ def _steady(
 def _moving(
     name: str, adds: str, instead: str, *, bound: float = math.inf, cost: float = 0.1
 ) -> Effect[PressProblem, PressModel]:
-    """Return an effect that only a start-up has; of most no bound is known where there is one."""
+    """Return an effect that only a start-up has; of most no bound is known where there is one.
+
+    Stiff belts, fast oscillations and slow ramps take no steps of their own, as an exponential carries any of them over
+    any step: to leave them out would save nothing.
+    """
     return Effect(
         name=name,
         adds=adds,

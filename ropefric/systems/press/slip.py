@@ -4,9 +4,8 @@ At constant speed a belt slips on a whole roller where T'_tight = T'_slack e^M, 
 while it gains speed is in `transient.motion`.
 """
 
-from collections.abc import Iterator
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -31,11 +30,6 @@ class Contacts(NamedTuple):
     half_thickness_m: FloatArray
     upstream_N: FloatArray
     downstream_N: FloatArray
-
-    def of(self, place: int) -> "Contacts":
-        """Return one roller alone."""
-        parts: Iterator[Any] = (field[..., place] for field in self)
-        return Contacts(*parts)
 
     @property
     def slack_N(self) -> FloatArray:

@@ -3,10 +3,8 @@
 from typing import Any
 
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Subsets, System, closed_form_system, law_effects, missing
+from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing
 from ropefric.systems.traction.sheave import TractionAnswer, TractionModel, TractionProblem, solve_traction
-
-_WORTH = Subsets(solve_traction, lambda: EFFECTS)
 
 
 def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
@@ -23,30 +21,26 @@ EFFECTS: Registry[Effect[Any, Any]] = Registry(
             adds="the weight of the ropes, on the car's or the counterweight's side by where the car is",
             instead="ropes without weight",
             needs=missing({"linear_density_kg_m": "ropes.linear_density"}),
-            influence=_WORTH.of("rope-weight"),
         ),
         Effect(
             name="deceleration",
             adds="the inertia of car, load, counterweight and ropes in an emergency stop",
             instead="a stop so soft that only the weights count",
             needs=missing({"deceleration_m_s2": "lift.deceleration"}),
-            influence=_WORTH.of("deceleration"),
         ),
         Effect(
             name="pulley-inertia",
             adds="the inertia of the deflector pulleys in an emergency stop",
             instead="pulleys without mass",
             needs=_pulleys,
-            influence=_WORTH.of("pulley-inertia"),
         ),
         Effect(
             name="speed",
             adds="a coefficient that falls with the rope's speed in an emergency stop, by 1 + v/(10 m/s)",
             instead="the coefficient at rest",
             needs=missing({"speed_m_s": "lift.speed"}),
-            influence=_WORTH.of("speed"),
         ),
-        *law_effects("sheave", "rope", _WORTH, missing({"friction": "friction"}), 0.0),
+        *law_effects("sheave", "rope", missing({"friction": "friction"}), 0.0),
     ),
 )
 """In the order in which they are applied."""

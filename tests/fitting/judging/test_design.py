@@ -58,11 +58,18 @@ def test_round_trip(request, fixture, solve_for):
 
 
 def test_constant_law_on_paper(constant_fit):
-    """φ μ − t √((φ s)² + σ²) = ln(L/F_B) is a quadratic in φ."""
+    """φ μ − t √((φ s)² + σ²) = ln(L/F_B) is a quadratic in φ, with t of the effective degrees of freedom at the end."""
     mu, s, sigma = constant_fit["mu"].value, constant_fit["mu"].std, new_rope_std(constant_fit)
-    t, y = stats.t.ppf(0.99, constant_fit.statistics.interval_dof), math.log(300 / 20)
-    a, b, c = mu**2 - (t * s) ** 2, -2 * mu * y, y**2 - (t * sigma) ** 2
-    paper = (-b + math.sqrt(b * b - 4 * a * c)) / (2 * a)
+    found, y, paper = constant_fit.statistics, math.log(300 / 20), math.log(300 / 20) / mu
+    pulls2 = found.scatter_within**2 * (1 - found.n_conditions / found.n)
+    for _ in range(30):
+        all2 = (paper * s) ** 2 + sigma**2
+        dof = all2**2 / (
+            (all2 - pulls2) ** 2 / found.interval_dof + pulls2**2 / (found.n - found.n_conditions)
+        )
+        t = stats.t.ppf(0.99, dof)
+        a, b, c = mu**2 - (t * s) ** 2, -2 * mu * y, y**2 - (t * sigma) ** 2
+        paper = (-b + math.sqrt(b * b - 4 * a * c)) / (2 * a)
     assert find(constant_fit, "wrap", 300.0, probability=0.99).value[0] == pytest.approx(paper, rel=1e-10)
     assert find(constant_fit, "wrap", 300.0, probability=None).value[0] == pytest.approx(y / mu, rel=1e-12)
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.compare import choose_law, compare_laws
 from ropefric.fitting.diagnose import diagnose
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.trials.table import TrialTable
+from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame
 
 
 @pytest.mark.slow
@@ -174,8 +174,6 @@ def test_a_rising_wrap_effect_may_be_coils_that_touch():
 def test_a_wild_trial_leaves_no_law_supported():
     found = compare_laws(unrepeated(lambda R, phi, F: 0.2, wild=3.0))
     assert found.wild == ("t4",)
-    from ropefric.fitting.compare import choose_law
-
     assert choose_law(found).verdict.word == "undecided"
     assert "trial t4 lies far off" in choose_law(found).verdict.reason
 
@@ -194,17 +192,20 @@ def test_a_clear_offset_is_named_where_it_wins(campaign):
 
 
 @pytest.mark.slow
-def test_limits_hold_the_truth_as_often_as_they_say(campaign):
-    """Each of the two limits misses in 5 % of campaigns; at 200 the share is known to 1.5 %."""
+@pytest.mark.parametrize(("repeats", "least"), [(1, 0.05), (2, 0.0)])
+def test_limits_hold_the_truth_as_often_as_they_say(campaign, repeats, least):
+    """Each of the two limits misses in 5 % of campaigns, and in fewer where repeats say what a mean is worth at best.
+
+    At 150 campaigns the share of both together is known to 2.4 %.
+    """
     missed = np.zeros(2)
-    for seed in range(200):
+    for seed in range(150):
         table = campaign(
-            "constant", [0.2], repeats=2, wraps_deg=(90, 180, 360), loads=(10.0, 40.0), seed=seed
+            "constant", [0.2], repeats=repeats, wraps_deg=(90, 180, 360), loads=(10.0, 40.0), seed=seed
         )
         numbers = diagnose(table, compare_laws(table, ["constant"]))["wrap effect"].numbers
         missed += [numbers["bound_low"] > 0.0, numbers["bound_high"] < 0.0]
-    assert (missed / 200 < 0.1).all()
-    assert missed.sum() / 200 == pytest.approx(0.1, abs=0.05)
+    assert least <= missed.sum() / 150 <= 0.15
 
 
 def test_what_six_points_could_have_hidden(campaign):
@@ -242,7 +243,7 @@ def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     assert found.supported == "yes"
     assert found.numbers["slope"] == pytest.approx(0.06, abs=0.01)
     apart = diagnose(table, touching_turns=0.0)
-    assert apart["coil contact"].supported == "cannot-tell"
+    assert apart["coil contact"].supported == "no"
     assert apart["wrap effect"].supported == "yes"
 
 
@@ -283,10 +284,10 @@ def test_a_rope_for_each_condition_cannot_be_told(campaign):
 
 
 def test_labels_are_read_from_a_table(tmp_path):
-    from ropefric.trials.table import read_trial_table
-
     path = tmp_path / "trials.csv"
     head = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N,rope_id,operator,dwell_s\n"
     path.write_text(head + "40,10,180,20,38,A,ann,1\n40,10,360,20,70,B,ann,10\n", encoding="utf-8")
-    labels = read_trial_table(path).labels
+    table = read_trial_table(path)
+    labels = table.labels
+    assert table_from_frame(table.to_frame()).labels == labels
     assert labels == {"rope_id": ("A", "B"), "operator": ("ann", "ann"), "dwell": ("1", "10")}

@@ -142,7 +142,7 @@ def test_laws_that_answer_differently_show_their_spread(one_wheel, tmp_path, cap
 
 def test_laws_that_answer_alike_are_no_contradiction(one_wheel):
     comparison = compare_laws(one_wheel)
-    near = one_condition(0.04, 0.005, 5.0, 40.0)
+    near = one_condition(0.04, 0.005, 6.0, 40.0)
     choice = choose_law(comparison, "", near)
     found = choice.of(predict(choice.fit, near))
     assert choice.rivals

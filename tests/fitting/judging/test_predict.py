@@ -37,7 +37,15 @@ def test_constant_law_by_hand(constant_fit):
     high = np.log(20) + (mu + t * std) * np.array([3, 9])
     np.testing.assert_allclose(np.log(found.interval_N[:, 1]), high, rtol=1e-12)
     s = constant_fit.statistics
-    wide = t * np.sqrt((std * np.array([3, 9])) ** 2 + s.scatter_within**2 + s.scatter_between**2)
+    # Welch and Satterthwaite: what repeats alone show has their degrees of freedom, the rest those of the conditions.
+    law2, nu, pulls2 = (
+        (std * np.array([3, 9])) ** 2,
+        s.interval_dof,
+        s.scatter_within**2 * (1 - s.n_conditions / s.n),
+    )
+    all2 = law2 + s.scatter_within**2 + s.scatter_between**2
+    effective = all2**2 / ((all2 - pulls2) ** 2 / nu + pulls2**2 / (s.n - s.n_conditions))
+    wide = stats.t.ppf(0.95, effective) * np.sqrt(all2)
     np.testing.assert_allclose(np.log(found.prediction_interval_N[:, 0]), found.log_lift - wide, rtol=1e-12)
     # Made in ln F, so longer upward.
     up, down = found.interval_N[:, 1] - found.lift_force_N, found.lift_force_N - found.interval_N[:, 0]

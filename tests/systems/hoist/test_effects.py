@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem
-from ropefric.systems.hoist.effects import SYSTEM
+from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
 
 
 def own(problem):
@@ -240,16 +241,55 @@ def hoists(draw):
     )
 
 
+def numbers(lift):
+    """Every number of the answer, as logarithms taken here."""
+    with np.errstate(divide="ignore"):
+        return np.array([
+            lift.log_lift[0],
+            np.log(lift.average_mu[0]),
+            np.log(lift.contact_rad[0]),
+            np.log(lift.end_tension_N[0]),
+            np.log(lift.exponent[0]),
+        ])  # fmt: skip
+
+
+def worth(with_it, without):
+    """The largest |Δ ln| of any number; what is zero in both has not changed."""
+    same = with_it == without
+    return float(np.abs(np.where(same, 0.0, with_it) - np.where(same, 0.0, without)).max())
+
+
 def check_bounds(problem, solved, keep):
-    """Every effect's worth, with whatever others are in, stays below its bound."""
+    """No number moves by more than the bound, for one effect or for several with the sum of theirs, whatever else is in.
+
+    The bound of an effect is not larger than the largest such change, but for the exponent, which is no number of an
+    answer by itself: it is the product of two that are.
+    """
     applicable = [name for name, effect in SYSTEM.effects.items() if not effect.needs(problem)]
-    others = [name for name, kept in zip(applicable, keep, strict=False) if kept]
-    for name in applicable:
-        bound = SYSTEM.effects[name].influence(problem)
-        if math.isinf(bound):
-            continue
-        worth = solved(problem, {*others, name}).log_lift - solved(problem, {*others} - {name}).log_lift
-        assert abs(worth[0]) <= bound + 1e-13, name
+    bounds = {name: SYSTEM.effects[name].influence(problem) for name in applicable}
+    if any(map(math.isinf, bounds.values())):
+        return
+    found = {
+        some: numbers(solved(problem, some))
+        for k in range(len(applicable) + 1)
+        for some in map(frozenset, combinations(applicable, k))
+    }
+    kept = frozenset(name for name, is_in in zip(applicable, keep, strict=False) if is_in)
+    for name, bound in bounds.items():
+        changes = [worth(one[:4], found[some - {name}][:4]) for some, one in found.items() if name in some]
+        assert bound == pytest.approx(max(changes), rel=1e-9, abs=1e-11), name
+    # Several at once, as a plan adds them up: from everything down to any set, and from one set to another.
+    for some, other in (
+        (frozenset(applicable), kept),
+        (kept, frozenset()),
+        (kept, frozenset(applicable) - kept),
+    ):
+        total = sum(bounds[name] for name in some ^ other)
+        assert worth(found[some][:4], found[other][:4]) <= total * (1.0 + 1e-12) + 1e-12
+        assert worth(found[some], found[other]) <= 2.0 * total * (1.0 + 1e-12) + 1e-12
+    if "bending-stiffness" in bounds:
+        limit = float(stiffness_bound(problem)[0])
+        assert limit >= bounds["bending-stiffness"] * (1.0 - 1e-9) - 1e-11, "the bound for many cases at once"
 
 
 @settings(deadline=None, max_examples=60)

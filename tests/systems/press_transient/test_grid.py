@@ -1,5 +1,6 @@
 """Contacts that change their state on a grid: the answer of the exact moments, at a fraction of its time."""
 
+import logging
 import time
 from statistics import median
 
@@ -31,7 +32,7 @@ def solvers(monkeypatch):
     return solved
 
 
-@pytest.mark.parametrize("seed", [3, 12, 19, 31])
+@pytest.mark.parametrize("seed", [12, 19, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (3, 31))])
 def test_a_grid_gives_the_answer_of_the_exact_moments(kit, seed, solvers):
     press, question = kit.random(seed)
     found = start_up(press, exact_switching=False, **question)
@@ -67,6 +68,18 @@ def test_a_roller_on_the_verge_of_slip_is_decided_at_the_exact_moments(kit, solv
     assert not found.slips
 
 
+def test_a_held_roller_stands_where_the_drive_s_law_changes(kit):
+    """A piece of the drive ends between two places of the grid; what stands there goes on standing."""
+    speed = kit.run_up("ramp", duration_s=0.4321)
+    question = {"speed": speed, "time_s": np.linspace(0.0, 1.0, 101), "friction": 0.2}
+    press = kit.paper(force_N=1100.0)
+    found, exact = (start_up(press, exact_switching=one, **question) for one in (False, True))
+    standing = np.abs(exact.roller_speed_rad_s[-1]) < 1e-9
+    assert standing[press.is_driven].any()
+    assert np.abs(found.roller_speed_rad_s[-1, standing]).max() < 1e-9
+    assert largest_difference(found, exact) <= GRID_ERROR
+
+
 def test_uneven_times_have_no_grid(kit, solvers):
     question = {"speed": kit.run_up("ramp", 1.0, 0.3), "time_s": [0.0, 0.1, 0.15], "friction": 0.2}
     start_up(kit.small(), exact_switching=False, **question)
@@ -95,8 +108,8 @@ def planned(kit, seed, effects, accuracy=0.02):
 
 
 @pytest.mark.slow
-def test_thirty_random_presses_keep_the_promise_at_two_percent(kit, record_property):
-    """The ratio of the times is noted, never asserted: it is the clock's."""
+def test_thirty_random_presses_keep_the_promise_at_two_percent(kit):
+    """The ratio of the times is logged (--log-cli-level=INFO), never asserted: it is the clock's."""
     ratios = []
     for seed in range(30):
         plan, found, quick_s = planned(kit, seed, "auto")
@@ -104,4 +117,5 @@ def test_thirty_random_presses_keep_the_promise_at_two_percent(kit, record_prope
         assert "exact-switching" in plan.left_out
         assert SYSTEM.distance(found, exact) <= plan.error_bound <= 0.02
         ratios.append(whole_s / quick_s)
-    record_property("times_faster_median", median(ratios))
+    told = "auto is %.1f times as fast as all in the median, %.1f at least"
+    logging.getLogger(__name__).info(told, median(ratios), min(ratios))

@@ -87,8 +87,14 @@ def test_elastic_creep_carries_the_settled_state_to_the_closure_share(kit):
     )
 
 
-@pytest.mark.parametrize("exact_switching", [True, False])
-@pytest.mark.parametrize("force_N", [1300.0, 2000.0])
+@pytest.mark.parametrize(
+    ("force_N", "exact_switching"),
+    [
+        (1300.0, False),
+        (2000.0, True),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((1300.0, True), (2000.0, False))),
+    ],
+)
 def test_friction_that_follows_the_tensions_ends_at_the_steady_measure(kit, force_N, exact_switching):
     """The utilisation at the end is that of the law at the tensions there, in the roller that slips as well."""
     press = kit.paper(eta_s=1e-2, force_N=force_N)

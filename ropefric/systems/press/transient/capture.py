@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.systems.press.transient.drives import SPEED
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, Phase
 from ropefric.systems.press.transient.motion import FORWARD, Motion, power_pairs
 
@@ -80,7 +81,11 @@ class GridSolver(HybridSolver):
         ends = [min(last, int(np.ceil(one / part_s - 1e-6))) for one in self.inputs.starts_s[1:].tolist()]
         place = 0
         for piece, end in enumerate([*ends, last]):
-            start_s = float(self.inputs.starts_s[piece])
+            start_s, now_s = float(self.inputs.starts_s[piece]), place * part_s
+            # The drive before has gone on a little too long; the rims keep their speed, not what they lag behind it.
+            jump_m_s = self.inputs.at(now_s, max(piece - 1, 0)) - self.inputs.at(now_s, piece)
+            n_q, y = len(y) // 2, y.copy()
+            y[n_q : n_q + len(self.model.driven)] += jump_m_s[SPEED]
             while place < end:
                 mode, y = self.settle(mode, y, piece, place * part_s)
                 if place % (self.steps * _PARTS) == 0:  # what is asked for is what holds after the change

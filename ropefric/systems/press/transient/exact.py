@@ -155,17 +155,19 @@ def guards_of(motion: Motion) -> list[Guard]:
     return found + _friction_guards(motion, force_N)
 
 
+_WHILE_STICKING = 3.0
+"""How much farther a tangent is followed where it only says whether the belt slips: it is off by 9 times as much."""
+
+
 def _friction_guards(motion: Motion, force_N: float) -> list[Guard]:
     """Return what ends where friction that follows the tensions is near enough to its tangent."""
     limit, found = motion.limit, []
     if limit is None or limit.slack_N is None:
         return []
     for (way, i), slack_N in np.ndenumerate(limit.slack_N):
-        side, base_N, factor = (
-            motion.sides_N[way][i],
-            slack_N * motion.inputs[ONE],
-            np.exp(limit.width[way, i]),
-        )
+        side, base_N = motion.sides_N[way][i], slack_N * motion.inputs[ONE]
+        slips = motion.mode.contact[i] == (FORWARD, BACKWARD)[way]
+        factor = np.exp(limit.width[way, i] * (1.0 if slips else _WHILE_STICKING))
         found.append(Guard(factor * base_N - side, force_N, "friction", i))
         if slack_N > LEAST_SLACK_N:
             found.append(Guard(side - base_N / factor, force_N, "friction", i))

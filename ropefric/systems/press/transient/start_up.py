@@ -3,6 +3,7 @@
 import math
 from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
@@ -161,7 +162,8 @@ def start_up(
     and none goes slack, and the problem is linear, which is all that integrators other than the exact one solve. With
     friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
     the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
-    A start-up in which something that only takes energy drives the press is refused.
+    Without slip that is so where the linear model would let its loads drive the press by a thousandth of the energy. A
+    start-up in which something that only takes energy drives the press is refused.
     """
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
@@ -202,8 +204,12 @@ def start_up(
         )
         if on_grid is not None:
             return on_grid
-    solver = HybridSolver(model, inputs, limit if slips else None, drags=slips, follow=following)
-    return made(_solved(solver, times), _CLOSES if slips else _LINEAR_CLOSES)
+    if not slips:
+        # The linear model, as long as no load drives it.
+        with suppress(SolverError):
+            return made(_solved(HybridSolver(model, inputs, None, drags=False), times), _LINEAR_CLOSES)
+    solver = HybridSolver(model, inputs, limit if slips else None, follow=following)
+    return made(_solved(solver, times), _CLOSES)
 
 
 Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
@@ -218,7 +224,7 @@ ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
 GRID_ERROR = 5e-3
 """What changes of contacts that are caught on a grid may be worth."""
 _LONGEST_STEP_S = 5e-3
-_REFINEMENTS = 5
+_DOUBLINGS = 5
 
 
 def _even(times_s: FloatArray) -> bool:
@@ -233,36 +239,40 @@ def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], S
     """
     steps, coarse = math.ceil(float(times_s[1]) / _LONGEST_STEP_S), None
     check_steps(float(steps * len(times_s)))
-    for doubling in range(_REFINEMENTS + 1):
+    for doubling in range(_DOUBLINGS + 1):
         solver.steps = steps * 2**doubling
         try:
             found = told(_solved(solver, times_s))
         except SolverError:
             continue
         # What changes of contacts are off by falls with the step at least: two of these are off by this much.
-        settled = coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR
-        slipped = {slip.roller for slip in found.slips}
-        rollers = zip(found.press.rollers, solver.spare, strict=True)
-        if settled:
-            verge = any(left < GRID_ERROR for one, left in rollers if one.name not in slipped)
+        if coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR:
+            slipped = {slip.roller for slip in found.slips}
+            left = zip(found.press.rollers, solver.spare, strict=True)
+            verge = any(share < GRID_ERROR for one, share in left if one.name not in slipped)
             return None if verge else found
         coarse = found
     return None
 
 
 def largest_difference(found: StartUp, other: StartUp) -> float:
-    """Return the largest difference of anything that a summary tells; infinite where not the same rollers slip.
+    """Return the largest difference of anything that a summary tells; infinite where other rollers slip or stand.
 
     Tensions are compared by the greatest of their span, use of friction by 1 where it is less, times by the time
     simulated, works by the greatest of all.
     """
     told, wanted = found.summary(), other.summary()
-    if told["first_slip_s"].keys() != wanted["first_slip_s"].keys():
+    for one in (told, wanted):
+        one["settled_tension_N"] = one["settled_tension_N"] or {}
+    if told["at_end"] != wanted["at_end"] or any(
+        told[what].keys() != wanted[what].keys() for what in ("first_slip_s", "settled_tension_N")
+    ):
         return math.inf
     time_s, peak_N = float(other.time_s[-1]), wanted["peak_tension_N"]
     sizes = {
         "peak_tension_N": peak_N,
         "lowest_tension_N": peak_N,
+        "settled_tension_N": peak_N,
         "peak_utilisation": {name: max(1.0, use) for name, use in wanted["peak_utilisation"].items()},
         "first_slip_s": defaultdict(lambda: time_s),
         "slipping_s": defaultdict(lambda: time_s),

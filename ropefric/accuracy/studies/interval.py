@@ -1,0 +1,145 @@
+"""The 95 % interval of a fitted coefficient: covariance, profile, bootstrap and draws.
+
+Both laws have one parameter and an exponent per radian that is estimated linearly, so the exact interval is known.
+"""
+
+from collections.abc import Callable
+from functools import cache, partial
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import ndtri
+
+from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, over_seeds
+from ropefric.arrays import FloatArray
+from ropefric.fitting.intervals import bootstrap, profile_intervals
+from ropefric.fitting.predict import drawn_range
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.statistics import plain_covariance
+from ropefric.friction.condition import Conditions
+from ropefric.friction.law import LiftModel
+from ropefric.friction.laws import LAWS
+
+SIZE_SHARE = 0.25
+"""A = R_r/(R_w + R_r) of the wheel of both cases."""
+
+WRAPS_RAD = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
+LEVEL = 0.95
+N_SEEDS = 12
+_FACTOR = float(ndtri(0.5 + 0.5 * LEVEL))
+
+_COUNTS = (100, 300, 1000, 3000, 10_000, 30_000)
+_SCATTER = {"constant": 0.02, "thickness": 0.4}
+_TRUTH = {"constant": 0.2, "thickness": 0.5}
+
+
+def mu_of_exponent(law: str, exponent: npt.ArrayLike) -> FloatArray:
+    """Return the coefficient for an exponent per radian λ: μ = λ, or λ/(1 − A − A λ²) for a thick rope.
+
+    The second solves λ = [−1 + √(1 + 4Aμ²(1 − A))]/(2Aμ) for μ.
+    """
+    found = np.asarray(exponent, dtype=np.float64)
+    if law == "constant":
+        return found
+    return found / (1.0 - SIZE_SHARE - SIZE_SHARE * found**2)
+
+
+@cache
+def interval_problem(law: str) -> FitProblem:
+    """Return six pulls of known scatter with residuals that are fixed, so that the estimate is not the truth."""
+    chosen, n = LAWS[law], len(WRAPS_RAD)
+    pulls = Conditions(
+        wheel_radius_m=np.full(n, 0.03),
+        rope_radius_m=np.full(n, 0.01),
+        wrap_angle_rad=np.array(WRAPS_RAD),
+        end_tension_N=np.full(n, 20.0),
+    )
+    scatter = _SCATTER[law]
+    residual = scatter * np.sin(1.0 + 2.0 * np.arange(n))
+    return FitProblem(
+        law=chosen,
+        conditions=pulls,
+        log_lift=chosen.log_lift([_TRUTH[law]], pulls) + residual,
+        std=np.full(n, scatter),
+        group=np.arange(n),
+        start=np.array([_TRUTH[law]]),
+        lower=chosen.lower,
+        upper=chosen.upper,
+        vary=np.array([True]),
+    )
+
+
+def exact_interval(law: str) -> tuple[float, float, float]:
+    """Return the estimate of μ and the exact ends of its 95 % interval.
+
+    ln(F_A/F_B) = λφ is linear in λ, whose interval is therefore Σφy/Σφ² ± 1.96 σ/√Σφ²; μ(λ) is increasing, so the
+    ends of the interval of μ are those of λ, seen through it.
+    """
+    problem, phi = interval_problem(law), np.array(WRAPS_RAD)
+    rise = problem.log_lift - np.log(problem.conditions.end_tension_N)
+    best = phi @ rise / (phi @ phi)
+    half_width = _FACTOR * _SCATTER[law] / np.sqrt(phi @ phi)
+    middle, low, high = mu_of_exponent(law, [best, best - half_width, best + half_width]).tolist()
+    return middle, low, high
+
+
+def _settings(law: str) -> tuple[Setting, ...]:
+    problem = interval_problem(law)
+    estimate, low, high = exact_interval(law)
+    theta, exact = np.array([estimate]), np.array([estimate - low, high - estimate])
+
+    def arms(ends: npt.ArrayLike) -> FloatArray:
+        below, above = np.asarray(ends, dtype=np.float64)
+        return np.array([estimate - below, above - estimate])
+
+    def by_covariance() -> FloatArray:
+        return np.full(2, _FACTOR * np.sqrt(plain_covariance(problem.jacobian(theta))[0, 0]))
+
+    def by_profile() -> FloatArray:
+        return arms(profile_intervals(problem, theta, level=LEVEL, absolute_std=True).ci[0])
+
+    def by_bootstrap(n: int, seed: int) -> FloatArray:
+        scatter = (_SCATTER[law], 0.0)
+        return arms(bootstrap(problem, theta, n=n, seed=seed, scatter=scatter).interval(LEVEL)[0])
+
+    covariance = plain_covariance(problem.jacobian(theta))
+    pull = problem.conditions.select(np.array([2]))
+    wrap, log_end = float(pull.wrap_angle_rad[0]), float(np.log(pull.end_tension_N[0]))
+
+    def by_draws(n: int, seed: int) -> FloatArray:
+        _, ends = drawn_range(LiftModel(law=problem.law), theta, covariance, pull, dof=np.inf, level=LEVEL, n=n,
+                              rng=np.random.default_rng(seed))  # fmt: skip
+        return arms(mu_of_exponent(law, (ends[0] - log_end) / wrap))
+
+    def drawn(method: str, solve: Callable[[int, int], FloatArray], n: int) -> Setting:
+        def assess() -> Outcome:
+            errors = [solve(n, seed) / exact - 1.0 for seed in range(N_SEEDS)]
+            return over_seeds(np.concatenate(errors), float(n))
+
+        return Setting(method, f"n = {n}", partial(solve, n, 0), assess, n in _COUNTS[:3:2])
+
+    n_profile = profile_intervals(problem, theta, level=LEVEL, absolute_std=True).n_fits
+    return (
+        *against(exact, "covariance", "", by_covariance, work=1.0),
+        *against(exact, "profile", "", by_profile, work=n_profile),
+        *(drawn("bootstrap", by_bootstrap, n) for n in _COUNTS),
+        *(drawn("monte carlo", by_draws, n) for n in _COUNTS),
+    )
+
+
+STUDY = Study(
+    name="interval",
+    title="95 % interval of a fitted coefficient: both its arms",
+    question="When is the covariance enough, and how many resamples does an interval need?",
+    reference="exact interval, through an exponent per radian that is estimated linearly",
+    counted="fits or draws",
+    used="covariance; profile or bootstrap where they are asked for",
+    cases=(
+        Case("linear", "constant law, six pulls with a scatter of 2 % each", partial(_settings, "constant")),
+        Case(
+            "curved",
+            "law of the thick rope, six pulls with a scatter of 40 %: the upper arm is the longer one",
+            partial(_settings, "thickness"),
+        ),
+    ),
+)

@@ -1,0 +1,132 @@
+"""The table of a sweep, as CSV or Parquet, written block by block while the sweep runs; and other columns as CSV."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from importlib import import_module
+from math import prod
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
+from ropefric.files.folder import Folder
+from ropefric.files.plain_text import csv_cell, csv_text
+from ropefric.scenes.sweep import Axis, Sweep
+
+_BLOCK = 50_000
+
+
+def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]:
+    """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
+    keys = (f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in axes)
+    return (*keys, *columns)
+
+
+class SweepTable:
+    """A sweep's table while it is written, one row a point, the last axis fastest: CSV, or Parquet by its name.
+
+    Swept values stand in the unit in which they were asked for; a point without an answer has empty cells.
+    """
+
+    def __init__(self, axes: tuple[Axis, ...], stream: BinaryIO, *, parquet: bool = False) -> None:
+        self._axes, self._stream = axes, stream
+        self._written = self._waiting = 0
+        self._parquet: Any = _parquet() if parquet else None
+        self._writer: Any = None
+        # An axis has few values, so each is put into words once.
+        self._words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in axes]
+        self._lines: list[str] = []
+
+    def add(self, columns: Mapping[str, FloatArray], count: int) -> None:
+        """Write the next points; those before the first that has an answer wait for the names of its numbers."""
+        self._waiting += count
+        if not columns:
+            return
+        if not self._lines:
+            self._lines = [word + ",".join(["%.9g"] * len(columns)) + "\n" for word in self._words[-1]]
+            self._names = tuple(columns)
+            if self._parquet is None:
+                self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
+        values = np.stack([columns[name] for name in self._names], axis=-1)
+        while self._waiting > count:
+            size = min(self._waiting - count, _BLOCK)
+            self._write(np.full((size, len(self._names)), np.nan))
+        self._write(values)
+
+    def _write(self, values: FloatArray) -> None:
+        start, stop = self._written, self._written + len(values)
+        self._written, self._waiting = stop, self._waiting - len(values)
+        if self._parquet is not None:
+            self._write_group(start, stop, values)
+            return
+        shape, length = [axis.values.size for axis in self._axes[:-1]], len(self._lines)
+        for outer in range(start // length, -(-stop // length)):
+            first, last = max(start, outer * length), min(stop, (outer + 1) * length)
+            rows = self._lines[first - outer * length : last - outer * length]
+            words = "".join(
+                word[i] for word, i in zip(self._words, np.unravel_index(outer, shape), strict=False)
+            )
+            self._stream.write(_rows(words, rows, values[first - start : last - start]).encode())
+
+    def _write_group(self, start: int, stop: int, values: FloatArray) -> None:
+        arrow, parquet = self._parquet
+        grid = np.unravel_index(np.arange(start, stop), [axis.values.size for axis in self._axes])
+        swept = [axis.values[i] / axis.factor for axis, i in zip(self._axes, grid, strict=True)]
+        arrays = [arrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
+        group = arrow.table(arrays, names=list(header_of(self._axes, self._names)))
+        if self._writer is None:
+            self._writer = parquet.ParquetWriter(self._stream, group.schema)
+        self._writer.write_table(group)
+
+    def close(self) -> None:
+        """End the table."""
+        if self._lines and self._waiting:
+            self._write(np.full((self._waiting, len(self._names)), np.nan))
+        if self._writer is not None:
+            self._writer.close()
+
+
+def _parquet() -> tuple[Any, Any]:
+    try:
+        return import_module("pyarrow"), import_module("pyarrow.parquet")
+    except ImportError:
+        raise InputError(
+            "Parquet needs pyarrow, which is not installed",
+            code="RF107",
+            key="--table",
+            fix='pip install "ropefric[parquet]", or write CSV',
+        ) from None
+
+
+@contextmanager
+def sweep_table(axes: tuple[Axis, ...], folder: Folder, name: str) -> Iterator[SweepTable]:
+    """Yield the table of a sweep to be written into a folder; one that is broken off leaves no file."""
+    with folder.stream(name) as stream:
+        table = SweepTable(axes, stream, parquet=name.endswith(".parquet"))
+        yield table
+        table.close()
+
+
+def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
+    """Write a sweep that is at hand as CSV or Parquet, as `SweepTable` does; return the path."""
+    with sweep_table(sweep.kept, folder, name) as table:
+        size = prod(axis.values.size for axis in sweep.kept)
+        for start in range(0, size, _BLOCK):
+            block = {key: values[start : start + _BLOCK] for key, values in sweep.columns.items()}
+            table.add(block, min(_BLOCK, size - start))
+    return folder.path / name
+
+
+def columns_text(columns: Mapping[str, FloatArray]) -> str:
+    """Return columns of one length as CSV."""
+    values = np.stack(list(columns.values()), axis=-1)
+    row = ",".join(["%.9g"] * len(columns)) + "\n"
+    return csv_text([map(csv_cell, columns)]) + _rows("", [row] * len(values), values)
+
+
+def _rows(outer: str, rows: list[str], values: FloatArray) -> str:
+    """Return the rows of one block: what stands before all of them, and after it each row's template filled in."""
+    text: str = outer.join(["", *rows]) % tuple(values.ravel().tolist())
+    return text.replace("nan", "") if np.isnan(values).any() else text

@@ -1,0 +1,219 @@
+"""Every number, every yes or no of a planned answer is that of all effects, within the accuracy asked for.
+
+Scenes are drawn wide, of every law and with fits and their covariance, and near what decides: a margin or a
+utilisation of 1, a slack belt, the critical speed, a resonance.
+"""
+
+import math
+import tomllib
+
+import numpy as np
+import pytest
+
+from ropefric.errors import RopefricError
+from ropefric.scenes.scene_templates import bundled_scenes
+from ropefric.scenes.solve import solve_scene
+
+LAWS = {
+    "constant": {"mu": (0.05, 0.5)},
+    "constant-offset": {"mu": (0.05, 0.4), "k": (0.0, 0.2)},
+    "size-power": {"mu_inf": (0.05, 0.3), "a": (0.0, 1.0), "b": (0.3, 2.0)},
+    "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
+    "wrap-exponential": {"a": (0.01, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
+    "wrap-power": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
+    "coupled": {
+        "mu_inf": (0.1, 0.5),
+        "a": (-0.5, -0.05),
+        "b": (-1.0, 0.0),
+        "c": (-0.9, -0.05),
+        "d": (0.02, 0.15),
+    },
+    "thickness": {"mu": (0.05, 0.4)},
+    "bending": {"mu": (0.05, 0.4), "rigidity_N_m2": (1e-7, 1e-4)},
+    "howell": {"A": (0.1, 0.5), "n": (0.7, 0.99)},
+    "wrap-power-from-zero": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
+}
+FITS = ("constant", "size-exponential", "wrap-power", "coupled", "howell")
+ABOUT_THE_PLAN = {"effects", "error_bound", "method", "accuracy"}
+
+
+def near_one(rng):
+    """A factor near 1, from a millionth to a tenth away, on either side."""
+    return 1.0 + float(rng.choice([-1.0, 1.0])) * 10.0 ** rng.uniform(-6.0, -1.0)
+
+
+def with_unit(value, unit):
+    return f"{value:.9g} {unit}"
+
+
+def friction(rng):
+    if rng.random() < 0.3:
+        return {"fit": f"../../fits/prth-{rng.choice(FITS)}.json"}
+    name = str(rng.choice(sorted(LAWS)))
+    return {"law": name, "parameters": {key: float(rng.uniform(*ends)) for key, ends in LAWS[name].items()}}
+
+
+def hoist(rng, scene_of):
+    tree = {
+        "system": "hoist",
+        "wheel": {
+            "radius": with_unit(rng.uniform(15, 200), "mm"),
+            "wrap": with_unit(rng.uniform(30, 1400), "deg"),
+            "speed": with_unit(rng.uniform(0, 8), "m/s"),
+        },
+        "rope": {
+            "diameter": with_unit(rng.uniform(4, 16), "mm"),
+            "linear_density": with_unit(rng.uniform(10, 300), "g/m"),
+            "hanging_length": with_unit(rng.uniform(0.1, 30), "m"),
+            "bending_stiffness": with_unit(10.0 ** rng.uniform(-7, -2.5), "N*m^2"),
+        },
+        "load": {"end_tension": with_unit(10.0 ** rng.uniform(0.7, 3.0), "N")},
+        "friction": friction(rng),
+    }
+    force_N = solve_scene(scene_of(**tree, effects="all")).quantities[0].value[0]
+    tree["load"]["payload"] = with_unit(force_N / 9.80665 * near_one(rng), "kg")
+    return tree
+
+
+def traction(rng, scene_of):
+    tree = tomllib.loads(bundled_scenes()["traction"])
+    tree["lift"] |= {
+        "rated_load": with_unit(rng.uniform(200, 1500), "kg"),
+        "travel": with_unit(rng.uniform(2, 150), "m"),
+        "speed": with_unit(rng.uniform(0.1, 6), "m/s"),
+        "deceleration": with_unit(rng.uniform(0.05, 3.0), "m/s^2"),
+    }
+    tree["pulleys"]["car_side"] = with_unit(rng.uniform(0.1, 200), "kg")
+    if rng.random() < 0.5:
+        tree["friction"] = friction(rng)
+    asked = solve_scene(scene_of(**tree | {"effects": "all"})).to_dict()["needed_wrap_rad"]
+    tree["sheave"]["wrap"] = with_unit(asked * near_one(rng), "rad")  # that just holds
+    return tree
+
+
+def belt_drive(rng, scene_of):
+    tree = tomllib.loads(bundled_scenes()["belt-drive"])
+    tree["tension"] = {
+        "closure": str(rng.choice(["limit", "tensioner", "fixed"])),
+        "force": with_unit(rng.uniform(300, 3000), "N"),
+    }
+    tree["driving"]["speed"] = with_unit(rng.uniform(10, 3000), "rpm")
+    tree["belt"] |= {
+        "linear_density": with_unit(rng.uniform(0.05, 1.0), "kg/m"),
+        "axial_stiffness": with_unit(10.0 ** rng.uniform(1.5, 5), "kN"),
+    }
+    tree["friction"] = friction(rng)
+    tree.pop("load", None)
+    power_W = solve_scene(scene_of(**tree | {"effects": "all"})).to_dict()["full_power_W"]
+    tree["load"] = {"power": with_unit(power_W * near_one(rng), "W")}  # just carried
+    return tree
+
+
+def press(rng, scene_of):
+    tree = tomllib.loads(bundled_scenes()[str(rng.choice(["belt-press", "fast-belt-press"]))])
+    tree["press"]["preload"] = with_unit(rng.uniform(800, 6000), "N")  # down to slack belts
+    tree["press"]["load_factor"] = float(rng.uniform(0.0, 1.6))
+    tree["friction"] = {"mu": 1.0}
+    needed = solve_scene(scene_of(**tree | {"effects": "all"})).to_dict()["slip"]
+    most = max(one["mu_required"] for one in needed.values())
+    if rng.random() < 0.5 and most > 0.0:
+        tree["friction"] = {"mu": most * near_one(rng)}  # a roller just slips
+    else:
+        tree["friction"] = friction(rng) | {"scale_to": {"mu": 1.2, "wrap": "180 deg"}}
+    return tree
+
+
+def saw(rng, scene_of):
+    tree = tomllib.loads(
+        bundled_scenes()[str(rng.choice(["band-saw", "fast-band-saw", "band-saw-fixed-axles"]))]
+    )
+    length, preload, rho = rng.uniform(0.3, 3.0), rng.uniform(500, 2e4), rng.uniform(0.05, 2.0)
+    gap = 10.0 ** rng.uniform(-3.0, 0.0)
+    speed = (1.0 - gap) * math.sqrt(preload / rho)
+    stiffness = 10.0 ** rng.uniform(-8.0, -1.0) * preload * length**2
+    tree["blade"] = {
+        "free_span": with_unit(length, "m"),
+        "linear_density": with_unit(rho, "kg/m"),
+        "bending_stiffness": with_unit(stiffness, "N*m^2"),
+        "modes": int(rng.integers(1, 7)),
+        "ends": str(rng.choice(["clamped", "pinned"])),
+    }
+    tree["tension"] = {
+        "preload": with_unit(preload, "N"),
+        "mounting_factor": float(rng.choice([0.0, 1.0, rng.uniform()])),
+    }
+    tree["wheel"] = {"radius": "0.35 m", "speed": with_unit(speed / 0.35, "rad/s")}
+    tree["drive"] = {"tension_difference": with_unit(rng.uniform(0, 0.2) * preload * gap, "N")}
+    for name in ("excitation", "measured"):
+        tree.pop(name, None)
+    if rng.random() < 0.15:
+        tree["effects"] = "all"
+        first_Hz = solve_scene(scene_of(**tree)).to_dict()["slack"]["frequencies_Hz"][0]
+        tree["excitation"] = {
+            "wheel_harmonics": 2,
+            "frequencies": [with_unit(first_Hz * near_one(rng), "Hz")],
+            "margin": 0.1,
+            "preload_range": [with_unit(0.9 * preload, "N"), with_unit(1.5 * preload, "N")],
+        }
+    return tree
+
+
+def leaves(tree, path=""):
+    """Every number, word, yes and no of an answer, by its place."""
+    if isinstance(tree, dict):
+        return {k: v for name, one in tree.items() for k, v in leaves(one, f"{path}.{name}").items()}
+    if isinstance(tree, list):
+        return {k: v for place, one in enumerate(tree) for k, v in leaves(one, f"{path}.{place}").items()}
+    return {path: tree}
+
+
+def check(scene_of, tree, accuracy):
+    """Return whether something was left out, after both answers were compared leaf by leaf."""
+    found = []
+    for effects in ("auto", "all"):
+        solution = solve_scene(scene_of(**tree | {"accuracy": accuracy, "effects": effects}))
+        told = {key: one for key, one in solution.to_dict().items() if key not in ABOUT_THE_PLAN}
+        found.append((leaves(told), solution.plan))
+    (planned, plan), (whole, _) = found
+    assert plan.keeps_accuracy
+    assert planned.keys() == whole.keys()
+    for place, wanted in whole.items():
+        value = planned[place]
+        if isinstance(wanted, float) and isinstance(value, float):
+            assert abs(value - wanted) <= accuracy * abs(wanted) + 1e-300, place
+        else:
+            assert value == wanted, place
+    return bool(plan.left_out)
+
+
+def check_many(draw, scene_of, count, seed):
+    """Return how many scenes had an answer, and in how many something was left out."""
+    solved = spared = 0
+    for one in range(count):
+        rng = np.random.default_rng([seed, one])
+        try:
+            tree = draw(rng, scene_of)
+            solve_scene(scene_of(**tree | {"accuracy": 0.1, "effects": "all"}))
+        except RopefricError:
+            continue
+        spared += check(scene_of, tree, float(rng.choice([0.1, 0.05, 0.01, 0.001])))
+        solved += 1
+    return solved, spared
+
+
+DRAWS = {"hoist": hoist, "traction": traction, "belt-drive": belt_drive, "press": press, "saw": saw}
+
+
+@pytest.mark.parametrize("name", DRAWS)
+def test_every_number_of_some_scenes(name, scene_of):
+    solved, spared = check_many(DRAWS[name], scene_of, 12, 20)
+    assert solved >= 5
+    assert bool(spared) == (name == "saw"), "what is quick is solved whole"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DRAWS)
+def test_every_number_of_two_thousand_scenes(name, scene_of):
+    solved, spared = check_many(DRAWS[name], scene_of, 2000, 21)
+    assert solved > 900
+    assert bool(spared) == (name == "saw")

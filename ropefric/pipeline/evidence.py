@@ -269,13 +269,13 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
     }
 
 
-def manifest_text(provenance: dict[str, Any], campaign: Path, folder: Path) -> str:
+def manifest(provenance: dict[str, Any], campaign: Path, folder: Path) -> dict[str, str]:
     """Return the manifest, by which a folder of results finds its campaign again."""
     try:
         shown = Path(os.path.relpath(campaign, folder)).as_posix()
     except ValueError:  # another drive on Windows
         shown = campaign.resolve().as_posix()
-    return json_document(provenance | {"campaign": shown})
+    return {MANIFEST: json_document(provenance | {"campaign": shown})}
 
 
 def recorded_run(folder: Path) -> tuple[Path, str]:

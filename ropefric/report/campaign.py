@@ -9,14 +9,7 @@ from typing import Any
 
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
-from ropefric.pipeline.evidence import (
-    MANIFEST,
-    Evidence,
-    evidence_files,
-    gather_evidence,
-    manifest_text,
-    trace_provenance,
-)
+from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence, manifest, trace_provenance
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report import parts
 from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
@@ -74,8 +67,8 @@ def write_report(
     numbers = [
         target.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
-    texts = evidence_files(evidence) | {
-        MANIFEST: manifest_text(provenance, run.campaign.path, target.path),
+    texts = evidence_files(evidence) | manifest(provenance, run.campaign.path, target.path)
+    texts |= {
         "summary.txt": as_text(summary_sections(run)),
         "report.html": as_html(campaign_report(run, evidence, provenance, pictures)),
     }

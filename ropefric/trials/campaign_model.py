@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
@@ -57,7 +58,13 @@ class Round(StrictTable):
     example: ClassVar[str] = 'radius = "40 mm"'
     radius_m: Length = Field(default=0.0, alias="radius")
     diameter: Length = Field(default=0.0, exclude=True)
+    tolerance: Annotated[float, PlainValidator(quantity("m", "0.1 mm", above=0))] = 0.0
     material: Text = ""
+
+    @property
+    def radius_std_m(self) -> float:
+        """Return the standard uncertainty of the radius [m]: the tolerance, of what was given, is a limit of error."""
+        return self.tolerance / math.sqrt(3.0) / (2.0 if "diameter" in self.model_fields_set else 1.0)
 
     @model_validator(mode="after")
     def _has_one_size(self) -> Self:
@@ -113,6 +120,9 @@ class Protocol(StrictTable):
     stop_s: Time = Field(default=None, alias="until")
     min_step_N: Annotated[float | None, PlainValidator(quantity("N", "5 N", above=0))] = Field(
         default=None, alias="min_step"
+    )
+    wrap_tolerance_rad: Annotated[float, PlainValidator(quantity("rad", "1 deg", above=0))] = Field(
+        default=0.0, alias="wrap_tolerance"
     )
     side: Annotated[str, PlainValidator(choice(lambda: SIDES))] = "slack"
     ending: Annotated[str, PlainValidator(choice(lambda: ENDINGS))] = "sliding"
@@ -422,14 +432,15 @@ class Campaign(CampaignFile):
         """Return the SHA-256 of all settings that every recording's extraction depends on.
 
         Cells, converter, protocol, sampling, tare, smoothing, weights and import profile count; names, the
-        rope, wheels, rejection, design, limits and the trial list do not: what differs between trials (cell, sample,
-        interval, end tension) is in their `TrialSpec`.
+        rope, wheels (but for their tolerances), rejection, design, limits and the trial list do not: what differs
+        between trials (cell, sample, interval, end tension) is in their `TrialSpec`.
         """
         names = (
             *("cells", "adc", "protocol", "sampling_rate_Hz", "tare_interval_s", "smoothing"),
             *("weights_tolerance", "profile"),
         )
         settings = {name: _plain(getattr(self, name)) for name in names}
+        settings["radius_std_m"] = [one.radius_std_m for one in (self.rope, *self.wheels.values())]
         text = json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()
 

@@ -242,6 +242,11 @@ def _result(
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
         peak_std_N=peak_std_N,
+        wheel_radius_std_m=wheel.radius_std_m if (wheel := campaign.wheels.get(spec.wheel)) else 0.0,
+        rope_radius_std_m=rope.radius_std_m
+        if (rope := campaign.rope).radius_m == spec.rope_radius_m
+        else 0.0,
+        wrap_std_rad=campaign.protocol.wrap_tolerance_rad / math.sqrt(3.0),
         cell_std_N=cell_std_N(breakaway.peak_N, calibration) if is_ok else nan,
         end_tension_set_N=set_N,
         kinetic_mean_std_N=force_std_N(

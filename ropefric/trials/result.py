@@ -28,12 +28,13 @@ OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 its F_A is not above its F_B; or its recording gave no usable force."""
 
 _COLUMNS = (
-    "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N",
-    "end_tension_std_N", "end_tension_set_N", "peak_N", "peak_std_N", "cell_std_N", "peak_raw_N", "peak_time_s",
-    "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "measured_dwell_s", "kinetic_N",
-    "kinetic_std_N", "kinetic_mean_std_N", "sliding_s", "drop_N", "trough_N", "n_slips", "recurrence_s", "mu", "mu_std",
-    "mu_kinetic", "status", "candidates", "kept", "rejected_by", "excluded", "decision", "decided_by", "decided_why",
-    "detail", "notes", "cell", "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
+    "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "wheel_radius_std_m",
+    "rope_radius_std_m", "wrap_std_rad", "end_tension_N", "end_tension_std_N", "end_tension_set_N", "peak_N",
+    "peak_std_N", "cell_std_N", "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N",
+    "loading_rate_N_s", "measured_dwell_s", "kinetic_N", "kinetic_std_N", "kinetic_mean_std_N", "sliding_s",
+    "drop_N", "trough_N", "n_slips", "recurrence_s", "mu", "mu_std", "mu_kinetic", "status", "candidates",
+    "kept", "rejected_by", "excluded", "decision", "decided_by", "decided_why", "detail", "notes", "cell",
+    "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
 )  # fmt: skip
 """Of a trial's row."""
 _OF_BREAKAWAY = {
@@ -90,6 +91,9 @@ class TrialResult(TrialRow):
     peak_N: float = nan
     peak_std_N: float = nan
     cell_std_N: float = nan
+    wheel_radius_std_m: float = 0.0
+    rope_radius_std_m: float = 0.0
+    wrap_std_rad: float = 0.0
     end_tension_set_N: float = nan
     kinetic_mean_std_N: float = nan
     breakaway: Breakaway

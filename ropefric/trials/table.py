@@ -302,7 +302,7 @@ def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
 def table_of_extraction(extraction: Extraction) -> TrialTable:
     """Return the trial table of an extraction; a pull in which friction helped the rope along is not kept."""
     trials = extraction.trials
-    names = (*_REQUIRED, "peak_std_N", "end_tension_std_N", "cell_std_N", *_BESIDE)
+    names = (*_NUMBERS, *_BESIDE)
     columns: dict[str, Any] = {name: np.array([trial.measured(name) for trial in trials]) for name in names}
     kept = np.array([trial.kept for trial in trials], dtype=np.bool_)
     kept &= (columns["peak_N"] > columns["end_tension_N"]) | _below_by_scatter(columns, kept)

@@ -309,9 +309,7 @@ def budget(
     u_wheel_radius: options.Number = options.quantity(
         "--u-wheel-radius", "m", "Standard uncertainty of R_w."
     ),
-    u_rope_diameter: options.Number = options.diameter(
-        "--u-rope-diameter", "Of the rope's diameter."
-    ),
+    u_rope_diameter: options.Number = options.diameter("--u-rope-diameter", "Of the rope's diameter."),
     u_wrap: options.Number = options.quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
     u_end_tension: options.Number = options.quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
     end_tension_measured: bool = options.flag(

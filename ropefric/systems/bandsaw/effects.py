@@ -46,6 +46,10 @@ def _string_changes(problem: SawProblem) -> dict[str, float]:
     )
 
 
+_ANY = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)))).T[..., np.newaxis]
+"""Side and effects: the sign of ΔF/2, and how much of the wheels' tension and of the travel there is."""
+
+
 def bending_bound(problem: SawProblem) -> FloatArray:
     """Return an upper bound of the change of any mode's ln f and of ln v_c by the stiffness, shape (n,).
 
@@ -56,14 +60,14 @@ def bending_bound(problem: SawProblem) -> FloatArray:
     the least of Rayleigh's quotients, for the others by trial. Both terms are exact as e → 0. v_c² goes with
     F_0 ± ΔF/2 + β EI/l². The tensions are those of all sides with whatever other effects are simulated.
     """
-    pull, wheels, travels = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)))).T[
-        ..., np.newaxis
-    ]
+    pull, wheels, travels = _ANY
     stiff_N = problem.product("bending_stiffness_N_m2") / problem.free_span_m**2
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         static_N = problem.preload_N + pull * problem.pull_N
-        tension_N = static_N + wheels * problem.wheels_N
-        e, V2 = np.sqrt(stiff_N / tension_N), travels * problem.inertia_N / tension_N
+        inertia_N = problem.inertia_N
+        held = 0.0 if problem.mounting_factor is None else problem.mounting_factor
+        tension_N = static_N + wheels * held * inertia_N
+        e, V2 = np.sqrt(stiff_N / tension_N), travels * inertia_N / tension_N
         layers = 0.0 * e if problem.ends.turns else 2.0 * e / np.sqrt(1.0 - V2)
         kappa = problem.n_modes * math.pi / (1.0 - layers)
         bent = 0.5 * (kappa * e) ** 2 * (1.0 + 6.0 * V2 + V2**2) / (1.0 - V2)

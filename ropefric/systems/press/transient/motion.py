@@ -16,6 +16,7 @@ for constant μ κ = M/(e^M − 1); where it slips backward, with the sides exch
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -118,6 +119,11 @@ _TANGENT_ERROR = 1e-4
 _PROBE = 1e-3
 
 
+@cache
+def _gauss() -> tuple[FloatArray, FloatArray]:
+    return np.polynomial.legendre.leggauss(_NODES)
+
+
 def friction_limit(
     model: ElasticPress,
     friction: float | WrapFriction,
@@ -144,7 +150,7 @@ def friction_limit(
             fix="give a larger coefficient or wrap angle, or write slip = false",
         )
     # Nodes of ∫ ds/α crowd near the slack side, where a falling μ is steepest.
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = _gauss()
     u = 0.5 * (nodes + 1.0)
     shape = (_NODES, *(1,) * exponent.ndim)
     left = exponent - contacts.exponent(friction, told, share=u.reshape(shape) ** 4)

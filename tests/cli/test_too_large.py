@@ -48,7 +48,7 @@ SCENES = {
     "coefficient": ("press-start-up", "mu = 0.6", "mu = 1e-300", "1e-30 to 1e+30 are the limits"),
     "least coefficient": ("press-start-up", "mu = 0.6", "mu = 1e-29", "from no friction at all"),
     "least wrap": ("press-start-up", '"28.1 deg"', '"1e-12 deg"', "from no friction at all"),
-    "damping": ("press-start-up", '"500 N*s/m"', '"9.9e29 N*s/m"', "more than 500000 steps"),
+    "damping": ("press-start-up", '"500 N*s/m"', '"9.9e29 N*s/m"', "changed their state 3000 times"),
     "points": ("press-start-up", "points = 1601", "points = 100000000", "from 2 to 200000"),
     "blade": ("band-saw", '"1.6 m"', '"1e300 m"', "1e+30 m is the limit"),
     "rate": ("band-saw", "[excitation]", '[excitation]\nfrequencies = ["1e300 Hz"]', "1e+30 Hz is the limit"),

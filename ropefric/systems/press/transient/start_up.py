@@ -242,8 +242,9 @@ def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], S
     for doubling in range(_DOUBLINGS + 1):
         solver.steps = steps * 2**doubling
         try:
-            found = told(_solved(solver, times_s))
-        except SolverError:
+            with np.errstate(over="raise", invalid="raise"):
+                found = told(_solved(solver, times_s))
+        except (SolverError, FloatingPointError):
             continue
         # What changes of contacts are off by falls with the step at least: two of these are off by this much.
         if coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR:

@@ -8,7 +8,6 @@ decides, the result is `doubtful`, with the candidates.
 """
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,6 @@ from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Statu
 from ropefric.traces.events import (
     FAST,
     GROWTH,
-    SAME_KIND,
-    STICKS,
     UNLOADED,
     Fall,
     Pull,
@@ -31,12 +28,23 @@ from ropefric.traces.events import (
     loading_rate,
     pulls_of,
 )
+from ropefric.traces.evidence import (
+    LEAST_DROP,
+    LEAST_PEAK,
+    TOOTH,
+    comes_on,
+    fall_blocks,
+    is_quiet,
+    loads_again,
+    quiet_N,
+    stands_out,
+    swings,
+)
 from ropefric.traces.hidden import hidden
-from ropefric.traces.noise import drift_N, noise_std
+from ropefric.traces.noise import drift_N
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     MIN_SAMPLES,
-    PIECE_BLOCKS,
     Prepared,
     Sliding,
     kinetic,
@@ -47,8 +55,6 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
-    FEWEST_TEETH,
-    SMALL_GROWTH,
     TALL,
     Candidate,
     least_fall_N,
@@ -59,31 +65,19 @@ from ropefric.traces.slips import (
 )
 from ropefric.traces.trace import ForceTrace
 
-RESOLVED_SIGMAS = 4.0
-QUIET_SIGMAS = 1.5
 FLAT_BLOCKS = 8
 LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
-LEAST_DROP = 0.04
-"""The force of a rope that is held and creeps falls by some per cent."""
 STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
-SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
-WAVES, SLOWEST, FASTEST = 0.06, 0.4, 1.25
-LONG_TRAIN, REGULAR = 5, 0.2
-"""Fewer waves are alike by chance."""
-LEAST_PEAK = 0.01
-TOOTH = 0.3
-"""Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
 """Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
-LARGEST, MUCH = 1.5, 1.5
-CLEAR = 0.1
+MUCH = 1.5
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
 EQUAL = 0.01
@@ -268,7 +262,7 @@ def _of_pull(
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
     candidates = macroscopic(force_N, pull, falls)
-    while candidates and _comes_on(prepared, candidates[0]):
+    while candidates and comes_on(prepared, candidates[0]):
         bumps.append(candidates[0].fall)
         candidates = macroscopic(force_N, pull, candidates[0].later)
     first = candidates[0].fall if candidates else None
@@ -328,14 +322,14 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     if settings.min_step_N is not None and max(above_N, fall.drop_N) < settings.min_step_N:
         return _no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
     low = not sudden and fall.drop_N < LEAST_PEAK * height_N
-    if low or not _stands_out(blocks.noise_N, force_N, candidate, sliding):
+    if low or not stands_out(blocks.noise_N, force_N, candidate, sliding):
         return _no_peak(prepared, candidate, sliding, "no static peak stands out")
     if sudden:
         return measured(prepared, settings, candidate, sliding)
-    if fall.drop_N >= LEAST_DROP * height_N and _swings(prepared, fall, sliding):
+    if fall.drop_N >= LEAST_DROP * height_N and swings(prepared, fall, sliding):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on, or a slip"
         return _doubtful(prepared, [candidate], why)
-    if fall.drop_N >= LEAST_DROP * height_N and _loads_again(force_N, candidate):
+    if fall.drop_N >= LEAST_DROP * height_N and loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
@@ -348,8 +342,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
     height_N = fall.top_N - pull.base_N
     share = (fall.level_N - pull.base_N) / height_N
-    fall_blocks = _fall_blocks(force_N, fall)
-    fall_s = fall_blocks * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
+    long = fall_blocks(force_N, fall)
+    fall_s = long * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
     seen = (
         f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, "
         f"and stays at {share:.0%} of the peak"
@@ -358,7 +352,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     short = sliding.stop - sliding.first < max(
         LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)
     )
-    lively = fall.reloads or not _is_quiet(prepared, candidate, sliding)
+    lively = fall.reloads or not is_quiet(prepared, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
@@ -372,7 +366,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if fall.drop_N < STEPS * blocks.resolution_N:
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
-    brief = fall_s <= LONGEST_FALL_S and fall_blocks <= BRIEF * climb
+    brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
     bends = bends_to_its_level(force_N, fall, blocks.noise_N)
     sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
     if share < LEAST_SHARE or not (sharp or flat == "rounded"):
@@ -443,112 +437,13 @@ def measured(
     )
 
 
-def _comes_on(prepared: Prepared, candidate: Candidate) -> bool:
-    """Return whether a fall is that of a load that comes on and swings, before the motor loads on to a higher force."""
-    fall, noise_N = candidate.fall, prepared.blocks.noise_N
-    higher = any(g.top_N > (1.0 + SMALL_GROWTH) * fall.top_N for g in candidate.later)
-    if not higher or is_sudden(prepared.blocks.force_N, fall, noise_N):
-        return False
-    sliding = sliding_after(prepared.blocks, fall, candidate.pull.base_N)
-    return sliding is not None and _swings(prepared, fall, sliding)
-
-
-def _swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
-    """Return whether a force swings around a level, passing it as fast up as down, until it is quiet or the end.
-
-    A load that comes on does, but only if it comes on within a few periods of the swing.
-    """
-    force_N, level_N = prepared.blocks.force_N, sliding.level_N
-    last = fall.bottom if fall.reloads else min(fall.bottom, 2 * fall.settled - fall.top)
-    bottom = fall.settled + int(np.argmin(force_N[fall.settled : last + 1]))
-    # The lowest of rough values lies below their level as well: what counts is the mean around it.
-    near = max(1, (fall.settled - fall.top) // 4)
-    bottom_N = float(force_N[max(fall.top, bottom - near) : bottom + near + 1].mean())
-    climb, down = force_N[fall.start : fall.top + 1], force_N[fall.top : bottom + 1]
-    if climb[0] > level_N or not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - bottom_N:
-        return False
-    rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
-    falling = int(np.argmax(down <= level_N))
-    tenth_N = 0.1 * (fall.top_N - float(climb[0]))
-    lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))
-    after = force_N[fall.top + 3 * (bottom - fall.top) : sliding.stop]
-    quiet = after.size < PIECE_BLOCKS or (
-        roughness_N(after[: 2 * PIECE_BLOCKS]) <= _quiet_N(prepared, fall.start, fall.top)
-    )
-    return quiet and rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)
-
-
-def _fall_blocks(force_N: FloatArray, fall: Fall) -> float:
-    """Return how many blocks a fall takes: twice its middle half."""
-    tail = force_N[fall.top : fall.settled + 1]
-    low = int(np.argmax(tail < fall.level_N + 0.25 * fall.drop_N))
-    up = np.flatnonzero(tail[: low + 1] >= fall.level_N + 0.75 * fall.drop_N)
-    return 2.0 * (low - (int(up[-1]) if up.size else 0))
-
-
-def _loads_again(force_N: FloatArray, candidate: Candidate) -> bool:
-    """Return whether the force is loaded again at the machine's rate after a fall, so that the motor still turned."""
-    fall = candidate.fall
-    # The echo of a slip is not the next one.
-    later = next((g for g in candidate.later if g.drop_N >= TOOTH * fall.drop_N), None)
-    again = slice(fall.bottom, candidate.pull.stop if later is None else later.top + 1)
-    top = fall.bottom + int(np.argmax(force_N[again]))
-    rise_N, lasting = float(force_N[top]) - fall.bottom_N, candidate.rate * (top - fall.bottom)
-    return fall.reloads and (
-        STICKS * lasting <= rise_N <= FAST * lasting and rise_N >= 0.15 * (fall.top_N - fall.bottom_N)
-    )
-
-
-def _stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, sliding: Sliding) -> bool:
-    """Return whether a fall is that of a static peak, not the highest wiggle of a force that merely levels off."""
-    fall = candidate.fall
-    above_N = fall.top_N - sliding.onset_N
-    if above_N > RESOLVED_SIGMAS * max(sliding.scatter_N, noise_N):
-        return True
-    # In stick-slip the scatter is that of the teeth: they are slips themselves, and the first one counts.
-    height_N = fall.top_N - candidate.pull.base_N
-    if is_sudden(force_N, fall, noise_N):
-        return fall.drop_N > LEAST_PEAK * height_N
-    teeth = [g for g in candidate.later if g.reloads]
-    before = [g for g in candidate.pull.falls if g.top < fall.top and g.top_N > 0.9 * fall.top_N]
-    largest_N = max((g.drop_N for g in (*teeth, *before)), default=0.0)
-    fast = fall.drop_N > 1.5 * candidate.rate * _fall_blocks(force_N, fall)
-    if fast and (
-        fall.drop_N > LARGEST * largest_N
-        or (fall.drop_N > CLEAR * height_N and _loads_again(force_N, candidate))
-    ):
-        return True
-    if fall.drop_N <= max(LEAST_DROP * height_N, SAME_KIND * largest_N):
-        return False
-    if len(teeth) >= LONG_TRAIN and _is_regular(teeth):
-        return True
-    return fall.drop_N > WAVES * height_N and _is_loaded_by_the_machine(candidate, teeth)
-
-
-def _is_loaded_by_the_machine(candidate: Candidate, teeth: list[Fall]) -> bool:
-    """Return whether all rises between slips are as a machine loads: a force that only wanders rises at any rate."""
-    falls = [candidate.fall, *(g for g in teeth if g.drop_N >= TOOTH * candidate.fall.drop_N)]
-    rates = [
-        (after.top_N - fall.bottom_N) / (candidate.rate * max(1, after.top - fall.bottom))
-        for fall, after in pairwise(falls)
-    ]
-    return len(rates) >= 2 and min(rates[:FEWEST_TEETH]) >= SLOWEST and max(rates) <= FASTEST
-
-
-def _is_regular(teeth: list[Fall]) -> bool:
-    """Return whether falls come again and again at the same time and by the same amount, as those of stick-slip."""
-    drops = np.array([tooth.drop_N for tooth in teeth])
-    apart = np.diff([float(tooth.top) for tooth in teeth])
-    return all(float(np.abs(x - np.median(x)).mean()) < REGULAR * float(np.median(x)) for x in (drops, apart))
-
-
 def _no_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding, why: str) -> Breakaway:
     top_N = candidate.fall.top_N
     force_N, noise_N = prepared.blocks.force_N, prepared.blocks.noise_N
     if (
         why.startswith("no static")
         and not (candidate.fall.reloads or is_sudden(force_N, candidate.fall, noise_N))
-        and _is_quiet(prepared, candidate, sliding)
+        and is_quiet(prepared, candidate, sliding)
     ):
         detail = (
             f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
@@ -566,28 +461,6 @@ def _no_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding, why: st
     )
 
 
-def _is_quiet(prepared: Prepared, candidate: Candidate, sliding: Sliding) -> bool:
-    """Return whether the force after a fall wanders no more than its noise: a rope at rest; sliding is rough."""
-    stretch = prepared.blocks.force_N[sliding.first : sliding.stop]
-    return roughness_N(stretch) <= _quiet_N(prepared, candidate.fall.start, candidate.fall.top)
-
-
-def _quiet_N(prepared: Prepared, start: int, top: int) -> float:
-    """Return the largest roughness of a rope at rest [N]: noise, or a slow creep through the converter's steps.
-
-    The noise is that of the loading, for sliding itself is rough. A loading too short to tell gives 0.
-    """
-    blocks = prepared.blocks
-    force_N = blocks.force_N[: top + 1]
-    base_N = float(force_N[start:].min())
-    loading = start + int(np.argmax(force_N[start:] >= base_N + 0.8 * (float(force_N[top]) - base_N)))
-    if loading < PIECE_BLOCKS:
-        return 0.0
-    floor_N = blocks.resolution_N / np.sqrt(12.0 * blocks.size)
-    noise_N = max(noise_std(force_N[:loading]), float(floor_N))
-    return max(QUIET_SIGMAS * noise_N, 0.35 * blocks.resolution_N)
-
-
 def _levels_off(prepared: Prepared, force_N: FloatArray) -> Breakaway:
     """Return what a force that did not drop means: still loading, held, or slid without a peak."""
     blocks = prepared.blocks
@@ -599,7 +472,7 @@ def _levels_off(prepared: Prepared, force_N: FloatArray) -> Breakaway:
     level = flat[flat.size // 3 :]
     rough_N = roughness_N(level)
     start = int(force_N.size and 0)
-    if rough_N <= _quiet_N(prepared, start, int(np.argmax(blocks.force_N))):
+    if rough_N <= quiet_N(prepared, start, int(np.argmax(blocks.force_N))):
         detail = f"the force stays at a quiet {np.median(level):.4g} N without a drop: held, not slipping"
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     detail = (

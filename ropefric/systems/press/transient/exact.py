@@ -435,6 +435,7 @@ class HybridSolver:
             raise SolverError(
                 f"contacts and spans changed their state {_MAX_SWITCHES} times before t = {now:.6g} s",
                 code="RF524",
+                key="start_up.simulate",
                 fix="give the belts some damping, or ask for a shorter time",
             )
         return switched(phase.motion, guard, phase.read @ z)

@@ -414,6 +414,8 @@ def is_straight(fit: FitResult) -> bool:
     reach = np.array([0.5 * (item.ci95[1] - item.ci95[0]) for item in fit.parameters])[walk.parameter]
     std = np.sqrt(np.diag(plain_covariance(problem.jacobian(best)[:, problem.vary])))
     sides = np.flatnonzero((walk.room > 0.0) & (reach > 0.0))
+    if not sides.size:
+        return True
     distance = np.minimum(reach, walk.room)[sides]
     found = walk.gaps(sides, distance) + walk.root[sides]
     straight = found * np.repeat(std, 2)[sides] / distance

@@ -117,7 +117,9 @@ def test_no_scatter_is_no_failure(name):
     assert fit.status in {FitStatus.OK, FitStatus.UNIDENTIFIABLE}
     assert all(item.std < 1e-6 for item in fit.parameters)
     found = predict(fit, one_condition(0.04, 0.005, 7.0, 30.0))
-    assert found.interval_N[0, 0] <= found.lift_force_N[0] <= found.interval_N[0, 1]
+    assert found.lift_force_N[0] > 0.0
+    # Nothing scatters, so that nothing says how far off the law may be.
+    assert np.isnan(found.interval_N).all()
 
 
 def test_repeats_that_agree_to_the_last_digit():

@@ -352,11 +352,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     short = sliding.stop - sliding.first < max(
         LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)
     )
-    lively = fall.reloads or not is_quiet(prepared, candidate, sliding)
+    quiet = is_quiet(prepared, candidate, sliding)
+    lively = fall.reloads or not quiet
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
-    if fall.drop_N < LEAST_DROP * height_N and not lively:
+    if fall.drop_N < LEAST_DROP * height_N and quiet:
         held = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
         return without_force(Status.NO_BREAKAWAY, held, prepared)
     if short:

@@ -27,7 +27,7 @@ TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
-FULL = 0.25
+FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
 SWINGS = 4
@@ -106,7 +106,8 @@ def _rivals(force_N: FloatArray, pull: Pull, place: _Place, rate: float) -> list
     hardens = passed > FEW_BLOCKS and above_N < SLIDES * rate * passed
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
     between = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
-    weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH)
+    alike = [g for g in between if _is_alike(fall, g, pull)]
+    weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
     if hardens or weaker or fall.drop_N > FULL * (fall.top_N - pull.base_N):
         return []
     if growth > GROWTH or higher is None:
@@ -116,6 +117,12 @@ def _rivals(force_N: FloatArray, pull: Pull, place: _Place, rate: float) -> list
         return []
     against = _against_the_higher(pull, fall, falls[higher:], growth)
     return [higher] if against else None if against is None else []
+
+
+def _is_alike(fall: Fall, other: Fall, pull: Pull) -> bool:
+    """Return whether two falls are teeth of one train: much the same, from much the same force."""
+    near = abs(other.top_N - fall.top_N) <= AGAIN * (fall.top_N - pull.base_N)
+    return near and SAME_KIND <= other.drop_N / fall.drop_N <= 1.0 / SAME_KIND
 
 
 def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, float, float]) -> bool:

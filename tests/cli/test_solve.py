@@ -9,6 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from ropefric.fitting.predict import degrees_of_freedom
+from ropefric.fitting.store import load_fit
+from ropefric.uncertainty.quantity import quantile
+
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "data" / "scenes"
 
@@ -272,14 +276,15 @@ def test_a_folder_is_answered_with_what_may_be_meant(call, tmp_path, bench):
 
 
 def test_the_level_of_the_intervals_is_asked_for(call):
-    """With 31 degrees of freedom Student's t is 2.0395 for 95 % and 0.6825 for 50 %."""
+    """By Student's t of the fit's degrees of freedom."""
+    dof = degrees_of_freedom(load_fit(ROOT / "fits" / "prth-coupled.json"))
     wide, narrow = (
         call("solve", SCENES / "hoist.toml", "--level", level, "--json").json() for level in ("0.95", "0.5")
     )
     assert (wide["level"], narrow["level"]) == (0.95, 0.5)
     assert wide["lift_force_N"] == narrow["lift_force_N"]
     width = [math.log(high / low) for low, high in (tree["interval_N"] for tree in (wide, narrow))]
-    assert width[1] / width[0] == pytest.approx(0.6825 / 2.0395, rel=1e-3)
+    assert width[1] / width[0] == pytest.approx(quantile(0.75, dof) / quantile(0.975, dof), rel=1e-6)
     for level in ("0", "1", "1.5", "nan"):
         done = call("solve", SCENES / "hoist.toml", "--level", level)
         assert done.code == 3

@@ -1,6 +1,7 @@
 """Stored fits: readable, the same bytes each time, the same predictions in a clean process, clear refusals."""
 
 import copy
+import gzip
 import json
 import shutil
 import subprocess
@@ -242,7 +243,8 @@ def test_a_fit_of_version_0_1_0_loads_and_comes_out_of_its_data_again(tmp_path):
     """It held every digit; what is kept now is less than a thousandth of a standard error away."""
     here = Path(__file__).parent
     shutil.copy(here / "coupled-0.1.0.json", tmp_path)
-    shutil.copy(here.parents[1] / "fits" / "prth-trials.csv", tmp_path)
+    trials = gzip.decompress((here / "prth-trials-0.1.0.csv.gz").read_bytes())
+    (tmp_path / "prth-trials.csv").write_bytes(trials)
     old = load_fit(tmp_path / "coupled-0.1.0.json")
     assert repr(old["mu_inf"].value) == "0.4611695939390463"
     assert verify_fit(tmp_path / "coupled-0.1.0.json").ok

@@ -76,8 +76,8 @@ def test_disagreement_is_told(wrap_fit):
 
 
 def test_a_fifth_of_the_interval_is_no_chance_of_two_thousand_draws():
-    """Of the stored fit the upper end moves by 14, 24 and 42 % of the half width when the uncertainty is drawn."""
-    fit = load_fit(Path(__file__).parents[3] / "fits" / "prth-coupled.json")
+    """Of the fit of version 0.1.0 the upper end moves by 14, 24 and 42 % of the half width when drawn."""
+    fit = load_fit(Path(__file__).parents[1] / "coupled-0.1.0.json")
     wheels = Conditions(
         wheel_radius_m=0.04,
         rope_radius_m=fit.only_rope_radius_m(),

@@ -91,6 +91,13 @@ def test_a_fuller_law_is_rarely_preferred_on_constant_data(design):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("design", [(8, 1, 0.02), (12, 3, 0.02)])
+def test_a_fuller_law_is_rarely_preferred_at_other_designs(design):
+    """As above, of 60: 8 and more are seen once in 100 times."""
+    assert preferred_shares(*design, n=60)["fuller"] <= 7 / 60
+
+
+@pytest.mark.hours
 @pytest.mark.parametrize("design", ALL_DESIGNS)
 def test_a_fuller_law_is_preferred_in_a_twentieth_of_constant_campaigns_at_most(design):
     """1000 campaigns a design: 5 % and two standard errors of that share."""

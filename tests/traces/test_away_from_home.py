@@ -8,6 +8,7 @@ import pytest
 from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.protocols import pick_teeth
 from ropefric.traces.trace import ForceTrace
 
 RATE_HZ = 1000.0
@@ -141,3 +142,33 @@ def test_nasty_recordings_seldom_give_a_wrong_force():
     assert counts["right"] > 0.7 * counts["usable"]
     assert counts["wrong"] <= 0.07 * counts["all"]
     assert np.count_nonzero(pulls > 2.0) <= 0.1 * pulls.size
+
+
+# --- recordings by others ---
+
+
+@pytest.mark.parametrize("noise_N", [0.0, 0.05, 0.5])
+def test_sliders_near_the_limit_of_stability_are_picked_whatever_the_noise(real_data, noise_N):
+    true_N = {
+        "unstable": 102.46,
+        "near_critical": 97.27,
+        "stable_peak": 97.33,
+        "slow_weakening": 97.86,
+        "vs": 85.84,
+    }
+    for name, peak_N in true_N.items():
+        table = np.loadtxt(real_data / "rate_state_slider" / f"rsf_{name}.csv", delimiter=",", skiprows=1)
+        noise = np.random.default_rng(0).normal(0.0, noise_N, len(table)) if noise_N else 0.0
+        (found,) = pick_breakaway(ForceTrace(time_s=table[:, 0], force_N=table[:, 1] + noise), AUTO)
+        assert found.status is Status.OK, (name, found.detail)
+        assert found.peak_N == pytest.approx(peak_N, abs=0.05 + noise_N), name
+
+
+def test_the_teeth_of_a_real_train_are_those_of_its_authors(real_data):
+    """168 falls of more than 0.5 N, on average from 11.830 N; their first ones slip over several samples."""
+    words = (real_data / "guldstrand_slider" / "Force7.txt").read_text(encoding="utf-8").split("\n")
+    force_N = np.array([float(word.split()[0]) for word in words if word.strip()])
+    teeth = pick_teeth(ForceTrace(time_s=0.25 * np.arange(force_N.size), force_N=force_N), AUTO)
+    tops_N = [tooth.peak_N for tooth in teeth if tooth.status is Status.OK]
+    assert 164 <= len(tops_N) <= 171
+    assert np.mean(tops_N) == pytest.approx(11.830, rel=0.005)

@@ -358,6 +358,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
     if fall.drop_N < LEAST_DROP * height_N and quiet:
+        if flat == "rounded" and not short:
+            return _doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
         held = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
         return without_force(Status.NO_BREAKAWAY, held, prepared)
     if short:

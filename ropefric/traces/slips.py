@@ -31,6 +31,7 @@ FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
 SWINGS = 4
+BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
 SMALL_GROWTH = 0.03
 LARGER = 1.2
 _RANGE = 0.004
@@ -131,8 +132,10 @@ def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, 
     fall, (top, growth, rate) = falls[i], seen
     # A snag or an impact rises faster than the motor loads later on, and comes back.
     low = fall.top + int(np.argmin(force_N[fall.top : top + 1]))
-    comes_back = float(force_N[low]) - pull.base_N < 0.5 * (fall.top_N - pull.base_N)
+    comes_back = float(force_N[low]) - pull.base_N < BACK * (fall.top_N - pull.base_N)
     if comes_back and loading_rate(force_N, fall.start, fall.top) > FAST * loading_rate(force_N, low, top):
+        return True
+    if _is_before_the_ramp(force_N, fall, falls[i + 1 :]):
         return True
     if _goes_on(force_N[fall.top : pull.stop], fall, pull.base_N, rate):
         return True
@@ -176,6 +179,16 @@ def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: floa
     if _slides_or_reloads(pull, rival) and (ends or rival.reloads) and fall.drop_N < LARGER * rival.drop_N:
         return None
     return True
+
+
+def _is_before_the_ramp(force_N: FloatArray, fall: Fall, later: list[Fall]) -> bool:
+    """Return whether a motor that loads far more slowly leads to a higher force, from which it falls as far."""
+    highest = max(later, key=lambda g: g.top_N, default=fall)
+    if highest.top_N <= (1.0 + SMALL_GROWTH) * fall.top_N or highest.drop_N < ABOUT * fall.drop_N:
+        return False
+    low = fall.top + int(np.argmin(force_N[fall.top : highest.top + 1]))
+    ramp = loading_rate(force_N, low, highest.top)
+    return loading_rate(force_N, fall.start, fall.top) > FAR_FASTER * ramp
 
 
 def _is_small_for(fall: Fall, train: list[Fall]) -> bool:

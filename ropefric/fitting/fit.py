@@ -262,14 +262,17 @@ def _starts(problem: FitProblem, settings: FitSettings) -> FloatArray:
 def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[FloatArray, bool, tuple[str, ...]]:
     """Return the best end of the searches from some starts, whether it is a minimum, and others as good in words."""
     ends = batched_fit(problem, starts=starts, loss=loss, tolerance=_TIGHT)
-    every = np.flatnonzero(ends.converged | (not ends.converged.any()))
-    least = ends.chi2[every].min()
-    # Several starts end in one valley, and the last bits may not say at which of its places: the first one stands.
-    best = every[ends.chi2[every] <= least + _SAME_COST * (1.0 + least)][0]
+    least = np.nanmin(ends.chi2)
+    # Several starts end in one valley, and the last bits may not say at which of its places, nor which of them creeps
+    # on: the first one that has arrived stands, or else the first.
+    low = np.flatnonzero(ends.chi2 <= least + _SAME_COST * (1.0 + least))
+    best = low[np.argmax(ends.converged[low])]
     theta, cost = ends.theta[best], float(ends.chi2[best])
+    if not ends.converged[best]:
+        theta, cost = _end_of_the_valley(problem, theta, cost, loss)
     size = np.maximum(np.maximum(np.abs(ends.theta), np.abs(theta)), 1e-6)
     apart = (np.abs(ends.theta - theta) > _APART * size)[:, problem.vary].any(axis=1)
-    rivals = np.flatnonzero((ends.chi2 - cost < _AS_GOOD) & apart)
+    rivals = np.flatnonzero(ends.converged & (ends.chi2 - cost < _AS_GOOD) & apart)
     notes: tuple[str, ...] = ()
     if rivals.size:
         rival = rivals[np.argmin(ends.chi2[rivals])]
@@ -294,6 +297,22 @@ def _is_flat(problem: FitProblem, theta: FloatArray, loss: Loss) -> bool:
         residuals * np.sqrt(weights)
     )
     return bool(along @ along <= _FLAT * float(cost.sum()) / residuals.size)
+
+
+def _end_of_the_valley(
+    problem: FitProblem, theta: FloatArray, cost: float, loss: Loss
+) -> tuple[FloatArray, float]:
+    """Return the bound that a search creeps towards, where it leads lower; how far it got hangs on the last bits."""
+    for i in np.flatnonzero(problem.vary):
+        for bound in (problem.lower[i], problem.upper[i]):
+            start, vary = theta.copy(), problem.vary.copy()
+            start[i], vary[i] = bound, False
+            if not (np.isfinite(bound) and vary.any() and problem.law.admissible(start, problem.conditions)):
+                continue
+            end = batched_fit(problem, starts=start, vary=vary, loss=loss, tolerance=_TIGHT)
+            if end.chi2[0] < cost:
+                theta, cost = end.theta[0], float(end.chi2[0])
+    return theta, cost
 
 
 def _onto_bounds(problem: FitProblem, theta: FloatArray, loss: Loss) -> FloatArray:

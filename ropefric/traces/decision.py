@@ -56,6 +56,7 @@ from ropefric.traces.segments import (
 from ropefric.traces.slips import (
     FEW_BLOCKS,
     TALL,
+    TINY,
     Candidate,
     least_fall_N,
     macroscopic,
@@ -297,7 +298,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     blocks = prepared.blocks
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
     height_N = fall.top_N - pull.base_N
-    share = (fall.level_N - pull.base_N) / height_N
+    share = (fall.level_N - pull.base_N) / max(height_N, TINY)
     from_N, at_s = fall.top_N, float(blocks.time_s[fall.top])
     sudden = is_sudden(force_N, fall, blocks.noise_N)
     if not fall.reloads and (not fall.has_settled or share < UNLOADED):
@@ -341,7 +342,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     blocks = prepared.blocks
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
     height_N = fall.top_N - pull.base_N
-    share = (fall.level_N - pull.base_N) / height_N
+    share = (fall.level_N - pull.base_N) / max(height_N, TINY)
     long = fall_blocks(force_N, fall)
     fall_s = long * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
     seen = (
@@ -395,7 +396,7 @@ def _fell_away(
     stood = np.count_nonzero(up >= fall.top_N - 0.1 * height_N) >= LEVEL * up.size
     if stood and (before.status is Status.NO_PEAK or not sudden):
         return before
-    remains = (fall.level_N - pull.base_N) / height_N
+    remains = (fall.level_N - pull.base_N) / max(height_N, TINY)
     if to_the_end and remains >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
     again = [p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)]

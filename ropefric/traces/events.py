@@ -180,7 +180,7 @@ def _fall(
         level_N = (
             float(force_N[settled])
             if reloads and settled + length > bottom
-            else median(force_N[settled + half : min(settled + half + max(4, length), last)])
+            else median(force_N[min(settled + half, last - 1) : min(settled + half + max(4, length), last)])
         )
         # The steps grow: where it was really down again is seen on the way.
         down = force_N[top : min(settled + length, force_N.size - 1) + 1] <= level_N + DOWN * (

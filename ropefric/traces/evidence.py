@@ -8,7 +8,7 @@ from ropefric.arrays import FloatArray
 from ropefric.traces.events import FAST, SAME_KIND, STICKS, Fall, is_sudden
 from ropefric.traces.noise import noise_std
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
-from ropefric.traces.slips import FEWEST_TEETH, SMALL_GROWTH, Candidate
+from ropefric.traces.slips import FEWEST_TEETH, SMALL_GROWTH, TINY, Candidate
 
 RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
@@ -57,7 +57,7 @@ def _is_loaded_by_the_machine(candidate: Candidate, teeth: list[Fall]) -> bool:
     """Return whether all rises between slips are as a machine loads: a force that only wanders rises at any rate."""
     falls = [candidate.fall, *(g for g in teeth if g.drop_N >= TOOTH * candidate.fall.drop_N)]
     rates = [
-        (after.top_N - fall.bottom_N) / (candidate.rate * max(1, after.top - fall.bottom))
+        (after.top_N - fall.bottom_N) / max(candidate.rate * max(1, after.top - fall.bottom), TINY)
         for fall, after in pairwise(falls)
     ]
     return len(rates) >= 2 and min(rates[:FEWEST_TEETH]) >= SLOWEST and max(rates) <= FASTEST

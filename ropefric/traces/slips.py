@@ -35,6 +35,8 @@ BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
 SMALL_GROWTH = 0.03
 LARGER = 1.2
 _RANGE = 0.004
+TINY = 1e-300
+"""Nothing is divided by less."""
 
 
 class Candidate(NamedTuple):
@@ -99,7 +101,7 @@ def _rivals(force_N: FloatArray, pull: Pull, place: _Place, rate: float) -> list
     above_N = float(force_N[top]) - fall.top_N
     if above_N <= 0.0:
         return None if i + 1 < len(falls) and _is_partial(pull, fall, falls[i + 1], rate) else []
-    growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N)
+    growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N, TINY)
     if _is_passed(force_N, pull, place, (top, growth, rate)):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
@@ -123,7 +125,7 @@ def _rivals(force_N: FloatArray, pull: Pull, place: _Place, rate: float) -> list
 def _is_alike(fall: Fall, other: Fall, pull: Pull) -> bool:
     """Return whether two falls are teeth of one train: much the same, from much the same force."""
     near = abs(other.top_N - fall.top_N) <= AGAIN * (fall.top_N - pull.base_N)
-    return near and SAME_KIND <= other.drop_N / fall.drop_N <= 1.0 / SAME_KIND
+    return near and SAME_KIND <= other.drop_N / max(fall.drop_N, TINY) <= 1.0 / SAME_KIND
 
 
 def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, float, float]) -> bool:

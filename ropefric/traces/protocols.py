@@ -80,8 +80,13 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     teeth = [first] if first.status is Status.OK else []
     for tooth in found:
         fall = tooth.fall
-        if fall.drop_N >= least_N and float(prepared.blocks.time_s[fall.top]) > begins_s + block_s:
+        after_s = float(prepared.blocks.time_s[fall.top]) - begins_s
+        # Before what looks like the break-away only a full slip is a tooth: weights that come on swing, too.
+        if (after_s > block_s and fall.drop_N >= least_N) or (
+            after_s < -block_s and fall.drop_N >= max(least_N, 0.5 * typical_N)
+        ):
             teeth.append(measured(prepared, settings, tooth, None))
+    teeth.sort(key=lambda tooth: tooth.peak_time_s)
     return tuple(teeth)
 
 

@@ -18,6 +18,7 @@ from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.shown import Shown
 from ropefric.trials.campaign_model import Campaign, DesignWheel
 from ropefric.trials.conditions import set_aside_impossible
 from ropefric.trials.extract import extract_campaign
@@ -118,7 +119,7 @@ def answer_trials(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CampaignRun:
+class CampaignRun(Shown):
     """A campaign's result.
 
     Attributes
@@ -132,6 +133,9 @@ class CampaignRun:
     written : tuple of Path
         The files, in the order they were written.
     """
+
+    _said = ("name=campaign.name", "law=answer.fit.law", "verdict=answer.verdict.word", "written")
+    _framed = "extraction.trials"
 
     campaign: Campaign
     extraction: Extraction

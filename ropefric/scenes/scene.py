@@ -22,6 +22,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind, SceneTable, given
 from ropefric.scenes.kinds import KINDS
+from ropefric.shown import Shown
 from ropefric.systems.friction import ScaleTo, WrapFriction
 
 _HALF_A_TURN = math.pi
@@ -97,7 +98,7 @@ def _amid(fit: FitResult) -> Conditions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scene:
+class Scene(Shown):
     """A scene, read and understood.
 
     Attributes
@@ -115,6 +116,8 @@ class Scene:
     folder : Path
         Where the file is.
     """
+
+    _said = ("system=kind.name", "accuracy", "effects", "folder")
 
     kind: Kind
     document: TomlDocument

@@ -30,6 +30,7 @@ from ropefric.files.toml_model import (
     whole_number,
 )
 from ropefric.quantities import si_unit_of
+from ropefric.shown import Shown
 from ropefric.traces.breakaway import ENDINGS, PEAKS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
@@ -382,7 +383,7 @@ class TrialSpec(TrialRow):
         return "".join(f"{name} = {value:g} {unit}" for name, value, unit in given if value is not None)
 
 
-class Campaign(CampaignFile):
+class Campaign(CampaignFile, Shown):
     """A campaign file and its trial list, checked, with every default filled in, in SI.
 
     Attributes
@@ -416,6 +417,9 @@ class Campaign(CampaignFile):
     warnings : tuple of Problem
         What is doubtful, but does not stop the work.
     """
+
+    _said: ClassVar = ("name", "trials", "rope.radius_m", "rejection", "protocol=protocol.name", "warnings")
+    _framed: ClassVar = "trials"
 
     path: Path
     trial_list: Path  # type: ignore[assignment]  # (in the file as text)

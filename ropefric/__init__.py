@@ -18,6 +18,7 @@ _NAMES = {
     "errors": "RopefricError RopefricWarning",
     "fitting.lmfit_model": "lmfit_model",
     "fitting.store": "load_fit save_fit",
+    "plugins": "load_plugin",
     "scenes.scene": "load_scene",
     "scenes.scene_templates": "write_scenes",
     "trials.campaign": "load_campaign",

@@ -22,6 +22,7 @@ from ropefric.errors import RopefricWarning as RopefricWarning
 from ropefric.fitting.lmfit_model import lmfit_model as lmfit_model
 from ropefric.fitting.store import load_fit as load_fit
 from ropefric.fitting.store import save_fit as save_fit
+from ropefric.plugins import load_plugin as load_plugin
 from ropefric.scenes.scene import load_scene as load_scene
 from ropefric.scenes.scene_templates import write_scenes as write_scenes
 from ropefric.trials.campaign import load_campaign as load_campaign

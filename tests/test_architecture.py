@@ -18,7 +18,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 LEVELS = {
     "arrays": 0, "errors": 0, "glossary": 0, "quantities": 0, "registry": 0, "shown": 0,
     "files": 1, "friction": 1, "uncertainty": 1,
-    "traces": 2, "systems": 2,
+    "traces": 2, "systems": 2, "plugins": 2,
     "trials": 3, "rig": 3,
     "fitting": 4, "given": 4,
     "scenes": 5,

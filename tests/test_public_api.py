@@ -37,6 +37,7 @@ SIGNATURES = {
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
+    "load_plugin": "(source, called='')",
     "load_scene": "(path)",
     "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
     "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
@@ -86,7 +87,7 @@ def test_editors_are_told_the_same_names():
 
 def test_everything_public_is_documented():
     for name in SIGNATURES:
-        assert inspect.getdoc(getattr(rf, name)).startswith(("Return ", "Write "))
+        assert inspect.getdoc(getattr(rf, name)).startswith(("Load ", "Return ", "Write "))
 
 
 def test_names_load_late_and_unknown_ones_are_attribute_errors():

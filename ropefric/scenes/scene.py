@@ -19,6 +19,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind, SceneTable, given
 from ropefric.scenes.kinds import KINDS
@@ -178,6 +179,7 @@ def check_scene(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
 
 def read_scene(document: TomlDocument, folder: Path) -> Scene:
     """Return the scene of a TOML tree."""
+    raise_problems(load_named(document))
     kind = _kind(document)
     table, problems = validate_document(kind.schema, document)
     raise_problems(sorted((*problems, *_unknown_effects(kind, document)), key=lambda one: one.line or 0))

@@ -12,6 +12,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.predict import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
+from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.kind import Quantity, finite
 from ropefric.scenes.plan import Plan, make_plan, method_tree
@@ -127,6 +128,7 @@ class Solution(Shown):
             "friction": None if source is None else source.origin,
             "failures": list(self.failures),
             "warnings": list(self.warnings),
+            **({"plugins": used} if (used := provenance("KIND", "LAW")) else {}),
         }
 
 

@@ -16,6 +16,7 @@ from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
+    from ropefric import plugins
     from ropefric.files import folder as folders
     from ropefric.friction import laws
     from ropefric.pipeline import evidence
@@ -99,7 +100,7 @@ def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack)
     if n_jobs == 1 or len(extraction.conditions) < SERIAL_FIGURES:
         return None
     # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
-    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
+    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly, initargs=(plugins.loaded(),))
     stack.callback(executor.shutdown, cancel_futures=True)
     return executor
 
@@ -120,7 +121,7 @@ def start_figures(
     return finish
 
 
-def _work_quietly() -> None:
+def _work_quietly(_plugins: object) -> None:
     workers.become_expendable()
     # What matplotlib tells of its fonts and folders is for no reader of ours.
     logging.getLogger().addHandler(logging.NullHandler())

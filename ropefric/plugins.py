@@ -72,6 +72,13 @@ def provenance(*slots: str) -> list[dict[str, Any]]:
     return [one.to_dict() for one in wanted]
 
 
+def registry_of(slot: str) -> Registry[Any]:
+    """Return the registry that takes in what a plugin declares under a name."""
+    package, name = SLOTS[slot]
+    registry: Registry[Any] = getattr(import_module(package), name)
+    return registry
+
+
 @contextmanager
 def unloaded_after() -> Iterator[None]:
     """Forget at the end what is loaded within: one command's plugins are not those of the next."""
@@ -205,8 +212,7 @@ def _declared(names: dict[str, Any], text: str, shown: str) -> Iterator[str]:
         place = re.search(rf"^{slot}\b", text, re.MULTILINE)
         line = text.count("\n", 0, place.start()) + 1 if place else None
         where: dict[str, Any] = {"path": shown, "line": line, "key": slot}
-        package, name = SLOTS[slot]
-        registry: Registry[Any] = getattr(import_module(package), name)
+        registry = registry_of(slot)
         wanted = type(registry[next(iter(registry))])
         value = names[slot]
         for member in value if isinstance(value, tuple | list) else (value,):

@@ -18,6 +18,8 @@ from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
+from ropefric.fitting.export import FrictionTable
+from ropefric.fitting.export import friction_table as tabulate
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.predict import Method, Prediction
@@ -553,6 +555,49 @@ def _wheel(
         end_tension_N=end_tension_N,
     )  # fmt: skip
     return one_condition(**{name: value.item() for name, value in given.items()})
+
+
+def friction_table(
+    fit: FitResult | PathLike,
+    *,
+    wheel_radius_m: Given = None,
+    wrap_angle_rad: Given = None,
+    end_tension_N: Given = None,
+    rope_radius_m: Given = None,
+) -> FrictionTable:
+    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that stands for it best.
+
+    Parameters
+    ----------
+    fit : FitResult or path-like
+        The fit or its file.
+    wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m : array_like, optional
+        Levels of each setting, of which every combination becomes a row; by default over what was tested.
+
+    Returns
+    -------
+    FrictionTable
+        `to_frame()` has the table; `constant_mu` is the constant whose largest relative error of the lift force over the
+        table, `constant_error`, is smallest.
+
+    Raises
+    ------
+    InputError
+        If the law has no answer anywhere on the grid, or a wrap is zero.
+
+    Examples
+    --------
+    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
+    ...     "peak_N": [36.6, 66.1, 121.7]}
+    >>> table = friction_table(fit(trials, "constant"), wrap_angle_rad=["1 turn", "2 turn"])
+    >>> round(table.constant_mu, 3), len(table.to_frame())
+    (0.2, 2)
+    """
+    levels = settings(
+        wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
+        rope_radius_m=rope_radius_m,
+    )  # fmt: skip
+    return tabulate(as_fit(fit), **levels)
 
 
 def budget(

@@ -21,6 +21,7 @@ from ropefric.errors import DataError, Problem, RopefricError, data_error
 from ropefric.files.read import read_file
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import Registry, count_added, did_you_mean, forget_added
+from ropefric.shown import Shown
 
 GROUP = "ropefric.plugins"
 """The entry points by which an installed package offers plugins."""
@@ -41,8 +42,10 @@ _LARGEST = 10_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plugin:
+class Plugin(Shown):
     """A loaded plugin: what it was called by, its file and hash, and what it declares, as `"LAW two-term"`."""
+
+    _said = ("source", "sha256", "declares")
 
     source: str
     path: Path

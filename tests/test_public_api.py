@@ -34,6 +34,7 @@ SIGNATURES = {
     "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
     "n_starts=4, seed=0, intervals='auto', of='peak', columns=None)",
+    "friction_table": "(fit, *, wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, rope_radius_m=None)",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",

@@ -27,6 +27,7 @@ MADE = {
     "prediction": lambda: rf.predict(COUPLED, **WHEEL),
     "design": lambda: rf.design(COUPLED, lift_N=900.0, wheel_radius_m=[0.03, 0.04], end_tension_N=80.0),
     "budget": lambda: rf.budget(COUPLED, **WHEEL, draws=20_000),
+    "export": lambda: rf.friction_table(COUPLED, wheel_radius_m=["20 mm", "40 mm"]),
     "series": lambda: rf.reject([7.18, 7.64, 8.00, 7.40, 9.14, 7.82]),
     "smoothed": lambda: rf.smooth({"time_s": time_s, "force_N": force_N}, 0.01),
     "solution": lambda: rf.solve(HOIST),

@@ -12,6 +12,7 @@ from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison
 from ropefric.fitting.design import Design
 from ropefric.fitting.diagnose import Diagnosis
+from ropefric.fitting.export import FrictionTable
 from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import Prediction
 from ropefric.fitting.result import FitResult
@@ -152,6 +153,25 @@ def _(prediction: Prediction) -> Figure:
     return _simple(
         style.regressor_label("wrap_angle_rad"), style.figure_label("lift_force_N"), paint, title=title
     )
+
+
+@draw.register
+def _(table: FrictionTable) -> Figure:
+    end_N = float(np.median(table.end_tension_N))
+    radii_m = np.unique(table.wheel_radius_m)
+
+    def paint(axes: Axes) -> None:
+        for radius_m, color in zip(radii_m.tolist(), style.shades(len(radii_m)), strict=True):
+            mine = (table.wheel_radius_m == radius_m) & (table.end_tension_N == end_N)
+            label = f"wheel of {1e3 * radius_m:.4g} mm"
+            axes.plot(
+                np.degrees(table.wrap_angle_rad[mine]), table.mu_average[mine], color=color, label=label
+            )
+        label = f"constant, {100 * table.constant_error:.3g} % off at most"
+        axes.axhline(table.constant_mu, color=style.ORANGE, linestyle="--", label=label)
+
+    labels = (style.regressor_label("wrap_angle_rad"), style.figure_label("mu_average"))
+    return _simple(*labels, paint, title=f"Law {table.law} at F_B = {end_N:.4g} N")
 
 
 @draw.register

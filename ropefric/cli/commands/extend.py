@@ -74,7 +74,8 @@ def export(
     """Hand a fit on to a simulator: a table μ(φ, F_B, R_w), and the constant that stands for it best over that range.
 
     Of settings that are not given the table covers what was tested. The constant is the one whose largest relative
-    error of the lift force over the table is smallest; that error is said. Exits with 4 when the law is not supported by its fit.
+    error of the lift force over the table is smallest; that error is said. Exits with 4 when the law is not supported by
+    its fit.
     """
     if file is not None:  # before the work
         refuse_special(file)

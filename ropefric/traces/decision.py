@@ -39,7 +39,6 @@ from ropefric.traces.evidence import (
     swings,
 )
 from ropefric.traces.hidden import hidden
-from ropefric.traces.noise import drift_N
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     MIN_SAMPLES,
@@ -63,6 +62,7 @@ from ropefric.traces.slips import (
     typical_drop_N,
 )
 from ropefric.traces.trace import ForceTrace
+from ropefric.traces.zero import with_its_zero
 
 FLAT_BLOCKS = 8
 LEAST_SHARE = 0.55
@@ -74,8 +74,6 @@ LASTS = 0.25
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
-SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
-"""Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
 MUCH = 1.5
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
@@ -169,70 +167,7 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     if found is None:  # pragma: no cover - the highest pull is always among those looked at
         return _levels_off(prepared, force_N)
     found = replace(found, events=(*bumps, *found.events)) if bumps else found
-    return _with_its_zero(trace, prepared, found, settings)
-
-
-def _with_its_zero(
-    trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
-) -> Breakaway:
-    """Return a result with what the rope at rest says of the zero: its drift, and a level that is none.
-
-    A recording in newtons that was not tared may begin at a pretension, which belongs to F_A, or at an error of the
-    zero, which does not.
-    """
-    n = prepared.blocks.n_rest
-    if result.status is not Status.OK or not n or result.peak_N <= 0.0:
-        return result
-    time_s, rest_N = prepared.time_s[:n], prepared.force_N[:n]
-    zero_N = float(rest_N.mean())
-    drift_std_N, walk_std_N = drift_N(time_s, rest_N, result.peak_time_s)
-    std_N = float(np.hypot(np.hypot(result.peak_std_N, drift_std_N), walk_std_N))
-    result = replace(result, peak_std_N=std_N)
-    event = ForceEvent(
-        kind="break-away",
-        time_s=result.peak_time_s,
-        force_N=result.peak_N,
-        drop_N=result.drop_N,
-        fall_s=0.0,
-        evidence="as read",
-    )
-    if drift_std_N > SMALL_ZERO * result.peak_N:
-        why = f"the zero drifts by about {drift_std_N:.2g} N between the rope at rest and the peak"
-        return _without_decision(prepared, result, f"{result.peak_N:.4g} N: {why}", (event,))
-    if trace.calibration is not None or settings.rest == "pretension":
-        return result
-    if settings.rest == "zero":
-        said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
-        return replace(
-            result,
-            peak_N=result.peak_N - zero_N,
-            peak_raw_N=result.peak_raw_N - zero_N,
-            two_line_N=result.two_line_N - zero_N,
-            kinetic_N=result.kinetic_N - zero_N,
-            notes=(*result.notes, said),
-        )
-    if not SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
-        return result
-    why = (
-        f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
-        '[protocol] rest = "zero") or a pretension (rest = "pretension")'
-    )
-    tared = replace(event, force_N=result.peak_N - zero_N, evidence="from the level at rest")
-    return _without_decision(
-        prepared, result, f"{result.peak_N:.4g} N or {tared.force_N:.4g} N: {why}", (event, tared)
-    )
-
-
-def _without_decision(
-    prepared: Prepared, result: Breakaway, detail: str, candidates: tuple[ForceEvent, ...]
-) -> Breakaway:
-    """Return a result that was found, as one that is doubtful."""
-    return replace(
-        without_force(Status.DOUBTFUL, detail, prepared, candidates=candidates),
-        events=result.events,
-        notes=result.notes,
-        phases=result.phases,
-    )
+    return with_its_zero(trace, prepared, found, settings)
 
 
 def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> ForceEvent:

@@ -16,7 +16,8 @@ REJOINS = 0.4
 """A spike comes back to within this part of its height: it may fall into the very moment of a slip."""
 NEIGHBOURS = 5
 CUT_OFF = 0.75
-"""Where less than this part of a signal lies below its largest value, it stands at a limit."""
+LONG_RUN = 8
+"""Where less than this part of a signal lies below its largest value, which lasts so long, it stands at a limit."""
 
 # Of stretches in which the converter stuck:
 # As many as a dropout that is mended.
@@ -78,7 +79,8 @@ def noise_std(values: FloatArray, step: float | None = None) -> float:
         return 0.0
     highest = float(values.max())
     below = values < highest - 1e-12 * (highest - float(values.min()))
-    if 4 <= np.count_nonzero(below) < CUT_OFF * values.size:
+    n_below, n_runs = np.count_nonzero(below), np.count_nonzero(below[:-1] & ~below[1:])
+    if 4 <= n_below < CUT_OFF * values.size and values.size - n_below >= LONG_RUN * n_runs:
         values = values[below]
     step = resolution(values) if step is None else step
     sigma = 1.4826 * median(np.abs(_second_differences(values))) / np.sqrt(6.0)

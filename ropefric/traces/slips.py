@@ -29,7 +29,7 @@ FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
 FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
-AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
+AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
 SMALL_GROWTH = 0.03
@@ -68,9 +68,7 @@ def least_fall_N(prepared: Prepared, settings: PickSettings) -> float:
     force_N = prepared.blocks.force_N
     # So far apart are the largest and the smallest of many values that are noise alone.
     noise_N = (2.0 * np.sqrt(2.0 * np.log(force_N.size)) + 1.0) * prepared.blocks.noise_N
-    return max(
-        smallest_drop_N(prepared, settings), float(noise_N), _RANGE * float(force_N.max() - force_N.min())
-    )
+    return max(TINY, smallest_drop_N(prepared, settings), float(noise_N), _RANGE * float(np.ptp(force_N)))
 
 
 def rate_of(force_N: FloatArray, pull: Pull) -> float:
@@ -133,6 +131,7 @@ def _rivals(
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
     alike = [g for g in between if _is_alike(fall, g, pull)]
     weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
+    weaker |= len(later) >= 2 and all(_is_alike(fall, g, pull, ALIKE) for g in later[:2])
     if hardens or weaker or fall.drop_N > FULL * height_N:
         return []
     if growth > GROWTH or not higher:
@@ -144,9 +143,9 @@ def _rivals(
     return higher if against else None if against is None else []
 
 
-def _is_alike(fall: Fall, other: Fall, pull: Pull) -> bool:
+def _is_alike(fall: Fall, other: Fall, pull: Pull, apart: float = AGAIN) -> bool:
     """Return whether two falls are teeth of one train: much the same, from much the same force."""
-    near = abs(other.top_N - fall.top_N) <= AGAIN * (fall.top_N - pull.base_N)
+    near = abs(other.top_N - fall.top_N) <= apart * (fall.top_N - pull.base_N)
     return near and SAME_KIND <= other.drop_N / max(fall.drop_N, TINY) <= 1.0 / SAME_KIND
 
 
@@ -227,6 +226,10 @@ def _rests(force_N: FloatArray, fall: Fall, pull: Pull, *, ends: bool) -> bool:
     """Return whether the force stands still for a while after a fall, as under hung weights, and then climbs."""
     band_N = STILL * (fall.top_N - pull.base_N)
     settled_N = float(np.median(force_N[: max(1, force_N.size // 4)]))
+    # A rope that stands where it slides later on slides.
+    slid = (g for g in pull.falls if g.top > fall.top and g.drop_N >= fall.drop_N and g.has_settled)
+    if not ends and any(abs(settled_N - g.level_N) < 2.0 * band_N for g in slid):
+        return False
     still = int(np.count_nonzero(np.abs(force_N - settled_N) < band_N))
     climbs = ends or float(force_N[-1]) > settled_N + 10.0 * band_N
     return climbs and still > max(FEW_BLOCKS, 0.15 * force_N.size)

@@ -86,8 +86,8 @@ def test_a_force_in_newtons_that_is_cut_off_gives_no_number():
     assert np.isnan(found.peak_N)
 
 
-@pytest.mark.parametrize("limit_N", [30.0, 60.0])
-def test_a_force_that_stands_at_a_limit_most_of_the_time_is_not_without_noise(limit_N):
+@pytest.mark.parametrize(("limit_N", "noise_N"), [(10.0, 0.3), (30.0, 0.3), (60.0, 1.0)])
+def test_a_force_that_stands_at_a_limit_most_of_the_time_is_not_without_noise(limit_N, noise_N):
     """The noise is that of the rest: taken for none, every wiggle of the climb would be a slip."""
     found = picked(
         np.minimum(drawn((0.0, 0.0), (0.5, 0.0), (1.0, 100.0), (4.0, 100.0), noise_N=1.0), limit_N)
@@ -98,8 +98,8 @@ def test_a_force_that_stands_at_a_limit_most_of_the_time_is_not_without_noise(li
 
 
 def test_slack_taken_up_while_at_rest_is_no_drift_of_the_zero():
-    plain = picked(drawn(*PULL))
-    stepped = picked(drawn(*PULL) + 1.5 * (TIME_S > 0.4))
+    plain = picked(drawn(*PULL, noise_N=0.8))
+    stepped = picked(drawn(*PULL, noise_N=0.8) + 1.8 * (TIME_S > 0.4))
     assert stepped.status is Status.OK, stepped.detail
     assert stepped.peak_std_N == pytest.approx(plain.peak_std_N, rel=0.1)
 

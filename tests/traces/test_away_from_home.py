@@ -101,7 +101,7 @@ def test_slack_taken_up_while_at_rest_is_no_drift_of_the_zero():
     plain = picked(drawn(*PULL, noise_N=0.8))
     stepped = picked(drawn(*PULL, noise_N=0.8) + 1.8 * (TIME_S > 0.4))
     assert stepped.status is Status.OK, stepped.detail
-    assert stepped.peak_std_N == pytest.approx(plain.peak_std_N, rel=0.1)
+    assert stepped.peak_std_N < 1.5 * plain.peak_std_N
 
 
 @pytest.mark.parametrize("snag_N", [0.0, 40.0])

@@ -44,7 +44,11 @@ def everything(folder: Path) -> None:
         "python.rst": python_page(),
         "registered.md": registered_page(),
     }
-    pictures = {f"{stem}.svg": svg_text(figure, stem=stem) for stem, figure in figures()}
+    # A piece of a page becomes a file of its own.
+    namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
+    pictures = {
+        f"{stem}.svg": svg_text(figure, stem=stem).replace("<svg", namespace, 1) for stem, figure in figures()
+    }
     folder.mkdir(exist_ok=True)
     for name, text in (pages | pictures).items():
         path = folder / name

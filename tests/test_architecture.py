@@ -111,7 +111,11 @@ def test_top_level_is_fixed():
         "fits",
         "tests",
         "notebooks",
+        "docs",
         "README.md",
+        "CITATION.cff",
+        "CODE_OF_CONDUCT.md",
+        "CONTRIBUTING.md",
         "LICENSE",
         "CHANGELOG.md",
     }

@@ -1,5 +1,6 @@
 """All kinds of scenes by the name of their system: a new one is a file here that declares KIND."""
 
+import copyreg
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pkgutil import iter_modules
@@ -31,3 +32,5 @@ class Kinds(Mapping[str, Kind]):
 
 
 KINDS = Kinds()
+# Other processes have the functions of a kind already, and find it by its name.
+copyreg.pickle(Kind, lambda kind: (KINDS.__getitem__, (kind.name,)))

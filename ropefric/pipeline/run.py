@@ -157,6 +157,7 @@ def run_campaign(
     law: str = "",
     jobs: int = 1,
     cache_dir: Path | None = None,
+    executor: Any = None,
     extract_progress: Callable[[int, int, str], None] | None = None,
     fit_progress: Progress | None = None,
     on_extracted: Callable[[Extraction], None] | None = None,
@@ -164,9 +165,12 @@ def run_campaign(
     """Return the result of a campaign, and write its tables, fits, comparison and prediction into a folder.
 
     Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
-    prediction.json; the same campaign gives the same bytes, whatever `jobs` and the cache.
+    prediction.json; the same campaign gives the same bytes, whatever `jobs`, the executor that
+    reads in their stead, and the cache.
     """
-    found = extract_campaign(campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress)
+    found = extract_campaign(
+        campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress, executor=executor
+    )
     extraction = set_aside_impossible(found, campaign)
     target = as_folder(folder)
     tables = write_tables(extraction, target)

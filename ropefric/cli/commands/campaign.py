@@ -16,7 +16,7 @@ from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
-    from ropefric import plugins
+    from ropefric import executors, plugins
     from ropefric.files import folder as folders
     from ropefric.friction import laws
     from ropefric.pipeline import evidence
@@ -47,6 +47,7 @@ def extract(
     *,
     folder: Path = out_folder("Where tables and figures go.", Path("out")),
     jobs: options.Jobs = "auto",
+    cluster: options.Cluster = "",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
     cache: options.Cache = True,
     force: Force = False,
@@ -64,9 +65,9 @@ def extract(
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
-        with Progress(out, "extract") as progress:
+        with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
             extraction = extracting.extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
+                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
             )
         result.write_tables(extraction, target)
         target.publish("tables")
@@ -202,6 +203,7 @@ def run(
     folder: Path = out_folder("Where everything is written.", Path("out")),
     law: str = Option("", help="Use this law, whichever wins."),
     jobs: options.Jobs = "auto",
+    cluster: options.Cluster = "",
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
@@ -219,7 +221,15 @@ def run(
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"conditions", "report"}) if figures else frozenset()
     return work_through(
-        out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing, force=force
+        out,
+        loaded,
+        folder,
+        law=law,
+        n_jobs=n_jobs,
+        cluster=cluster,
+        cache=cache,
+        drawing=drawing,
+        force=force,
     )
 
 
@@ -230,6 +240,7 @@ def work_through(
     *,
     law: str = "",
     n_jobs: int = 1,
+    cluster: str = "",
     cache: bool = True,
     drawing: frozenset[str] = frozenset({"report"}),
     force: bool = False,
@@ -257,13 +268,18 @@ def work_through(
 
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:
-            with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
+            with (
+                executors.cluster(cluster, n_jobs) as executor,
+                Progress(out, "extract") as extracting,
+                Progress(out, "fit") as fitting,
+            ):
                 done = pipeline.run_campaign(
                     campaign,
                     target,
                     law=law,
                     jobs=n_jobs,
                     cache_dir=cache_dir,
+                    executor=executor,
                     extract_progress=extracting.update,
                     fit_progress=lambda name, done, total: fitting.update(done, total, name),
                     on_extracted=draw,

@@ -31,16 +31,16 @@ _RANKING = (
 )
 _EXTRACTED = (
     *("trials.csv", "conditions.csv", "problems.csv"),
-    *("figures/Rw*deg_F*.png", "figures/Rw*deg_F*.csv"),
+    *(f"figures/Rw*deg_F*.{end}" for end in ("csv", "png", "svg", "pdf")),
 )
 _FIGURES = (
-    *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder"),
-    *("tornado", "design_chart", "budget_"),
+    *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder", "corner"),
+    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_"),
 )
 _ANSWERED = (
     *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),
-    *("report.html", "summary.txt"),
-    *(f"figures/{stem}*.csv" for stem in _FIGURES),
+    *("report.html", "report.pdf", "summary.txt"),
+    *(f"figures/{stem}*.{end}" for stem in _FIGURES for end in ("csv", "png", "svg", "pdf")),
 )
 
 
@@ -64,6 +64,11 @@ class CampaignAnswer:
     def verdict(self) -> Verdict:
         """Return the verdict: on the lift force where there is one, which holds that on the law, else on the law."""
         return self.winner.verdict if self.prediction is None else self.prediction.verdict()
+
+    @property
+    def forced_law(self) -> str:
+        """Return the law that was asked for by its name, "" where the best is used."""
+        return self.fit.law if self.winner.forced else ""
 
     @property
     def fits(self) -> tuple[FitResult, ...]:

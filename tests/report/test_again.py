@@ -30,7 +30,7 @@ def files(folder):
 def without_figures(run, folder):
     """Write the report of a changed result; return its text."""
     folder.mkdir(exist_ok=True)
-    write_report(run, folder, figures=False)
+    write_report(run, folder)
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
@@ -51,7 +51,7 @@ def test_the_report_is_made_again_without_extracting_again(run, results, tmp_pat
         doubts=tuple(dict.fromkeys((*winner.doubts, *winner.fit.advice, *run.answer.comparison.notes[1:]))),
     )
     with OutputFolder(folder, family="campaign") as target:
-        write_report(replace(run, answer=asked), target, figures=False)
+        write_report(replace(run, answer=asked), target)
         target.publish("answer")
     before = files(folder)
     (folder / "report.html").unlink()
@@ -137,7 +137,7 @@ def test_the_bench_of_432_recordings_makes_a_small_file(tmp_path):
     for name, jobs in (("one", 1), ("two", 2)):
         folder = tmp_path / name
         run = run_campaign(load_campaign(BENCH / "campaign.toml"), folder, jobs=jobs)
-        write_report(run, folder)
+        write_report(run, folder, drawing={})
         runs.append(files(folder))
     assert runs[0] == runs[1]
     assert len(runs[0]["report.html"]) < LARGEST_BYTES

@@ -272,10 +272,8 @@ def work_through(
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            report_figures, progress = "report" in drawing, reporting.update
-            written = pages.write_report(
-                done, target, figures=report_figures, executor=pool[0], progress=progress
-            )
+            drawn = {"executor": pool[0], "progress": reporting.update}
+            written = pages.write_report(done, target, drawing=drawn if "report" in drawing else None)
         target.publish("answer")
         for finish in to_finish:
             finish()

@@ -266,16 +266,20 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
     return {"schema": SCHEMA, **_traced(run.answer, evidence, words, inputs), "settings": settings}
 
 
-def trace_table(
-    answer: CampaignAnswer, evidence: Evidence, table: Path, words: Sequence[str]
-) -> dict[str, Any]:
-    """Return the same for the answer to a trial table; `words` are those of the command that asks for it."""
+def trace_table(answer: CampaignAnswer, evidence: Evidence, inputs: Sequence[Path]) -> dict[str, Any]:
+    """Return the same for the answer to a trial table: the first input; a second one says more about it."""
+    words = ["ropefric", "report", inputs[0].name, "--out", "out"]
+    for option, values in (
+        ("--about", [path.name for path in inputs[1:]]),
+        ("--law", filter(None, [answer.forced_law])),
+    ):
+        words += [word for value in values for word in (option, value)]
     at = None if answer.prediction is None else answer.prediction.conditions
     design = {} if at is None else {name: float(getattr(at, name)[0]) for name in REGRESSORS}
-    inputs = {table.name: hash_file(table)}
+    hashes = {path.name: hash_file(path) for path in inputs}
     return {
         "schema": TABLE_SCHEMA,
-        **_traced(answer, evidence, words, inputs),
+        **_traced(answer, evidence, words, hashes),
         "settings": {"design": design},
     }
 

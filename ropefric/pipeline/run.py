@@ -1,7 +1,7 @@
 """A campaign from its recordings to the lift force of a wheel, with everything written that others can check."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -215,11 +215,10 @@ def campaign_folder(
     force: bool = False,
 ) -> OutputFolder:
     """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`."""
-    names = (*_ANSWERED, *(f"fits/{law}.json" for law in ALL_LAWS)) if answers else ()
     return OutputFolder(
         folder,
         family="campaign",
-        names=(*_EXTRACTED, *names),
+        names=(*_EXTRACTED, *(_answered() if answers else ())),
         inputs=(
             campaign.path,
             campaign.trial_list,
@@ -228,3 +227,14 @@ def campaign_folder(
         basis="trials.csv",
         force=force,
     )
+
+
+def table_folder(
+    inputs: Iterable[Path], folder: str | os.PathLike[str], *, force: bool = False
+) -> OutputFolder:
+    """Return the folder of the answer to a trial table, likewise."""
+    return OutputFolder(folder, family="trial table", names=_answered(), inputs=inputs, force=force)
+
+
+def _answered() -> tuple[str, ...]:
+    return (*_ANSWERED, *(f"fits/{law}.json" for law in ALL_LAWS))

@@ -2,7 +2,8 @@
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +21,16 @@ from ropefric.pipeline.evidence import (
 )
 from ropefric.pipeline.run import CampaignAnswer, CampaignRun
 from ropefric.report import parts
-from ropefric.report.front import Subject, front_blocks, measured_rows
+from ropefric.report.front import USUAL, Subject, Wish, front_blocks, measured_rows
 from ropefric.report.page import Alert, Block, Chapter, Fold, Picture, Report, as_html
+from ropefric.report.pdf import pdf_of
 from ropefric.report.section import Section, as_text, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import result
 from ropefric.trials.campaign_model import ReportWords
 from ropefric.trials.outliers import RULES
 
+Progress = Callable[[int, int, str], None]
 Pictures = Mapping[str, Sequence[Picture]]
 """Pictures by the chapter they belong to, in order."""
 
@@ -58,67 +61,68 @@ _WHERE = (
 def write_report(
     run: CampaignRun,
     folder: Folder | str | os.PathLike[str],
+    wish: Wish = USUAL,
     *,
-    drawing: Mapping[str, Any] | None = None,
-    language: str = "",
+    executor: Executor | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Path, ...]:
     """Write summary.txt, report.html with the numbers of its figures, and what they rest on; return the paths.
 
     The page needs nothing else. Beside it stand figures/*.csv, uncertainty.json and next_tests.csv where there is a
-    design, and manifest.json. The same campaign gives the same bytes. `drawing` is what `draw_pictures` is told beside
-    what it draws, None for no figures; without a language, numbers are as the campaign's [report] has them.
+    design, manifest.json and, if wished, report.pdf. The same campaign gives the same bytes. The figures are drawn by
+    the executor, if any.
     """
     target, campaign, evidence = as_folder(folder), run.campaign, gather_evidence(run)
-    provenance = trace_provenance(run, evidence)
-    told = (campaign.report, measured_rows(run), run)
-    subject = Subject(campaign.name, _tally(run.extraction), run.answer, evidence, provenance, *told)
-    pictures = _drawn(subject, target, language, drawing)
+    provenance, tally = trace_provenance(run, evidence), _tally(run.extraction)
+    told = (campaign.report, measured_rows(run), run, wish)
+    subject = Subject(campaign.name, tally, run.answer, evidence, provenance, *told)
     texts = manifest(provenance, campaign.path, target.path)
-    return _write(
-        subject, pictures, target, texts | {"summary.txt": as_text(summary_sections(run))}, language
-    )
+    texts["summary.txt"] = as_text(summary_sections(run))
+    return _write(subject, target, texts, executor=executor, progress=progress)
 
 
 def write_table_report(
     answer: CampaignAnswer,
-    table: Path,
+    inputs: Sequence[Path],
     folder: Folder,
     *,
-    command: Sequence[str],
     words: ReportWords,
-    drawing: Mapping[str, Any] | None = None,
-    language: str = "",
+    wish: Wish = USUAL,
+    progress: Progress | None = None,
 ) -> tuple[Path, ...]:
     """Write the same for the answer to a trial table, for those who have forces and no recordings.
 
-    `command` is what asked for it, `words` what its first page says beside the results.
+    The inputs are the table and, where there is one, the file that says more about it, from where `words` are.
     """
-    evidence, tally = gather_evidence(answer), table_tally(answer)
-    provenance = trace_table(answer, evidence, table, command)
+    evidence, tally, table = gather_evidence(answer), table_tally(answer), inputs[0]
+    provenance = trace_table(answer, evidence, inputs)
     measured = [("Trial table", table.name)]
-    subject = Subject(table.stem, tally, answer, evidence, provenance, words, measured)
-    pictures = _drawn(subject, folder, language, drawing)
-    summary = as_text((Section(lines=[f"{table.name}: {tally}"]), *answer_sections(answer)))
-    texts = {MANIFEST: json_document(provenance), "summary.txt": summary}
-    return _write(subject, pictures, folder, texts, language)
-
-
-def _drawn(subject: Subject, folder: Folder, language: str, drawing: Mapping[str, Any] | None) -> Pictures:
-    if drawing is None:
-        return {}
-    from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
-
-    return draw_pictures(subject, folder, language=language or subject.words.language, **drawing)
+    subject = Subject(table.stem, tally, answer, evidence, provenance, words, measured, wish=wish)
+    texts = {MANIFEST: json_document(provenance)}
+    texts["summary.txt"] = as_text((Section(lines=[f"{table.name}: {tally}"]), *answer_sections(answer)))
+    return _write(subject, folder, texts, executor=None, progress=progress)
 
 
 def _write(
-    subject: Subject, pictures: Pictures, folder: Folder, texts: Mapping[str, str], language: str
+    subject: Subject,
+    folder: Folder,
+    texts: Mapping[str, str],
+    *,
+    executor: Executor | None,
+    progress: Progress | None,
 ) -> tuple[Path, ...]:
-    page = as_html(_report(subject, pictures)._replace(language=language or subject.words.language))
-    files = evidence_files(subject.evidence) | {**texts} | {"report.html": page}
+    pictures: Pictures = {}
+    if subject.wish.figures:
+        from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
+
+        pictures = draw_pictures(subject, folder, executor=executor, progress=progress)
     numbers = [
         folder.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
+    page = as_html(_report(subject, pictures))
+    files: dict[str, str | bytes] = {**texts, **evidence_files(subject.evidence), "report.html": page}
+    if subject.wish.pdf:
+        files["report.pdf"] = pdf_of(page)
     return (*numbers, *folder.write(files))
 
 
@@ -210,6 +214,7 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
         title=subject.title,
         lead=f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives.",
         chapters=tuple(chapter for chapter in chapters if chapter.blocks),
+        language=subject.language,
     )
 
 

@@ -23,6 +23,18 @@ _GIVEN = {
 _LIMITS = ("linearity", "hysteresis", "repeatability", "transmitter")
 
 
+class Wish(NamedTuple):
+    """How a report is wanted: the language of its numbers ("" as [report] says), as PDF too, figures as which files."""
+
+    language: str = ""
+    pdf: bool = False
+    figures: bool = True
+    formats: tuple[str, ...] = ()
+
+
+USUAL = Wish()
+
+
 class Subject(NamedTuple):
     """What a report is of: an answer, what stands behind it, and what is said beside it.
 
@@ -37,6 +49,12 @@ class Subject(NamedTuple):
     words: ReportWords
     measured: Sequence[tuple[str, str]]
     run: CampaignRun | None = None
+    wish: Wish = USUAL
+
+    @property
+    def language(self) -> str:
+        """Return whose numbers and dates the report has."""
+        return self.wish.language or self.words.language
 
 
 def front_blocks(subject: Subject, alerts: Sequence[Alert], pictures: Sequence[Picture]) -> Iterator[Block]:
@@ -58,8 +76,8 @@ def front_blocks(subject: Subject, alerts: Sequence[Alert], pictures: Sequence[P
     tested = f"tested: {', '.join(parts.tested_ranges(answer.fit))}; beyond it the law is extrapolated"
     yield Section("Limits and assumptions", notes=(tested, *words.assumptions))
     doubts = [alert for alert in alerts if alert.grade == "doubt"]
-    nothing = Alert("note", "Nothing was found", "No check stands against the result.")
-    yield doubts or ([] if grave else [nothing])
+    if doubts or not grave:
+        yield doubts or [Alert("note", "Nothing was found", "No check stands against the result.")]
 
 
 def measured_rows(run: CampaignRun) -> list[tuple[str, str]]:
@@ -118,7 +136,7 @@ def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
         if not math.isnan(float(one[0])):
             pull = "where one pull with a new rope lies"
             yield Fact(f"{level} prediction interval", f"{interval(one)} N", pull)
-    yield Fact("Law", f"{fit.law}, {answer.verdict.word}", answer.verdict.reason)
+    yield Fact("Law and verdict", f"{fit.law}, {answer.verdict.word}", answer.verdict.reason)
     unseen, scatter = answer.winner.entry.loco_error, fit.statistics.scatter_within
     if math.isfinite(unseen):
         remark = "root mean square over conditions left out one by one"

@@ -34,8 +34,6 @@ def draw_pictures(
     subject: Subject,
     folder: Folder,
     *,
-    language: str = "en",
-    formats: Collection[str] = (),
     executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> dict[str, list[Picture]]:
@@ -45,7 +43,10 @@ def draw_pictures(
     drawings = [*_of_front(answer, extraction, evidence)]
     drawings += [] if extraction is None else _of_trials(extraction)
     drawings += [*_of_laws(answer), *_of_design(evidence)]
-    jobs = {stem: partial(_drawn, stem, draw, language, (*formats,)) for _, stem, _, draw in drawings}
+    jobs = {
+        stem: partial(_drawn, stem, draw, subject.language, subject.wish.formats)
+        for _, stem, _, draw in drawings
+    }
     made: dict[str, tuple[str, tuple[str, ...]]] = {}
     for done, (stem, (svg, files)) in enumerate(begin(jobs, executor)(), start=1):
         # Workers draw, and this process alone writes.

@@ -351,6 +351,13 @@ class CampaignFile(StrictTable):
     limits: Annotated[Limits, _LIMITS] = Limits()
 
 
+class AboutTable(StrictTable):
+    """What is said beside a trial table: the wheel to predict, and the words of its report."""
+
+    design: DesignWheel | None = None
+    report: ReportWords = ReportWords()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialRow:
     """What the trial list says of a trial, in SI, and its result repeats."""

@@ -162,7 +162,7 @@ def results(tmp_path_factory):
 def run(campaign, results):
     """The result of the campaign, with its report written."""
     found = run_campaign(load_campaign(campaign / "campaign.toml"), results, cache_dir=results / ".cache")
-    write_report(found, results, drawing={})
+    write_report(found, results)
     return found
 
 

@@ -27,9 +27,7 @@ def value(node, names):
         return value(node[0], names) ** value(node[1], names)
     if node.tag == "msubsup":
         return names["".join((*node[0].itertext(), *node[1].itertext()))] ** value(node[2], names)
-    if node.tag == "msqrt":
-        return row([*node], names) ** 0.5
-    return row([*node], names)
+    return row([*node], names) ** (0.5 if node.tag == "msqrt" else 1.0)
 
 
 def row(nodes, names):

@@ -29,7 +29,7 @@ SIGNATURES = {
     "rope_radius_m=None, probability=0.95)",
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
-    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
+    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None, executor=None)",
     "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, peak='smoothed', start_s=None, "
     "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
@@ -51,7 +51,7 @@ SIGNATURES = {
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
-    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False)",
+    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False, executor=None)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None, *, columns=None)",
     "solve": "(scene, *, level=0.95, identify=False)",

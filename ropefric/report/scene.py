@@ -128,7 +128,7 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
         rows = [(label, f"{low:.6g}", f"{high:.6g}") for label, (low, high) in zip(labels, ends, strict=True)]
         headings: Sequence[str] = ("quantity", "lowest", "highest")
         return [Section(title, lines, headings, rows, notes=sweep.warnings)]
-    headings = [f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes]
+    headings = [axis.label for axis in sweep.axes]
     points = product(*((axis.values / axis.factor).tolist() for axis in sweep.axes))
     rows = [
         tuple(f"{value:.6g}" for value in (*point, *answers))

@@ -241,6 +241,7 @@ def extract(
     jobs: int = 1,
     cache_dir: PathLike | None = None,
     progress: Callable[[int, int, str], None] | None = None,
+    executor: Any = None,
 ) -> Extraction:
     """Return the break-away forces of all recordings of a campaign, outliers marked by its rule.
 
@@ -254,9 +255,14 @@ def extract(
         Where results are kept, so that unchanged recordings are not extracted again.
     progress : callable, optional
         Called with recordings done, recordings in all, and "name status" of the last one.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Reads the recordings in the stead of `jobs` processes of this machine; the result is the same to the last bit.
+        Its workers need the recordings under the same path. What a worker that died had in hand is read here.
     """
     kept = None if cache_dir is None else Path(cache_dir)
-    return extract_campaign(as_campaign(campaign), jobs=jobs, cache_dir=kept, progress=progress)
+    return extract_campaign(
+        as_campaign(campaign), jobs=jobs, cache_dir=kept, progress=progress, executor=executor
+    )
 
 
 def reject(values: npt.ArrayLike, rule: str = "two-sigma") -> Repeatability:
@@ -335,6 +341,8 @@ def fit(
     intervals: Literal["auto", "covariance", "profile", "bootstrap", "bootstrap-t"] = "auto",
     of: Literal["peak", "kinetic"] = "peak",
     columns: Columns = None,
+    resamples: int = 2000,
+    executor: Any = None,
 ) -> FitResult:
     """Return a friction law fitted to trials; `status` says whether to trust it.
 
@@ -361,6 +369,10 @@ def fit(
         intervals as a parabola does, else the profile.
     of : {"peak", "kinetic"}
         The force that is fitted: the break-away force, or the mean force while sliding (column `kinetic_N`).
+    resamples : int
+        Data sets that a bootstrap draws and fits anew.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Fits them, with the same result to the last bit.
 
     Examples
     --------
@@ -376,7 +388,7 @@ def fit(
         trial_table(trials, columns=columns), law, fixed=fixed, bounds=bounds, start=start,
         scale_covar=scale_covar, loss=loss, clustered=clustered, n_starts=n_starts, seed=seed, of=of,
     )  # fmt: skip
-    return with_intervals(made, intervals, seed=seed)
+    return with_intervals(made, intervals, n=resamples, seed=seed, executor=executor)
 
 
 def compare(
@@ -520,6 +532,7 @@ def run(
     jobs: int = 1,
     cache_dir: PathLike | None = None,
     overwrite: bool = False,
+    executor: Any = None,
 ) -> CampaignRun:
     """Return a campaign's result, from recordings to the lift force of its wheel, and write its files into a folder.
 
@@ -531,7 +544,7 @@ def run(
         Where trials.csv, fits/, comparison.csv, … go; what an earlier run wrote there and no longer fits is removed.
     law : str
         The law to use; "" for the best whose fit may be used as it stands.
-    jobs, cache_dir
+    jobs, cache_dir, executor
         As `extract`.
     overwrite : bool
         Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
@@ -539,7 +552,7 @@ def run(
     kept = None if cache_dir is None else Path(cache_dir)
     loaded = as_campaign(campaign)
     with campaign_folder(loaded, folder, force=overwrite) as target:
-        result = run_campaign(loaded, target, law=law, jobs=jobs, cache_dir=kept)
+        result = run_campaign(loaded, target, law=law, jobs=jobs, cache_dir=kept, executor=executor)
         target.publish("answer")
     return result
 
@@ -916,6 +929,7 @@ def sweep(
     *axes: str | Axis,
     progress: Callable[[int, int, str], None] | None = None,
     table: PathLike | None = None,
+    executor: Any = None,
 ) -> Sweep:
     """Return the numbers of a scene's answer over a grid of any of its own numbers.
 
@@ -930,6 +944,8 @@ def sweep(
     table : path-like, optional
         A file ending in .csv or .parquet, written block by block. The result then keeps at most a million points
         of the grid, spread evenly, so that memory stays flat.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Solves the points, with the same result to the last bit.
 
     Returns
     -------
@@ -955,10 +971,12 @@ def sweep(
     loaded = _as_scene(scene)
     grid = tuple(parse_axis(loaded, axis) if isinstance(axis, str) else axis for axis in axes)
     if table is None:
-        return sweep_scene(loaded, grid, progress=progress)
+        return sweep_scene(loaded, grid, progress=progress, executor=executor)
     path = Path(table)
     with sweep_table(grid, Folder(path.parent), path.name) as written:
-        return sweep_scene(loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS)
+        return sweep_scene(
+            loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS, executor=executor
+        )
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:

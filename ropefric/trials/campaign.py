@@ -20,7 +20,7 @@ from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import COUNTS
 from ropefric.traces.breakaway import SIDES
 from ropefric.traces.derived import evaluate_derived
-from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names
+from ropefric.trials.campaign_model import AboutTable, Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
 
 MISSING_WAYS = ("error", "flag")
@@ -91,6 +91,13 @@ def load_campaign(
     if campaign is None:  # pragma: no cover - no campaign without an error would be our own mistake
         raise DataError("the campaign cannot be read", path=str(path))
     return campaign
+
+
+def load_about(path: str | os.PathLike[str]) -> AboutTable:
+    """Return what a TOML file says beside a trial table: its [design] and [report], as in a campaign."""
+    model, problems = validate_document(AboutTable, read_toml(path, "file"))
+    raise_problems(problems)
+    return model or AboutTable()
 
 
 def check_campaign(path: str | os.PathLike[str]) -> tuple[Problem, ...]:

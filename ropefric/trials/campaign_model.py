@@ -15,6 +15,7 @@ from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
 from ropefric.errors import InputError, Problem
+from ropefric.files.plain_text import LANGUAGES
 from ropefric.files.stamps import ORDERS
 from ropefric.files.toml_model import (
     StrictTable,
@@ -184,6 +185,19 @@ class DesignWheel(StrictTable):
     end_tension_N: Annotated[float, PlainValidator(_FORCE)] = Field(alias="end_tension")
 
 
+class ReportWords(StrictTable):
+    """`[report]`: what a report's first page says beside the results; what is not given is left out."""
+
+    lab: Text = ""
+    customer: Text = ""
+    operator: Text = ""
+    number: Text = ""
+    date: Annotated[str, PlainValidator(date_text)] = ""
+    question: Text = ""
+    assumptions: tuple[Text, ...] = ()
+    language: Annotated[str, PlainValidator(choice(lambda: LANGUAGES))] = "en"
+
+
 def _channel(value: object) -> Channel:
     if not isinstance(value, dict):
         return Channel(column=_column(value))
@@ -335,8 +349,16 @@ class CampaignFile(StrictTable):
         float, _of_one_key("tolerance", fraction("0.05 %")), Field(alias="weights")
     ] = 0.0
     design: DesignWheel | None = None
+    report: ReportWords = ReportWords()
     profile: Annotated[ImportProfile, _IMPORT, Field(alias="import")] = ImportProfile()
     limits: Annotated[Limits, _LIMITS] = Limits()
+
+
+class AboutTable(StrictTable):
+    """What is said beside a trial table: the wheel to predict, and the words of its report."""
+
+    design: DesignWheel | None = None
+    report: ReportWords = ReportWords()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -412,6 +434,8 @@ class Campaign(CampaignFile, Shown):
         Limit of error of the end tension, as a fraction of it [-].
     design : DesignWheel, optional
         The wheel to predict.
+    report : ReportWords
+        What the first page of a report says beside the results.
     trials : tuple of TrialSpec
         A row each, in the order of the table.
     limits : Limits

@@ -19,6 +19,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ropefric.errors import RopefricError
+from ropefric.executors import usable_cores
 from ropefric.plugins import Plugin, loaded
 
 if TYPE_CHECKING:
@@ -66,13 +67,6 @@ class Lost:
 
     reason: str
     fix: str
-
-
-def usable_cores() -> int:
-    """Return the number of processors this process may use."""
-    if hasattr(os, "sched_getaffinity"):  # a container may own fewer cores than the machine has
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def guarded(

@@ -1,5 +1,6 @@
 """All kinds of scenes by the name of their system: a new one is a file here that declares KIND."""
 
+import copyreg
 from importlib import import_module
 from pkgutil import iter_modules
 
@@ -21,3 +22,5 @@ class Kinds(Registry[Kind]):
 
 
 KINDS = Kinds()
+# Other processes have the functions of a kind already, and find it by its name.
+copyreg.pickle(Kind, lambda kind: (KINDS.__getitem__, (kind.name,)))

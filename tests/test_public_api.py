@@ -30,11 +30,11 @@ SIGNATURES = {
     "rope_radius_m=None, probability=0.95)",
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
-    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
+    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None, executor=None)",
     "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, peak='smoothed', start_s=None, "
     "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
-    "n_starts=4, seed=0, intervals='auto', of='peak', columns=None)",
+    "n_starts=4, seed=0, intervals='auto', of='peak', columns=None, resamples=2000, executor=None)",
     "friction_table": "(fit, *, wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, rope_radius_m=None)",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
@@ -52,11 +52,11 @@ SIGNATURES = {
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
-    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False)",
+    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False, executor=None)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None, *, columns=None)",
     "solve": "(scene, *, level=0.95, identify=False)",
-    "sweep": "(scene, *axes, progress=None, table=None)",
+    "sweep": "(scene, *axes, progress=None, table=None, executor=None)",
     "trial_table": "(trials, *, columns=None)",
     "write_scenes": "(folder, names=(), *, overwrite=False)",
 }

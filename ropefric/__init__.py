@@ -8,8 +8,6 @@
 from importlib import import_module
 from typing import Any
 
-from ropefric.shown import drawn_by
-
 __version__ = "0.1.0"
 
 _NAMES = {
@@ -37,10 +35,8 @@ def __getattr__(name: str) -> Any:
 
 
 def _draw(result: Any, *args: Any, **options: Any) -> Any:
+    # For `plot()` of every result: see `ropefric.shown`.
     return import_module("ropefric.plotting.results").draw(result, *args, **options)
-
-
-drawn_by(_draw)
 
 
 def __dir__() -> list[str]:

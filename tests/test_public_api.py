@@ -21,6 +21,7 @@ COUPLED = ROOT / "fits" / "prth-coupled.json"
 HOIST = ROOT / "data" / "scenes" / "hoist.toml"
 
 SIGNATURES = {
+    "accuracy_table": "(study='', case='', *, method='', timed=False)",
     "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
     "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
     "seed=0)",
@@ -39,7 +40,7 @@ SIGNATURES = {
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
     "load_plugin": "(source, called='')",
-    "load_scene": "(path)",
+    "load_scene": "(path, changes=None)",
     "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
     "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
     "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "

@@ -28,6 +28,9 @@ exclude_patterns = ["_site", "paper", "samples"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 
+smartquotes = False  # `--option` stays what can be typed
+default_role = "literal"
+
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autodoc_preserve_defaults = True

@@ -130,7 +130,7 @@ def _condition() -> FigureWithData:
 def commands_page() -> str:
     """Return the page of all commands, from what the program itself knows of them."""
     group = typer.main.get_command(build_app())
-    parts = ["# Commands\n", f"{group.epilog}\n", "```{contents}\n:local:\n:depth: 1\n```\n"]
+    parts = ["# Commands\n", f"{group.epilog}\n"]
     for declared in find_commands().values():
         command = group.commands[declared.name]
         parts.append(f"\n## `ropefric {declared.name}`\n\n{_escaped(command.help)}\n")
@@ -140,7 +140,7 @@ def commands_page() -> str:
         records = [one.get_help_record(context) for one in command.params]
         rows = [(f"`{record[0].strip('{}')}`", _escaped(record[1])) for record in records if record]
         parts.append(_rows(("option", "meaning"), rows))
-        parts.append(f"\n```sh\n{declared.example}\n```\n")
+        parts.append(f"\nExample:\n\n```sh\n{declared.example}\n```\n")
     return "\n".join(parts)
 
 

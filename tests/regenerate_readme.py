@@ -1,8 +1,8 @@
 """What README and docs print, written anew: the measured blocks where their markers are, and the sessions.
 
 `python tests/regenerate_readme.py [BLOCK …]` measures the blocks, `python tests/regenerate_readme.py sessions [PAGE …]`
-runs the sessions, of all pages or of those named. The sentences of the blocks speak of errors and counted work, which are the same
-everywhere; times are in the pictures only, and the machine they were taken on is named beside them.
+runs the sessions, of all pages or of those named. The sentences of the blocks speak of errors and counted work, which
+are the same everywhere; times are in the pictures only, and the machine they were taken on is named beside them.
 """
 
 import contextlib

@@ -4,17 +4,20 @@ Nothing of this is kept in the repository, so that no figure and no option on th
 """
 
 import inspect
+import json
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
 import typer
+from pydantic import BaseModel
 
 import ropefric as rf
 from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
+from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
@@ -24,7 +27,7 @@ from ropefric.plotting.machines import draw_sweep, scene_figures
 from ropefric.plotting.svg import svg_text
 from ropefric.rig.recording import FAULTS
 from ropefric.rig.strangers import FAMILIES
-from ropefric.scenes.kind import Kind
+from ropefric.scenes.kind import Becomes, Kind
 from ropefric.scenes.kinds import KINDS
 from ropefric.traces.breakaway import ADVICE
 from ropefric.traces.protocols import PROTOCOLS
@@ -43,6 +46,7 @@ def everything(folder: Path) -> None:
         "commands.md": commands_page(),
         "python.rst": python_page(),
         "registered.md": registered_page(),
+        "scene-keys.md": scene_keys_page(),
     }
     # A piece of a page becomes a file of its own.
     namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
@@ -248,6 +252,55 @@ def registered_page() -> str:
 def _effects(kind: Kind) -> str:
     rows = [(f"`{one.name}`", one.adds, one.instead) for one in kind.system.effects.values()]
     return _table(f"Effects of a scene of kind `{kind.name}`", ("name", "what it adds", "in its place"), rows)
+
+
+# Scenes.
+
+
+_KEYS_SAID = """\
+A key in a table `[wheel]` is written there; here it is named `wheel.radius`, as in a sweep and in messages. A `…` stands
+for a name of yours. Quantities are text with their unit. What is not needed in its table may be left out, and an effect
+that needs it is then not simulated. The scenes that `ropefric init --scenes` writes say in their comments what each key is."""
+
+
+def scene_keys_page() -> str:
+    """Return the page of every key that a scene can hold, by kind, with an example of its value."""
+    parts = [
+        "# What a scene can say\n",
+        f"{_KEYS_SAID}\n",
+    ]
+    for kind in KINDS.values():
+        rows = [*_keys(kind.schema)]
+        parts.append(_table(f'`system = "{kind.name}"`', ("key", "such as", "needed", "if left out"), rows))
+    return "\n".join(parts)
+
+
+def _keys(schema: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, ...]]:
+    for name, info in schema.model_fields.items():
+        tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
+        many = typing.get_origin(info.annotation) is dict
+        for table in tables:
+            yield from _keys(table, f"{prefix}{name}.{'….' if many else ''}")
+        if tables:
+            continue
+        becomes = next((one for one in info.metadata if isinstance(one, Becomes)), None)
+        like = getattr(becomes, "like", "")
+        default = (
+            f"`{json.dumps(info.default)}`" if isinstance(info.default, str | float | int | bool) else ""
+        )
+        if like and isinstance(info.default, float):
+            default = f"{info.default:g} {becomes.si_unit}"
+        yield f"`{prefix}{name}`", f'`"{like}"`' if like else "", "yes" if info.is_required() else "", default
+
+
+def _types(annotation: typing.Any) -> Iterator[type]:
+    """Yield the classes in an annotation, such as the table in `dict[str, Table]`."""
+    inner = typing.get_args(annotation)
+    for one in inner or (annotation,):
+        if inner:
+            yield from _types(one)
+        elif isinstance(one, type):
+            yield one
 
 
 def _described(title: str, registry: Mapping[str, typing.Any]) -> str:

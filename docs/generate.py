@@ -260,7 +260,8 @@ def _effects(kind: Kind) -> str:
 _KEYS_SAID = """\
 A key in a table `[wheel]` is written there; here it is named `wheel.radius`, as in a sweep and in messages. A `…` stands
 for a name of yours. Quantities are text with their unit. What is not needed in its table may be left out, and an effect
-that needs it is then not simulated. The scenes that `ropefric init --scenes` writes say in their comments what each key is."""
+that needs it is then not simulated. The scenes that `ropefric init --scenes` writes say in their comments what each key
+is."""
 
 
 def scene_keys_page() -> str:

@@ -173,4 +173,4 @@ def test_the_site_is_built_without_a_warning_and_loads_nothing_from_elsewhere(tm
         assert str(ROOT) not in text, path
         for missing in re.findall(r'<img[^>]*?\ssrc="([^"]+)"', text):
             assert (path.parent / missing).exists(), f"{path}: {missing}"
-    assert "coupled" in (site / "searchindex.js").read_text(encoding="utf-8")
+    assert "hoist" in (site / "searchindex.js").read_text(encoding="utf-8")

@@ -8,6 +8,7 @@ import json
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
+from importlib import import_module
 from pathlib import Path
 
 import typer
@@ -23,7 +24,7 @@ from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
 from ropefric.plotting.figure import FigureWithData, drawing
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
-from ropefric.plotting.machines import draw_sweep, scene_figures
+from ropefric.plotting.machines import draw_chart, draw_sweep, scene_figures
 from ropefric.plotting.svg import svg_text
 from ropefric.rig.recording import FAULTS
 from ropefric.rig.strangers import FAMILIES
@@ -48,10 +49,15 @@ def everything(folder: Path) -> None:
         "registered.md": registered_page(),
         "scene-keys.md": scene_keys_page(),
     }
+    drawn = dict(figures())
+    if "paper" in find_commands():
+        for name in ("prth", "press", "saw"):
+            pages[f"paper-{name}.md"] = paper_page(name, drawn)
     # A piece of a page becomes a file of its own.
     namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
     pictures = {
-        f"{stem}.svg": svg_text(figure, stem=stem).replace("<svg", namespace, 1) for stem, figure in figures()
+        f"{stem}.svg": svg_text(figure, stem=stem).replace("<svg", namespace, 1)
+        for stem, figure in drawn.items()
     }
     folder.mkdir(exist_ok=True)
     for name, text in (pages | pictures).items():
@@ -201,6 +207,33 @@ def _results(names: Iterable[str]) -> list[type]:
     return [found[name] for name in sorted(found)]
 
 
+# Papers.
+
+
+def paper_page(name: str, drawn: dict[str, FigureWithData]) -> str:
+    """Return the page of every number of a paper beside the printed one; its figures are added to those drawn."""
+    found = import_module("ropefric.papers.paper").read_paper(name)
+    first, *items = found.parts()
+    parts = [
+        f"# {first.title}: every number\n",
+        *(f"{_escaped(line[:1].upper() + line[1:])}.\n" for line in first.lines),
+        _notes(first),
+    ]
+    for (item, _), part in zip(found.rows, items, strict=True):
+        parts.append(f"## {_escaped(part.title)}\n\n{_escaped(' '.join(part.lines))}\n")
+        if part.rows:
+            parts.append(_rows(part.headings, ([_escaped(cell) for cell in row] for row in part.rows)))
+        parts.append(_notes(part))
+        for stem, chart in item.charts(found.machine):
+            drawn[f"paper-{name}-{stem}"] = draw_chart(chart)
+            parts.append(f"![{_escaped(chart.title)}](paper-{name}-{stem}.svg)\n")
+    return "\n".join(parts)
+
+
+def _notes(part: typing.Any) -> str:
+    return "".join(f"- {_escaped(note)}\n" for note in part.notes)
+
+
 # What is registered.
 
 
@@ -314,7 +347,7 @@ def _table(title: str, head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -
     return f"\n## {title}\n\n{_rows(head, rows)}"
 
 
-def _rows(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
-    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
+def _rows(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len([*head])}"]
     lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
     return "\n".join(lines) + "\n"

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ropefric.errors import InputError, RopefricError
+from ropefric.plugins import Plugin, loaded
 
 A = TypeVar("A")
 T = TypeVar("T")
@@ -97,7 +98,7 @@ def spread(
 def _handed(executor: Executor, work: Callable[[A], T], piece: A) -> "Future[T]":
     """Return the future of a piece; of an executor that is broken, one that failed."""
     try:
-        return executor.submit(_there, software(), work, piece)
+        return executor.submit(_there, software(), loaded(), work, piece)
     except Exception as error:  # noqa: BLE001
         future: Future[T] = Future()
         future.set_exception(error)
@@ -113,8 +114,8 @@ def _wait_for(future: "Future[Any]", every: "list[Future[Any]]", patience_s: flo
             raise TimeoutError
 
 
-def _there(made_by: str, work: Callable[[A], T], piece: A) -> T:
-    """Do a piece in another process, if that is of the same make."""
+def _there(made_by: str, _plugins: tuple[Plugin, ...], work: Callable[[A], T], piece: A) -> T:
+    """Do a piece in another process, if that is of the same make; it has loaded the plugins with the arguments."""
     if software() != made_by:
         raise InputError(
             f"a worker runs {software()}, this process {made_by}: numbers may differ",

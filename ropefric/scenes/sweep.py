@@ -24,6 +24,7 @@ from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Failure, Quantity
 from ropefric.scenes.plan import make_plan, room_for_effects, worth_asking
 from ropefric.scenes.scene import Scene, read_scene, source_of
+from ropefric.shown import Shown
 from ropefric.systems.effect import Effect, assemble
 
 MOST_POINTS = 10_000_000
@@ -154,7 +155,7 @@ Write = Callable[[Mapping[str, FloatArray], int], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sweep:
+class Sweep(Shown):
     """The answers over a grid.
 
     Attributes
@@ -182,6 +183,13 @@ class Sweep:
     ranges : mapping of str to tuple of float
         The least and the largest of each number over all points.
     """
+
+    _said = ("shape", "simulated", "error_bound", "failed", "warnings")
+    _framed = "_all_columns"
+
+    def _all_columns(self) -> dict[str, FloatArray]:
+        grid = np.meshgrid(*(axis.values for axis in self.kept), indexing="ij")
+        return {axis.key: each.ravel() for axis, each in zip(self.kept, grid, strict=True)} | self.columns
 
     axes: tuple[Axis, ...]
     columns: dict[str, FloatArray]

@@ -10,6 +10,7 @@ import pytest
 
 import ropefric as rf
 from ropefric.errors import InputError
+from ropefric.files import parquet
 from ropefric.files.folder import Folder
 from ropefric.scenes import sweep as sweeping
 from ropefric.scenes import sweep_table as tables
@@ -267,7 +268,7 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
     def missing(name):
         raise ImportError
 
-    monkeypatch.setattr(tables, "import_module", missing)
+    monkeypatch.setattr(parquet, "import_module", missing)
     scene = hoist_of()
     axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
     with (

@@ -107,6 +107,7 @@ def test_top_level_is_fixed():
         "pyproject.toml",
         "ropefric",
         "data",
+        "docs",
         "fits",
         "tests",
         "notebooks",

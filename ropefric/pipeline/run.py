@@ -18,6 +18,7 @@ from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.shown import Shown
 from ropefric.trials.campaign_model import Campaign, DesignWheel
 from ropefric.trials.conditions import set_aside_impossible
 from ropefric.trials.extract import extract_campaign
@@ -123,7 +124,7 @@ def answer_trials(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CampaignRun:
+class CampaignRun(Shown):
     """A campaign's result.
 
     Attributes
@@ -137,6 +138,9 @@ class CampaignRun:
     written : tuple of Path
         The files, in the order they were written.
     """
+
+    _said = ("name=campaign.name", "law=answer.fit.law", "verdict=answer.verdict.word", "written")
+    _framed = "extraction.trials"
 
     campaign: Campaign
     extraction: Extraction
@@ -158,6 +162,7 @@ def run_campaign(
     law: str = "",
     jobs: int = 1,
     cache_dir: Path | None = None,
+    executor: Any = None,
     extract_progress: Callable[[int, int, str], None] | None = None,
     fit_progress: Progress | None = None,
     on_extracted: Callable[[Extraction], None] | None = None,
@@ -165,9 +170,12 @@ def run_campaign(
     """Return the result of a campaign, and write its tables, fits, comparison and prediction into a folder.
 
     Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
-    prediction.json; the same campaign gives the same bytes, whatever `jobs` and the cache.
+    prediction.json; the same campaign gives the same bytes, whatever `jobs`, the executor that
+    reads in their stead, and the cache.
     """
-    found = extract_campaign(campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress)
+    found = extract_campaign(
+        campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress, executor=executor
+    )
     extraction = set_aside_impossible(found, campaign)
     target = as_folder(folder)
     tables = write_tables(extraction, target)

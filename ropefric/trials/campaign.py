@@ -15,6 +15,7 @@ from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
 from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
+from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import COUNTS
 from ropefric.traces.breakaway import SIDES
@@ -114,6 +115,9 @@ def _read(
     if is_scene(document.data):
         fix = f"use `ropefric solve {document.path}`"
         return None, (document.problem(("system",), "RF121", "this is a scene, not a campaign", fix=fix),)
+    broken = load_named(document)
+    if broken:  # what it declares is not known, so its names would be called wrong
+        return None, broken
     model, wrong = validate_document(CampaignFile, document)
     doubtful = (*_check_document(document), *(_check_model(document, model) if model else ()))
     settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))

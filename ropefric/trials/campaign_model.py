@@ -30,7 +30,9 @@ from ropefric.files.toml_model import (
     text,
     whole_number,
 )
+from ropefric.plugins import provenance
 from ropefric.quantities import si_unit_of
+from ropefric.shown import Shown
 from ropefric.traces.breakaway import ENDINGS, PEAKS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
@@ -328,6 +330,7 @@ class CampaignFile(StrictTable):
     schema_name: Annotated[str, PlainValidator(_schema)] = Field(alias="schema")
     trial_list: Text = Field(alias="trials")
     data: Text = "."
+    plugins: tuple[Text, ...] = ()
     wheels: dict[str, Round] = Field(default_factory=dict)
     cells: Annotated[dict[str, Annotated[ForceCell, _CELL]], AfterValidator(_named)] = Field(
         default_factory=dict
@@ -404,7 +407,7 @@ class TrialSpec(TrialRow):
         return "".join(f"{name} = {value:g} {unit}" for name, value, unit in given if value is not None)
 
 
-class Campaign(CampaignFile):
+class Campaign(CampaignFile, Shown):
     """A campaign file and its trial list, checked, with every default filled in, in SI.
 
     Attributes
@@ -441,6 +444,9 @@ class Campaign(CampaignFile):
         What is doubtful, but does not stop the work.
     """
 
+    _said: ClassVar = ("name", "trials", "rope.radius_m", "rejection", "protocol=protocol.name", "warnings")
+    _framed: ClassVar = "trials"
+
     path: Path
     trial_list: Path  # type: ignore[assignment]  # (in the file as text)
     folder: Path
@@ -464,17 +470,31 @@ class Campaign(CampaignFile):
             *("weights_tolerance", "profile"),
         )
         settings = {name: _plain(getattr(self, name)) for name in names}
+        if used := provenance("READER", "PROTOCOL"):
+            settings["plugins"] = [one["sha256"] for one in used]
         settings["radius_std_m"] = [one.radius_std_m for one in (self.rope, *self.wheels.values())]
         text = json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()
 
     def resolved(self) -> dict[str, Any]:
         """Return the whole campaign, defaults included, as JSON-able data without absolute paths."""
-        elsewhere = {"path", "trial_list", "folder", "data", "trials", "warnings", "limits", "schema_name"}
+        elsewhere = {
+            "path",
+            "trial_list",
+            "folder",
+            "data",
+            "trials",
+            "warnings",
+            "limits",
+            "schema_name",
+            "plugins",
+        }
         tree: dict[str, Any] = {"schema": self.schema_name, **_plain(self, exclude=elsewhere)}
         tree["smoothing"]["mode"] = self.smoothing.mode
         tree["path"] = self.path.name
         tree["folder"] = self.relative(self.folder)
+        if used := provenance():
+            tree["plugins"] = used
         tree["trials"] = []
         for trial in self.trials:
             row = _plain(trial) | {"file": self.relative(trial.path)}

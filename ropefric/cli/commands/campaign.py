@@ -16,6 +16,7 @@ from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
+    from ropefric import executors, plugins
     from ropefric.files import folder as folders
     from ropefric.files import plain_text
     from ropefric.friction import laws
@@ -48,6 +49,7 @@ def extract(
     *,
     folder: Path = out_folder("Where tables and figures go.", Path("out")),
     jobs: options.Jobs = "auto",
+    cluster: options.Cluster = "",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
     cache: options.Cache = True,
     force: Force = False,
@@ -65,9 +67,9 @@ def extract(
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
-        with Progress(out, "extract") as progress:
+        with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
             extraction = extracting.extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
+                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
             )
         result.write_tables(extraction, target)
         target.publish("tables")
@@ -101,7 +103,7 @@ def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack)
     if n_jobs == 1 or len(extraction.conditions) < SERIAL_FIGURES:
         return None
     # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
-    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
+    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly, initargs=(plugins.loaded(),))
     stack.callback(executor.shutdown, cancel_futures=True)
     return executor
 
@@ -122,7 +124,7 @@ def start_figures(
     return finish
 
 
-def _work_quietly() -> None:
+def _work_quietly(_plugins: object) -> None:
     workers.become_expendable()
     # What matplotlib tells of its fonts and folders is for no reader of ours.
     logging.getLogger().addHandler(logging.NullHandler())
@@ -203,6 +205,7 @@ def run(
     folder: Path = out_folder("Where everything is written.", Path("out")),
     law: str = Option("", help="Use this law, whichever wins."),
     jobs: options.Jobs = "auto",
+    cluster: options.Cluster = "",
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
@@ -220,7 +223,15 @@ def run(
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"conditions", "report"}) if figures else frozenset()
     return work_through(
-        out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing, force=force
+        out,
+        loaded,
+        folder,
+        law=law,
+        n_jobs=n_jobs,
+        cluster=cluster,
+        cache=cache,
+        drawing=drawing,
+        force=force,
     )
 
 
@@ -231,6 +242,7 @@ def work_through(
     *,
     law: str = "",
     n_jobs: int = 1,
+    cluster: str = "",
     cache: bool = True,
     drawing: frozenset[str] = frozenset({"report"}),
     wish: "front.Wish | None" = None,
@@ -259,13 +271,18 @@ def work_through(
 
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:
-            with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
+            with (
+                executors.cluster(cluster, n_jobs) as executor,
+                Progress(out, "extract") as extracting,
+                Progress(out, "fit") as fitting,
+            ):
                 done = pipeline.run_campaign(
                     campaign,
                     target,
                     law=law,
                     jobs=n_jobs,
                     cache_dir=cache_dir,
+                    executor=executor,
                     extract_progress=extracting.update,
                     fit_progress=lambda name, done, total: fitting.update(done, total, name),
                     on_extracted=draw,

@@ -51,9 +51,9 @@ def shorthand(value: float, std: float) -> str:
 
 
 def to_error(value: float, std: float) -> str:
-    """Return a value down to the second digit of its standard error; to five digits where it has none."""
+    """Return a value down to the second digit of its standard error; to six digits where it has none."""
     if not (math.isfinite(value) and math.isfinite(std)) or std <= 0.0:
-        return plain(value, ".5g")
+        return plain(value, ".6g")
     exponent = _last_place(std)
     scale = 10.0**exponent
     return f"{value:.{-exponent}f}" if exponent < 0 else f"{scale * round(value / scale):.0f}"

@@ -109,6 +109,23 @@ def test_a_law_has_one_colour_in_every_figure(comparison):
     assert [to_hex(mark.get_color()) for mark in marks] == [to_hex(law_look(law)["color"]) for law in ranked]
 
 
+def numbers(axis):
+    """The numbers an axis shows within its frame."""
+    axis.axes.figure.canvas.draw()
+    low, high = sorted(axis.get_view_interval())
+    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+    return {tick.label1.get_text() for tick in ticks if low <= tick.get_loc() <= high} - {""}
+
+
+@pytest.mark.parametrize("over", ["wrap_angle_rad", "end_tension_N", "wheel_radius_m"])
+@pytest.mark.parametrize("narrow", [False, True])
+def test_every_axis_has_numbers_however_short_it_is(comparison, over, narrow):
+    for entry in comparison.ranking:
+        for axes in draw_fit_band(entry.fit, over=over, narrow=narrow).figure.axes:
+            assert len(numbers(axes.yaxis)) >= 2
+        assert len(numbers(axes.xaxis)) >= 2  # the lowest panel's
+
+
 def test_the_ellipses_of_a_corner_are_those_of_the_covariance(comparison):
     fit = next(entry.fit for entry in comparison.ranking if entry.law == "size-power" and entry.fit)
     drawn = draw_corner(fit)

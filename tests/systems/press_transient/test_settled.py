@@ -8,7 +8,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.slip import SlipTable
-from ropefric.systems.press.transient.motion import ElasticPress, friction_limit, settled_tension_N
+from ropefric.systems.press.transient.motion import ElasticPress, friction_limit, settled
 from ropefric.systems.press.transient.start_up import start_up
 
 LAW = WrapFriction(
@@ -25,16 +25,16 @@ def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, mu, sli
     assert set(found.summary()["first_slip_s"]) >= slipped
     assert bool(found.slips) == bool(slipped)
     assert not any(found.summary()["at_end"].values())
-    np.testing.assert_allclose(found.tension_N[-1], found.settled_tension_N, rtol=1e-6)
-    unslipped = settled_tension_N(ElasticPress(press), kit.speed_m_s)
-    assert (np.abs(found.settled_tension_N / unslipped - 1.0).max() > 1e-3) == bool(slipped)
+    np.testing.assert_allclose(found.tension_N[-1], found.settled.tension_N, rtol=1e-6)
+    unslipped = settled(ElasticPress(press), kit.speed_m_s).tension_N
+    assert (np.abs(found.settled.tension_N / unslipped - 1.0).max() > 1e-3) == bool(slipped)
 
 
 def test_what_still_slips_or_stands_at_the_end_settles_nowhere(kit):
     found = start_up(
         kit.paper(force_N=1100.0), speed=kit.run_up(), time_s=np.linspace(0.0, 4.0, 41), friction=0.2
     )
-    assert found.settled_tension_N is None
+    assert found.settled is None
     ends = found.summary()["at_end"]
     assert ends["1"] == ends["10"] == "slips"
     assert ends["9"] == "stands"
@@ -43,7 +43,7 @@ def test_what_still_slips_or_stands_at_the_end_settles_nowhere(kit):
 def test_elastic_creep_carries_the_settled_state_to_the_closure_share(kit):
     """Strain goes round with the belts, L dT/dt = EA (v_end − v_start) + v (T_before − T), always in balance."""
     press = kit.paper(density=0.0)
-    settled_N = settled_tension_N(ElasticPress(press), kit.speed_m_s)
+    settled_N = settled(ElasticPress(press), kit.speed_m_s).tension_N
     spans = {(span.start, span.end): i for i, span in enumerate(press.spans)}
     places = [(belt, spans[step]) for belt in press.belts for step in belt.steps]
     n = len(places)

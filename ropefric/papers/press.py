@@ -1,0 +1,368 @@
+"""Ni and Wen (2015): the drive train of a belt filter press, its tensions, and which roller slips."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import RopefricError
+from ropefric.papers.paper import Given, Item, Paper, Row, Shown
+from ropefric.scenes.kind import Chart, Line
+from ropefric.systems.effect import assemble
+from ropefric.systems.press.answer import PressAnswer, solve_press
+from ropefric.systems.press.critical import PressSweep, critical
+from ropefric.systems.press.effects import SYSTEM
+from ropefric.systems.press.machine import Press
+from ropefric.systems.press.statics import CLOSURES, solve_statics
+from ropefric.systems.press.steady import drive_power_W, driver_torque_N_m, steady_state
+from ropefric.systems.press.transient.motion import Settled, settled_press
+
+_EFFECTS = ("gravity-load", "squeeze-load", "belt-inertia", "wrap-dependence", "size")
+_TABLE_1 = {
+    "1": ("175", "177.6"), "2": ("75", "28.1"), "3": ("75", "163.3"), "4": ("75", "28.1"), "5": ("250", "56.7"),
+    "6": ("200", "131.8"), "7": ("175", "157.0"), "8": ("150", "147.2"), "9": ("100", "91.1"),
+    "10": ("175", "81.4"), "11": ("75", "79.6"), "12": ("75", "64.1"), "13": ("75", "126.1"),
+}  # fmt: skip
+"""Radius [mm] and wrap [deg] of each roller."""
+_GRAVITY = {"2": "26.2", "3": "26.2", "5": "15.0", "13": "4.5"}
+_SQUEEZE = {"5": "84.0", "6": "33.6", "7": "29.4", "8": "25.2", "9": "16.8"}
+"""Torques [N m]."""
+_CONSTANT, _SMALL, _ABOVE = ("4", "11", "12"), ("1", "3", "6", "7", "8", "13"), ("2", "4")
+"""Rollers whose factor is said to be constant, rather small, and above 1."""
+_WATCHED = ("2", "5")
+
+
+class Machine(NamedTuple):
+    """A press in its steady run, the same at rest, and what it is over speeds and preloads."""
+
+    answer: PressAnswer
+    press: Press
+    over_speed: PressSweep
+    over_preload: PressSweep
+    over_both: PressSweep
+    settled: Settled | None
+    published: bool
+
+    @property
+    def spans(self) -> list[str]:
+        """Return the names of the spans."""
+        return [span.name for span in self.press.spans]
+
+    @property
+    def rollers(self) -> list[str]:
+        """Return the names of the rollers."""
+        return [roller.name for roller in self.press.rollers]
+
+
+def _machine(given: Given) -> Machine:
+    problem = given.scene.problem
+    answer = solve_press(assemble(SYSTEM, replace(problem, start_up=None), _EFFECTS))
+    press = answer.model.as_operated
+    statics = solve_statics(press, closure=problem.closure)
+    forces_N = [one.force_N for one in press.tensioners.values()]
+    preloads_N = np.linspace(0.75, 2.0, 26) * (np.mean(forces_N) if forces_N else 1.0)
+    speeds_m_s = np.linspace(0.0, 2.0, 41) * press.speed_m_s
+    few_N = preloads_N[[0, 5, 10, 15, 25]]
+    ends = None
+    if not press.missing_elasticity:
+        ends = settled_press(press, press.speed_m_s)
+
+    def swept(**axes: FloatArray) -> PressSweep:
+        return PressSweep(statics, problem.friction, **axes)
+
+    return Machine(
+        answer=answer,
+        press=press,
+        over_speed=swept(speed_m_s=speeds_m_s),
+        over_preload=swept(preload_N=preloads_N),
+        over_both=swept(preload_N=few_N, speed_m_s=speeds_m_s),
+        settled=ends,
+        published=given.published,
+    )
+
+
+def _each(
+    names: Iterable[str], values: Iterable[float], form: str, printed: dict[str, str] | None = None
+) -> Iterator[Row]:
+    for name, value in zip(names, np.asarray(values).ravel().tolist(), strict=True):
+        yield Row(form.format(name), value, (printed or {}).get(name, ""))
+
+
+def _loads(torque: str, printed: dict[str, str]) -> Callable[[Machine], Iterator[Row]]:
+    def rows(it: Machine) -> Iterator[Row]:
+        for roller in it.press.rollers:
+            value = getattr(roller, torque)
+            if value:
+                yield Row(f"M of roller {roller.name}", value, printed.get(roller.name, ""))
+
+    return rows
+
+
+def _pulls(it: Machine) -> Iterator[Row]:
+    for roller in it.press.rollers:
+        if roller.gravity_torque_N_m:
+            yield Row(f"T_G of roller {roller.name} = M_G/R", roller.gravity_torque_N_m / roller.radius_m)
+
+
+def _squeezes(it: Machine) -> Iterator[Row]:
+    for roller in it.press.rollers:
+        if roller.squeeze_torque_N_m:
+            width_m = max(belt.width_m for belt in it.press.belts_on(roller.name))
+            yield Row(
+                f"Δh K_max of roller {roller.name} = M_F/(bR)",
+                roller.squeeze_torque_N_m / (width_m * roller.radius_m),
+            )
+
+
+def _balances(it: Machine) -> Iterator[Row]:
+    """Give what is left of the rollers' balances, R(T_out − T_in) − M, and what the drivers supply."""
+    press, state = it.press, it.answer.state
+    left_N_m = press.radius_m * (press.incidence @ state.effective_tension_N[0] - press.rim_load_N)
+    for roller, left in zip(press.rollers, left_N_m.tolist(), strict=True):
+        if roller.role != "driver":
+            yield Row(f"R(T_out - T_in) - M of roller {roller.name}", 0.0 if abs(left) < 1e-9 else left)
+    for name, torque in driver_torque_N_m(state).items():
+        yield Row(f"torque of driver {name}", float(torque[0]))
+    yield Row("power of all drivers [W]", float(drive_power_W(state)[0]))
+
+
+def _travels(it: Machine) -> Iterator[Row]:
+    for words, tension_N in (
+        ("at rest", it.answer.at_rest_N[0]),
+        ("running", it.answer.state.effective_tension_N[0]),
+    ):
+        pulls_N = it.press.pull @ tension_N
+        for (name, one), pull_N in zip(it.press.tensioners.items(), pulls_N.tolist(), strict=True):
+            if one.spring_N_m:
+                printed, remark = ("30", "") if words == "at rest" else ("", "if it is free to move")
+                yield Row(
+                    f"x of roller {name}, {words}",
+                    1e3 * (pull_N - one.force_N) / one.spring_N_m,
+                    printed,
+                    remark,
+                )
+
+
+def _tensions(it: Machine) -> Iterator[Row]:
+    yield from _each(it.spans, it.answer.at_rest_N[0], "T{}")
+
+
+def _open(it: Machine) -> Iterator[Row]:
+    statics = it.answer.statics
+    yield Row("tensions", float(len(it.spans)), "14")
+    yield Row("independent balances", float(statics.rank))
+    for closure in CLOSURES:
+        try:
+            state = steady_state(solve_statics(it.press, closure=closure), speed_m_s=0.0, on_slack="flag")
+        except RopefricError:  # speed-ratio needs what the scene does not give
+            continue
+        free = [span for span in it.press.spans if span.start == "9"] if it.published else []
+        for span in free:
+            yield Row(
+                f"T{span.name} by the closure '{closure}'", float(state.tension_N[it.spans.index(span.name)])
+            )
+
+
+def _settled(it: Machine) -> Iterator[Row]:
+    if it.settled is None:
+        yield Row(
+            "relative angles", None, remark="the scene does not give EA and span lengths; nor does the paper"
+        )
+        return
+    angles = it.settled.relative_way_m / it.press.radius_m
+    yield from _each(it.rollers, angles, "angle of roller {} relative to the first driver [rad]")
+    yield from _each(it.press.tensioners, it.settled.travel_m, "travel of roller {} [m]")
+
+
+def _factors(it: Machine) -> Iterator[Row]:
+    slip = it.answer.slip
+    yield from _each(slip.rollers, slip.as_printed[0], "Λ* of roller {} as printed")
+    yield from _each(slip.rollers, slip.as_plotted[0], "Λ* of roller {} inverted")
+    yield from _each(slip.rollers, slip.utilisation[0], "utilisation of roller {}")
+
+
+def _critical(it: Machine) -> Iterator[Row]:
+    problem = it.answer.model.problem
+    statics = solve_statics(it.press, closure=problem.closure)
+    for change, words in (("friction", "coefficient"), ("preload", "preload [N]")):
+        found = critical(statics, problem.friction, change, told=it.answer.model.told)
+        if found.value is not None:
+            yield Row(f"{words} at which roller {found.roller} slips first", found.value)
+
+
+def _trend(values: FloatArray) -> str:
+    steps = np.diff(np.ravel(values))
+    scale = 1e-12 * np.abs(values).max()
+    return "falls" if (steps < -scale).all() else "rises" if (steps > scale).all() else "constant" if (
+        np.abs(steps) <= 1e-9 * np.abs(values).max()).all() else "mixed"  # fmt: skip
+
+
+def _figure_4(it: Machine) -> Iterator[Row]:
+    tension_N = it.over_speed.effective_tension_N[0]
+    yield Row(
+        "largest fall of T' from rest to twice the speed [%]",
+        100.0 * float((1.0 - tension_N[-1] / tension_N[0]).max()),
+    )
+    if it.published:
+        both = [it.spans.index(name) for name in ("5", "6", "7", "8")]
+        others = [i for i in range(len(it.spans)) if i not in both]
+        alike = [it.spans.index(name) for name in ("11", "12", "13")]
+        yield Row(
+            "T'5 to T'8 are the largest", bool(tension_N[:, both].min() > tension_N[:, others].max()), "yes"
+        )
+        yield Row("T'3 = T'4", bool(np.allclose(tension_N[:, 2], tension_N[:, 3], rtol=1e-12)), "yes")
+        yield Row("T'11 = T'12 = T'13", bool(np.ptp(tension_N[:, alike], axis=1).max() < 1e-9), "yes")
+        yield Row("every T' falls with the speed", all(_trend(one) == "falls" for one in tension_N.T), "yes")
+
+
+_INVERTED = "the inverted ratio does, which the figures must show"
+
+
+def _said(it: Machine, of: str, holds: Callable[[str], bool]) -> Iterator[Row]:
+    """Give whether a statement on figures holds for the ratio as printed, and for its inverse."""
+    if it.published:
+        yield Row(f"{of}: as printed", holds("as_printed"), "yes", _INVERTED)
+        yield Row(f"{of}: inverted", holds("as_plotted"), "yes")
+
+
+def _figure_5(it: Machine) -> Iterator[Row]:
+    slip = it.over_speed.slip
+
+    def above(measure: str) -> bool:
+        return {name for name in it.rollers if (slip.of(name, measure) > 1.0).any()} == set(_ABOVE)
+
+    def constant(measure: str) -> bool:
+        return all(_trend(slip.of(name, measure)) == "constant" for name in _CONSTANT)
+
+    def small(measure: str) -> bool:
+        named = max(slip.of(name, measure).max() for name in _SMALL)
+        others = min(slip.of(name, measure).min() for name in it.rollers if name not in {*_SMALL, "9", "10"})
+        return bool(named < others)
+
+    yield from _said(it, "only rollers 2 and 4 are above 1", above)
+    yield from _said(it, "rollers 4, 11 and 12 are constant", constant)
+    yield from _said(it, "rollers 1, 3, 6, 7, 8, 13 are below 2, 4, 5, 11, 12", small)
+
+
+def _figure_6(it: Machine) -> Iterator[Row]:
+    slip = it.over_preload.slip
+    yield from _said(
+        it,
+        "rollers 2 and 5 fall as the preload rises",
+        lambda measure: all(_trend(slip.of(name, measure)) == "falls" for name in _WATCHED),
+    )
+
+
+def _figure_7(it: Machine) -> Iterator[Row]:
+    slip = it.over_both.slip
+
+    def rises(measure: str) -> bool:
+        return all(_trend(row) == "rises" for name in _WATCHED for row in slip.of(name, measure))
+
+    def weaker(measure: str) -> bool:
+        spread = [slip.of(name, measure) for name in _WATCHED]
+        return all(float(np.ptp(one, axis=1).max()) < float(np.ptp(one, axis=0).min()) for one in spread)
+
+    yield from _said(it, "rollers 2 and 5 rise with the speed", rises)
+    yield from _said(it, "the preload matters more than the speed", weaker)
+
+
+def _lines(names: Iterable[str], x: FloatArray, values: FloatArray, form: str) -> tuple[Line, ...]:
+    return tuple(Line(form.format(name), x, line) for name, line in zip(names, values.T, strict=True))
+
+
+def _rpm(it: Machine, speed_m_s: FloatArray) -> FloatArray:
+    return np.asarray(speed_m_s / it.press.drivers[0].radius_m * 30.0 / math.pi)
+
+
+_SPEED = ("driver_rpm", "Speed of the first driver n [1/min]")
+_FACTOR = ("slip_factor", "Slip factor Λ, inverted ratio [-]")
+
+
+def _chart_4(it: Machine) -> Iterator[Shown]:
+    lines = _lines(it.spans, _rpm(it, it.over_speed.speed_m_s), it.over_speed.effective_tension_N[0], "T'{}")
+    yield Shown(
+        "figure_4", Chart("Steady tensions over the speed", *_SPEED, "effective_tension_N", "T' [N]", lines)
+    )
+
+
+def _chart_5(it: Machine) -> Iterator[Shown]:
+    sweep = it.over_speed
+    lines = _lines(it.rollers, _rpm(it, sweep.speed_m_s), sweep.slip.as_plotted[0], "roller {}")
+    yield Shown("figure_5", Chart("Slip factor of every roller over the speed", *_SPEED, *_FACTOR, lines))
+
+
+def _chart_6(it: Machine) -> Iterator[Shown]:
+    sweep = it.over_preload
+    lines = _lines(it.rollers, sweep.preload_N, sweep.slip.as_plotted[:, 0], "roller {}")
+    across = ("preload_N", "Preload of the tensioners F [N]")
+    yield Shown("figure_6", Chart("Slip factor of every roller over the preload", *across, *_FACTOR, lines))
+
+
+def _chart_7(it: Machine) -> Iterator[Shown]:
+    sweep, rpm = it.over_both, _rpm(it, it.over_both.speed_m_s)
+    for name in _WATCHED if it.published else it.rollers:
+        values = sweep.slip.of(name, "as_plotted")
+        lines = tuple(
+            Line(f"F = {F:.4g} N", rpm, row) for F, row in zip(sweep.preload_N, values, strict=True)
+        )
+        yield Shown(f"figure_7_{name}", Chart(f"Slip factor of roller {name}", *_SPEED, *_FACTOR, lines))
+
+
+PAPER = Paper(
+    title="The drive of a belt filter press, and which roller slips",
+    source="Ni B., Wen Z.: Model construction of drive system of belt filter press and filter belt slipping analysis, "
+    "Journal of Hunan University of Science and Technology (Natural Science) 30 (2), 2015",
+    system="press",
+    scene="belt-press",
+    machine=_machine,
+    items=(
+        Item(number="Table 1", says="radius R_i and wrap α_i", where="4", unit="mm, deg", given=True,
+            rows=lambda it: [
+                row for one in it.press.rollers for shown in [_TABLE_1.get(one.name, ("", ""))] for row in (
+                    Row(f"R of roller {one.name}", 1e3 * one.radius_m, shown[0]),
+                    Row(f"α of roller {one.name}", math.degrees(one.wrap_angle_rad), shown[1]))
+            ]),
+        Item(number="(1)-(5)", says="T_G = μ_f b h ρ_s g l", where="1.1", unit="N", rows=_pulls,
+            remark="h is the sludge's height here and the belt's thickness in section 4; only the pull is known"),
+        Item(number="(6)", says="M_G = R T_G", where="1.1", unit="N m", rows=_loads("gravity_torque_N_m", _GRAVITY),
+            given=True),
+        Item(number="(7), (8)", says="K_max = (1 + μ_c) σ_c²/(3 E_c)", where="1.1", unit="N/m", rows=_squeezes,
+            remark="Δh and K_max are known as a product only; roller 5 carries two units, wedge and press"),
+        Item(number="(9)", says="M_F = b R Δh K_max", where="1.1", unit="N m",
+            rows=_loads("squeeze_torque_N_m", _SQUEEZE), given=True),
+        Item(number="(10)-(20), (23)-(32)", says="J θ'' = R(T_out - T_in) - M, steady: θ'' = 0", where="1.2, 1.3, 2",
+            unit="N m", rows=_balances,
+            remark="(19), (20), (24) and (30) print M_F3 and M_F13 where M_G3 and M_G13 are meant"),
+        Item(number="(21), (22), (33), (34)", says="k_1 x = T'_2 + T'_3 cos β - F", where="1.4, 2", unit="mm",
+            rows=_travels),
+        Item(number="(23)-(34) as a whole", says="what the balances leave open", where="2", unit="N", rows=_open,
+            remark="they are 13 for 14 tensions: only T9 + T10 follows, and the paper does not say what it took; "
+            "rollers 1 and 10 depend on it, the others do not"),
+        Item(number="(35), (36)", says="the tensions at v = 0", where="2", unit="N", rows=_tensions),
+        Item(number="after (36)", says="steady angles relative to roller 1, and travels", where="2", rows=_settled,
+            remark="of belts that stick from standstill on; the paper integrates until nothing changes, which with its "
+            "damping alone takes hours"),
+        Item(number="(37), (38)", says="Λ_i = T'_(i-1)/(T'_i (e^(μα) - 1))", where="3", rows=_factors,
+            remark="(37) is (38) with ρAR²θ''/μ added to both tensions, and the same at steady speed; `solve` gives it "
+            "over a start-up. As printed Λ is not 1 at gross slip and not 0 on a roller without torque; its sign of "
+            "the added term is that of a driven roller; the indices are literal for rollers 2 to 9 only"),
+        Item(number="what it comes to", says="the limit of friction", where="4.2", rows=_critical,
+            remark="by the utilisation, required over available friction"),
+        Item(number="(39)", says="T' = T - ρAv²", where="4.1", unit="N",
+            rows=lambda it: _each(it.spans, it.answer.state.effective_tension_N[0], "T'{}"),
+            remark="it holds for each belt: where two run together T' = T - 2ρAv²; it is the limit of tensioners that "
+            "keep their place"),
+        Item(number="Fig. 4", says="steady tensions over the speed", where="4.1", rows=_figure_4, charts=_chart_4),
+        Item(number="Fig. 5", says="slip factors over the speed", where="4.2", rows=_figure_5, charts=_chart_5),
+        Item(number="Fig. 6", says="slip factors over the preload", where="4.2", rows=_figure_6, charts=_chart_6),
+        Item(number="Fig. 7", says="slip factors over preload and speed", where="4.2", rows=_figure_7, charts=_chart_7),
+    ),
+    notes=(
+        "radii, wraps and torques of the published machine are given as printed",
+        "the figures are known by what the text says of them; their numbers are not printed",
+    ),
+)  # fmt: skip

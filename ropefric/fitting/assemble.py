@@ -159,7 +159,13 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         advice=tuple(text for _, text in findings),
         notes=(*notes, *found.notes),
         common_errors=tuple(
-            item._replace(change=tuple(significant(value, GIVEN_DIGITS) for value in column))
+            # Of two parameters that are traded for each other a change may cancel: digits count from the error.
+            item._replace(
+                change=tuple(
+                    significant(value, GIVEN_DIGITS, size=sqrt(variance))
+                    for value, variance in zip(column, np.diag(full).tolist(), strict=True)
+                )
+            )
             for item, column in zip(found.common, common.T.tolist(), strict=True)
             if any(column)
         ),

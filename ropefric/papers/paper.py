@@ -13,9 +13,10 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.digits import significant
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
-from ropefric.scenes.kind import Chart, FrictionTable, Part, finite, in_words
+from ropefric.scenes.kind import Chart, FrictionTable, Line, Part, finite, in_words
 from ropefric.scenes.scene import Scene, load_scene, read_scene, source_of
 from ropefric.scenes.scene_templates import scene_text
+from ropefric.systems.checks import checked
 from ropefric.trials.table import TrialTable
 
 PAPERS = ("prth", "press", "saw")
@@ -52,6 +53,13 @@ class Shown(NamedTuple):
 
     stem: str
     chart: Chart
+
+
+def shown(
+    stem: str, title: str, across: tuple[str, str], up: tuple[str, str], lines: Iterable[Line]
+) -> Shown:
+    """Return a figure: across and up each a column's name and an axis label."""
+    return Shown(stem, Chart(title, *across, *up, tuple(lines)))
 
 
 def nothing(_: Any) -> Iterable[Any]:
@@ -161,13 +169,14 @@ class Reading:
         )
         yield Part(self.paper.title, lines=lines, notes=self.paper.notes)
         for item, rows in self.rows:
-            title = f"{item.number}  {item.says}" + (f" [{item.unit}]" if item.unit else "")
-            yield Part(
-                title,
-                lines=(f"section {item.where} of the paper",),
-                notes=(item.remark,) * bool(item.remark),
-                **_table(rows),
-            )
+            yield part_of(item, rows)
+
+
+def part_of(item: Item, rows: Iterable[Row]) -> Part:
+    """Return an item and its rows in words."""
+    title = f"{item.number}  {item.says}" + (f" [{item.unit}]" if item.unit else "")
+    notes = (item.remark,) if item.remark else ()
+    return Part(title, lines=(f"section {item.where} of the paper",), notes=notes, **_table(tuple(rows)))
 
 
 def _tree(row: Row) -> dict[str, Any]:
@@ -213,12 +222,19 @@ def read_paper(
     scene: Path | None = None,
     trials: TrialTable | None = None,
     fit: Path | None = None,
-    reference_N: float = 1.0,
+    reference_N: float | None = None,
 ) -> Reading:
     """Return a paper with its numbers for a scene, a fit or trials; for the machine that it publishes by default."""
     if name not in PAPERS:
         raise UnknownNameError(f"unknown paper {name!r}", key="PAPER", fix=did_you_mean(name, PAPERS))
     paper: Paper = import_module(f"ropefric.papers.{name}").PAPER
+    for given, key, what in (
+        (trials, "--trials", "reduces trials"),
+        (reference_N, "--reference-tension", "has a reference tension"),
+    ):
+        if given is not None and name != "prth":
+            raise InputError(f"only prth {what}", key=key, fix=f"leave {key} out")
+    F_0 = 1.0 if reference_N is None else float(checked("reference_tension", reference_N))
     if scene is None:
         document = TomlDocument(path=paper.scene, data=tomllib.loads(scene_text(paper.scene)), lines={})
         loaded = read_scene(document, Path(str(scenes.__file__)).parent)
@@ -236,9 +252,9 @@ def read_paper(
         source = source_of(loaded.kind, table, fit.parent)
         problem = loaded.kind.problem(table, None if source is None else source.friction)
         loaded = replace(loaded, table=table, source=source, problem=problem)
-    given = Given(loaded, scene is None and fit is None, trials, reference_N)
-    machine = paper.machine(given)
-    rows = tuple((item, tuple(_of(given, item.rows(machine)))) for item in paper.items)
+    case = Given(loaded, scene is None and fit is None, trials, F_0)
+    machine = paper.machine(case)
+    rows = tuple((item, tuple(_of(case, item.rows(machine)))) for item in paper.items)
     whose = paper.of if scene is None else str(scene)
     named = [whose, *([f"the fit {fit}"] if fit else []), *([trials.source] if trials is not None else [])]
     return Reading(name=name, paper=paper, of=", ".join(named), machine=machine, rows=rows)

@@ -9,8 +9,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.papers.paper import Given, Item, Paper, Row, Shown
-from ropefric.scenes.kind import Chart, Line
+from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
+from ropefric.scenes.kind import Line
 from ropefric.systems.effect import assemble
 from ropefric.systems.press.answer import PressAnswer, solve_press
 from ropefric.systems.press.critical import PressSweep, critical
@@ -270,46 +270,35 @@ def _figure_7(it: Machine) -> Iterator[Row]:
     yield from _said(it, "the preload matters more than the speed", weaker)
 
 
-def _lines(names: Iterable[str], x: FloatArray, values: FloatArray, form: str) -> tuple[Line, ...]:
-    return tuple(Line(form.format(name), x, line) for name, line in zip(names, values.T, strict=True))
-
-
-def _rpm(it: Machine, speed_m_s: FloatArray) -> FloatArray:
-    return np.asarray(speed_m_s / it.press.drivers[0].radius_m * 30.0 / math.pi)
-
-
 _SPEED = ("driver_rpm", "Speed of the first driver n [1/min]")
-_FACTOR = ("slip_factor", "Slip factor Λ, inverted ratio [-]")
+_PRELOAD = ("preload_N", "Preload of the tensioners F [N]")
+_TENSION, _FACTOR = ("effective_tension_N", "T' [N]"), ("slip_factor", "Slip factor Λ, inverted ratio [-]")
 
 
-def _chart_4(it: Machine) -> Iterator[Shown]:
-    lines = _lines(it.spans, _rpm(it, it.over_speed.speed_m_s), it.over_speed.effective_tension_N[0], "T'{}")
-    yield Shown(
-        "figure_4", Chart("Steady tensions over the speed", *_SPEED, "effective_tension_N", "T' [N]", lines)
-    )
+def _lines(names: Iterable[str], x: FloatArray, values: FloatArray, form: str) -> list[Line]:
+    return [Line(form.format(name), x, line) for name, line in zip(names, values.T, strict=True)]
 
 
-def _chart_5(it: Machine) -> Iterator[Shown]:
-    sweep = it.over_speed
-    lines = _lines(it.rollers, _rpm(it, sweep.speed_m_s), sweep.slip.as_plotted[0], "roller {}")
-    yield Shown("figure_5", Chart("Slip factor of every roller over the speed", *_SPEED, *_FACTOR, lines))
+def _charts(number: int) -> Callable[[Machine], Iterator[Shown]]:
+    def charts(it: Machine) -> Iterator[Shown]:
+        rpm = it.over_speed.speed_m_s / it.press.drivers[0].radius_m * 30.0 / math.pi
+        over_F, factor = it.over_preload, "Slip factor of every roller"
+        if number == 4:
+            lines = _lines(it.spans, rpm, it.over_speed.effective_tension_N[0], "T'{}")
+            yield shown("figure_4", "Steady tensions over the speed", _SPEED, _TENSION, lines)
+        elif number == 5:
+            lines = _lines(it.rollers, rpm, it.over_speed.slip.as_plotted[0], "roller {}")
+            yield shown("figure_5", f"{factor} over the speed", _SPEED, _FACTOR, lines)
+        elif number == 6:
+            lines = _lines(it.rollers, over_F.preload_N, over_F.slip.as_plotted[:, 0], "roller {}")
+            yield shown("figure_6", f"{factor} over the preload", _PRELOAD, _FACTOR, lines)
+        else:
+            forces = [f"{F:.4g}" for F in it.over_both.preload_N]
+            for name in _WATCHED if it.published else it.rollers:
+                lines = _lines(forces, rpm, it.over_both.slip.of(name, "as_plotted").T, "F = {} N")
+                yield shown(f"figure_7_{name}", f"Slip factor of roller {name}", _SPEED, _FACTOR, lines)
 
-
-def _chart_6(it: Machine) -> Iterator[Shown]:
-    sweep = it.over_preload
-    lines = _lines(it.rollers, sweep.preload_N, sweep.slip.as_plotted[:, 0], "roller {}")
-    across = ("preload_N", "Preload of the tensioners F [N]")
-    yield Shown("figure_6", Chart("Slip factor of every roller over the preload", *across, *_FACTOR, lines))
-
-
-def _chart_7(it: Machine) -> Iterator[Shown]:
-    sweep, rpm = it.over_both, _rpm(it, it.over_both.speed_m_s)
-    for name in _WATCHED if it.published else it.rollers:
-        values = sweep.slip.of(name, "as_plotted")
-        lines = tuple(
-            Line(f"F = {F:.4g} N", rpm, row) for F, row in zip(sweep.preload_N, values, strict=True)
-        )
-        yield Shown(f"figure_7_{name}", Chart(f"Slip factor of roller {name}", *_SPEED, *_FACTOR, lines))
+    return charts
 
 
 PAPER = Paper(
@@ -356,10 +345,11 @@ PAPER = Paper(
             rows=lambda it: _each(it.spans, it.answer.state.effective_tension_N[0], "T'{}"),
             remark="it holds for each belt: where two run together T' = T - 2ρAv²; it is the limit of tensioners that "
             "keep their place"),
-        Item(number="Fig. 4", says="steady tensions over the speed", where="4.1", rows=_figure_4, charts=_chart_4),
-        Item(number="Fig. 5", says="slip factors over the speed", where="4.2", rows=_figure_5, charts=_chart_5),
-        Item(number="Fig. 6", says="slip factors over the preload", where="4.2", rows=_figure_6, charts=_chart_6),
-        Item(number="Fig. 7", says="slip factors over preload and speed", where="4.2", rows=_figure_7, charts=_chart_7),
+        Item(number="Fig. 4", says="steady tensions over the speed", where="4.1", rows=_figure_4, charts=_charts(4)),
+        Item(number="Fig. 5", says="slip factors over the speed", where="4.2", rows=_figure_5, charts=_charts(5)),
+        Item(number="Fig. 6", says="slip factors over the preload", where="4.2", rows=_figure_6, charts=_charts(6)),
+        Item(number="Fig. 7", says="slip factors over preload and speed", where="4.2", rows=_figure_7,
+            charts=_charts(7)),
     ),
     notes=(
         "radii, wraps and torques of the published machine are given as printed",

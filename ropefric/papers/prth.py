@@ -1,9 +1,10 @@
 """The rope-wheel friction of a portable rope track hoist (PRTH): the paper's equations, and its reduction of trials."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,8 +16,8 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, levels
 from ropefric.friction.law import FrictionLaw
-from ropefric.papers.paper import Given, Item, Paper, Row, Shown
-from ropefric.scenes.kind import Chart, Line
+from ropefric.papers.paper import Given, Item, Paper, Row, Shown, part_of, shown
+from ropefric.scenes.kind import Line, Part
 from ropefric.systems.effect import assemble
 from ropefric.systems.hoist.contact import Lift, solve_lift, tension_along_N
 from ropefric.systems.hoist.effects import SYSTEM
@@ -53,6 +54,11 @@ class Series(NamedTuple):
         """Return ln(F_A/F_B)/φ, eq. (2)."""
         return np.asarray((self.log_lift - self.at.log_end_tension) / self.at.wrap_angle_rad)
 
+    @property
+    def ratio(self) -> FloatArray:
+        """Return F_A/F_B."""
+        return np.exp(self.log_lift - self.at.log_end_tension)
+
 
 class Reduction(NamedTuple):
     """What the paper's experiment makes of trials: a series over each setting, and the laws it puts beside them.
@@ -64,7 +70,11 @@ class Reduction(NamedTuple):
     series: dict[str, Series]
     sizes: tuple[FitResult, ...]
     wraps: tuple[FitResult, ...]
-    both: FitResult | None
+    both: tuple[FitResult, ...]
+
+    def laws_over(self, setting: str) -> tuple[FitResult, ...]:
+        """Return the two laws that the paper puts beside a series."""
+        return self.sizes if setting == "wheel_radius_m" else self.wraps
 
 
 def reduce_trials(trials: TrialTable) -> Reduction:
@@ -79,7 +89,7 @@ def reduce_trials(trials: TrialTable) -> Reduction:
         wheel = np.isclose(trials.wheel_radius_m, own.wheel_radius_m[0], rtol=1e-6)
         rope = np.isclose(trials.rope_radius_m, own.rope_radius_m[0], rtol=1e-6)
         wraps = _fitted(replace(trials, kept=trials.kept & wheel & rope), "wrap-exponential", "wrap-power")
-    return Reduction(found, sizes, wraps, next(iter(_fitted(trials, "coupled")), None))
+    return Reduction(found, sizes, wraps, _fitted(trials, "coupled"))
 
 
 def _fitted(trials: TrialTable, *names: str) -> tuple[FitResult, ...]:
@@ -137,6 +147,12 @@ def segments(wraps: Series) -> Segments:
     force = np.concatenate([wraps.at.log_end_tension[:1], wraps.log_lift])
     std = np.concatenate([[0.0], wraps.std])
     return Segments(ends, force, np.diff(force) / np.diff(ends), np.hypot(std[1:], std[:-1]) / np.diff(ends))
+
+
+class Trials(NamedTuple):
+    """What is made of trials, without a hoist."""
+
+    reduction: Reduction
 
 
 class Machine(NamedTuple):
@@ -209,82 +225,103 @@ def _example(_: Machine) -> Iterator[Row]:
 
 
 def _euler(it: Machine) -> Iterator[Row]:
-    yield Row("F_B [N]", float(it.lift.end_tension_N[0]))
-    yield Row("F_A [N], eq. (17) with all effects of the scene", float(it.lift.lift_force_N[0]))
-    yield Row("F_A/F_B", float(it.lift.lift_force_N[0] / it.lift.end_tension_N[0]))
+    end_N, force_N = float(it.lift.end_tension_N[0]), float(it.lift.lift_force_N[0])
+    yield Row("F_B [N]", end_N)
+    yield Row("F_A [N], eq. (17) with all effects of the scene", force_N)
+    yield Row("F_A/F_B", force_N / end_N)
     yield Row("average μ = ln(F_A/F_B)/φ over the contact", float(it.lift.average_mu[0]))
 
 
 def _figure_1(it: Machine) -> Iterator[Row]:
-    problem = it.lift.model.problem
-    yield Row("centrifugal part ρω²r² [N]", float(problem.circling_N[0]))
+    yield Row("centrifugal part ρω²r² [N]", float(it.lift.model.problem.circling_N[0]))
     yield Row("wrap φ in contact [deg]", math.degrees(it.lift.contact_rad[0]))
     if it.lift.arcs is None:
-        yield Row(
-            "slip θ and stick φ - θ [deg]", None, remark="θ = φ at the lift force; a payload asks for less"
-        )
+        yield Row("slip θ and stick φ - θ", None, remark="θ = φ at the lift force; a payload asks for less")
+    else:
+        yield Row("slip θ under the payload [deg]", math.degrees(it.lift.arcs.slip_rad[0]))
+        yield Row("stick φ - θ under the payload [deg]", math.degrees(it.lift.arcs.stick_rad[0]))
+
+
+def _chart_1(it: Machine) -> Iterator[Shown]:
+    arcs = it.lift.arcs
+    if arcs is None or not np.isfinite(arcs.slip_rad).all():
         return
-    for name, arc in it.lift.arcs._asdict().items():
-        yield Row(f"{name[:-4]} arc under the payload [deg]", math.degrees(arc[0]))
+    ends = np.cumsum([0.0, arcs.slip_rad[0], arcs.stick_rad[0]])
+    pieces = {"slips": ends[:2], "sticks": ends[1:]}
+    angles = {name: np.linspace(one[0], one[1], _STEPS) for name, one in pieces.items()}
+    lines = [Line(name, np.degrees(one), tension_along_N(it.lift, one)) for name, one in angles.items()]
+    up = ("tension_N", "Tension F [N]")
+    across = ("wrap_angle_deg", "Angle from the slack side [deg]")
+    yield shown(
+        "figure_1", "Tension along the rope on the turning wheel, under the payload", across, up, lines
+    )
 
 
-def _parameters(
-    fits: Callable[[Reduction], Iterable[FitResult | None]],
-) -> Callable[[Machine], Iterator[Row]]:
-    def rows(it: Machine) -> Iterator[Row]:
-        if it.reduction is None:
-            return
-        for fit in fits(it.reduction):
-            if fit is None:
-                continue
-            for one in fit.parameters:
-                yield Row(f"{one.name} of {fit.law}", one.value, remark=f"± {one.std:.2g}")
-            if fit.law == "coupled":
+def _of_laws(*names: str) -> Callable[[Machine | Trials], Iterator[Row]]:
+    """Give the parameters of fitted laws."""
+
+    def rows(it: Machine | Trials) -> Iterator[Row]:
+        found = it.reduction
+        for fit in () if found is None else (*found.sizes, *found.wraps, *found.both):
+            if fit.law in names:
+                for one in fit.parameters:
+                    yield Row(f"{one.name} of {fit.law}", one.value, remark=f"± {one.std:.2g}")
+            if fit.law == "coupled" and fit.law in names:
                 for name, value in zip(("μ_inf", "b"), bracket_of_16(fit.theta), strict=True):
                     yield Row(f"{name} in the bracket of (16) as printed", value)
 
     return rows
 
 
-def _equation(*numbers: str) -> Callable[[Reduction], Iterable[FitResult | None]]:
-    return lambda found: [
-        fit for fit in (*found.sizes, *found.wraps, found.both) if fit is not None and fit.law in numbers
-    ]
+def _over(
+    setting: str, rows: Callable[[Series, Reduction], Iterator[Any]]
+) -> Callable[[Machine | Trials], Iterator[Any]]:
+    """Return what to give of a series, nothing where there is none."""
+
+    def of(it: Machine | Trials) -> Iterator[Any]:
+        if it.reduction is not None and setting in it.reduction.series:
+            yield from rows(it.reduction.series[setting], it.reduction)
+
+    return of
 
 
-def _segments(it: Machine) -> Iterator[Row]:
-    wraps = it.reduction and it.reduction.series.get("wrap_angle_rad")
-    if not wraps:
-        yield Row("segments", None, remark="no three wraps on one wheel under one end tension were tested")
-        return
+_wraps, _wheels = partial(_over, "wrap_angle_rad"), partial(_over, "wheel_radius_m")
+
+
+def _segments(wraps: Series, _: Reduction) -> Iterator[Row]:
     cut = segments(wraps)
-    for start, end, mu, std in zip(
-        *np.degrees((cut.ends_rad[:-1], cut.ends_rad[1:])), cut.mu, cut.std, strict=True
-    ):
+    widths, ends_deg = np.diff(cut.ends_rad), np.degrees(cut.ends_rad)
+    for start, end, mu, std in zip(ends_deg[:-1], ends_deg[1:], cut.mu, cut.std, strict=True):
         yield Row(
             f"μ from {start:.4g} to {end:.4g} deg", float(mu), remark=f"± {std:.2g}" if std > 0.0 else ""
         )
-    widths = np.diff(cut.ends_rad)
     yield Row("(7), (9): Σ μ_m φ_m / φ", float(cut.mu @ widths / widths.sum()))
+    equal = np.ptp(widths) < 1e-9
     yield Row(
-        "(8), (10): equal weights",
-        float(cut.mu.mean()),
-        remark="" if np.ptp(widths) < 1e-9 else "parts not equal",
+        "(8), (10): equal weights", float(cut.mu.mean()), remark="" if equal else "the pieces are not equal"
     )
     yield Row("ln(F_A/F_B)/φ over it all", float(wraps.average_mu[-1]))
 
 
-def _local(it: Machine) -> Iterator[Row]:
-    wraps = it.reduction and it.reduction.series.get("wrap_angle_rad")
-    if not wraps or it.reduction is None:
-        return
+def _local(wraps: Series, found: Reduction) -> Iterator[Row]:
     cut = segments(wraps)
-    for fit in it.reduction.wraps:
-        local = fit.friction_law.local_mu(
-            fit.theta, cut.middle_rad, wraps.at.select(np.zeros(len(cut.mu), np.int64))
-        )
+    at = wraps.at.select(np.zeros(len(cut.mu), np.int64))
+    for fit in found.wraps:
+        local = fit.friction_law.local_mu(fit.theta, cut.middle_rad, at)
         for middle, mu, own in zip(np.degrees(cut.middle_rad), local, cut.mu, strict=True):
             yield Row(f"μ({middle:.4g} deg) by {fit.law}", float(mu), remark=f"measured {own:.4g}")
+
+
+def _points(series: Series, _: Reduction) -> Iterator[Row]:
+    for x, mu, ratio in zip(series.x, series.average_mu, series.ratio, strict=True):
+        yield Row(f"μ at {x:.4g} {_OVER[series.over][2]}", float(mu), remark=f"F_A/F_B = {ratio:.4g}")
+
+
+def _misses(series: Series, found: Reduction) -> Iterator[Row]:
+    """Give the root mean square of ln F_A by which both laws of a figure miss its points."""
+    for fit in found.laws_over(series.over):
+        off = fit.friction_law.log_lift(fit.theta, series.at) - series.log_lift
+        yield Row(f"rms miss of ln F_A by {_NAMES[fit.law]}", float(np.sqrt(np.mean(off**2))))
 
 
 def _lift(it: Machine) -> Iterator[Row]:
@@ -306,142 +343,67 @@ def _start_rad(it: Machine, reference_N: float) -> float:
     return math.exp(brentq(surplus, -600.0, 10.0, xtol=1e-12)) if log_end > 0.0 else 0.0
 
 
-_RATIO, _MU = ("ratio", "F_A/F_B [-]"), ("mu_average", "Average coefficient μ [-]")
-
-
-def _panels(over: str) -> Callable[[Machine], Iterator[Shown]]:
-    def charts(it: Machine) -> Iterator[Shown]:
-        found = it.reduction and it.reduction.series.get(over)
-        if found:
-            yield from panels(found)
-
-    return charts
-
-
-def panels(found: Series) -> Iterator[Shown]:
-    """Yield the two panels of Figs 4 to 6: coefficient and ratio of the forces over what was varied."""
-    number, words, unit, _ = _OVER[found.over]
-    across = (found.over, f"{words[:1].upper()}{words[1:]} [{unit}]")
-    ratio = np.exp(found.log_lift - found.at.log_end_tension)
-    for (column, label), values in ((_MU, found.average_mu), (_RATIO, ratio)):
-        line = Line("measured", found.x, values, points=True)
-        yield Shown(f"figure_{number}_{column}", Chart(f"{label.rpartition(' [')[0]} over the {words}", *across,
-            column, label, (line,)))  # fmt: skip
-
-
-def _along(found: Series, fit: FitResult) -> tuple[FloatArray, FloatArray, Conditions]:
-    """Return fine steps over a series, in the unit of its figure, ln F_A by a law, and the conditions."""
-    values = getattr(found.at, found.over)
-    fine = np.linspace(values[0], values[-1], _STEPS)
-    one = {name: np.full(_STEPS, getattr(found.at, name)[0]) for name in SETTINGS}
-    at = Conditions(**one | {found.over: fine})
-    return fine * _OVER[found.over][3], fit.friction_law.log_lift(fit.theta, at), at
-
-
-def size_chart(found: Reduction) -> Iterator[Shown]:
-    """Yield Fig. 7: average coefficient over R_w/R_r, measured and by both laws, whichever is the better."""
-    series = found.series.get("wheel_radius_m")
-    if series is None:
-        return
-    lines = [Line("measured", series.at.size_ratio, series.average_mu, points=True)]
-    for fit in found.sizes:
-        _, log, at = _along(series, fit)
-        lines.append(Line(_NAMES[fit.law], at.size_ratio, (log - at.log_end_tension) / at.wrap_angle_rad))
-    yield Shown(
-        "figure_7",
-        Chart("Size effect: measured, and both laws", "size_ratio", "R_w/R_r [-]", *_MU, tuple(lines)),
-    )
-
-
-def wrap_charts(found: Reduction) -> Iterator[Shown]:
-    """Yield Fig. 8: ln F_A over the wrap and its derivative, measured and by both laws."""
-    series = found.series.get("wrap_angle_rad")
-    if series is None:
-        return
-    cut = segments(series)
-    forces = [Line("measured", series.x, series.log_lift, points=True)]
-    local = [Line("measured, piece by piece", np.degrees(cut.middle_rad), cut.mu, points=True)]
-    for fit in found.wraps:
-        x, log, at = _along(series, fit)
-        forces.append(Line(_NAMES[fit.law], x, log))
-        local.append(Line(_NAMES[fit.law], x, fit.friction_law.local_mu(fit.theta, at.wrap_angle_rad, at)))
-    across = ("wrap_angle_deg", "Wrap φ [deg]")
-    yield Shown("figure_8_log_lift", Chart("Wrap: measured ln F_A, and both laws", *across, "log_lift", "ln F_A [-]",
-        tuple(forces)))  # fmt: skip
-    yield Shown(
-        "figure_8_mu",
-        Chart("Wrap: local coefficient, eq. (13)", *across, "mu_local", "μ(φ) [-]", tuple(local)),
-    )
-
-
-def _figure_9(it: Machine) -> Iterator[Shown]:
-    fit = it.reduction and it.reduction.both
-    series = it.reduction and it.reduction.series.get("wheel_radius_m")
-    if not fit or not series:
-        return
-    wrap_rad, lines = np.radians(np.linspace(20.0, 1080.0, _STEPS)), []
-    for radius_m in series.at.wheel_radius_m:
-        at = Conditions(wheel_radius_m=np.full(_STEPS, radius_m), rope_radius_m=series.at.rope_radius_m[:1],
-            wrap_angle_rad=wrap_rad, end_tension_N=np.ones(1))  # fmt: skip
-        mu = fit.friction_law.local_mu(fit.theta, wrap_rad, at)
-        lines.append(Line(f"R_w = {1e3 * radius_m:.4g} mm", np.degrees(wrap_rad), mu))
-    yield Shown("figure_9", Chart("Wheel and wrap together, eq. (16), from F_0 on", "wrap_angle_deg", "φ [deg]", "mu_local",
-        "μ(φ) [-]", tuple(lines)))  # fmt: skip
-
-
-def _chart_1(it: Machine) -> Iterator[Shown]:
-    arcs = it.lift.arcs
-    if arcs is None or not np.isfinite(arcs.slip_rad).all():
-        return
-    ends = np.cumsum([0.0, arcs.slip_rad[0], arcs.stick_rad[0]])
-    lines = tuple(
-        Line(name, np.degrees(angle), tension_along_N(it.lift, angle))
-        for name, start, end in (("slips", 0, 1), ("sticks", 1, 2))
-        for angle in [np.linspace(ends[start], ends[end], _STEPS)]
-    )
-    yield Shown("figure_1", Chart("Tension along the rope on the turning wheel, under the payload", "wrap_angle_deg",
-        "Angle from the slack side [deg]", "tension_N", "Tension F [N]", lines))  # fmt: skip
-
-
 _NAMES = {
     "size-power": "(3), size-power",
     "size-exponential": "(4), size-exponential",
     "wrap-exponential": "(14), wrap-exponential",
     "wrap-power": "(15), wrap-power",
 }
+_MU, _LOCAL = ("mu_average", "Average coefficient μ [-]"), ("mu_local", "Local coefficient μ(φ) [-]")
+_WRAP, _SIZE = ("wrap_angle_deg", "Wrap φ [deg]"), ("size_ratio", "R_w/R_r [-]")
 
 
-def _off(fit: FitResult, at: Conditions, log_lift: FloatArray) -> float:
-    """Return the root mean square of ln F_A by which a law misses conditions."""
-    return float(np.sqrt(np.mean((fit.friction_law.log_lift(fit.theta, at) - log_lift) ** 2)))
+def panels(series: Series, _: Reduction) -> Iterator[Shown]:
+    """Yield the two panels of Figs 4 to 6: coefficient and ratio of the forces over what was varied."""
+    number, words, unit, _factor = _OVER[series.over]
+    across = (series.over, f"{words[:1].upper()}{words[1:]} [{unit}]")
+    for up, values in ((_MU, series.average_mu), (("ratio", "F_A/F_B [-]"), series.ratio)):
+        line = Line("measured", series.x, values, points=True)
+        yield shown(f"figure_{number}_{up[0]}", f"{up[1][:-4]} over the {words}", across, up, [line])
 
 
-def _both_laws(over: str) -> Callable[[Machine], Iterator[Row]]:
-    """Give by how much both laws of a figure miss its points."""
-
-    def rows(it: Machine) -> Iterator[Row]:
-        found = it.reduction and it.reduction.series.get(over)
-        if not found or it.reduction is None:
-            return
-        for fit in it.reduction.sizes if over == "wheel_radius_m" else it.reduction.wraps:
-            yield Row(f"rms miss of ln F_A by {_NAMES[fit.law]}", _off(fit, found.at, found.log_lift))
-
-    return rows
+def _fine(series: Series) -> Conditions:
+    """Return fine steps over a series."""
+    values = getattr(series.at, series.over)
+    one = {name: getattr(series.at, name)[:1] for name in SETTINGS}
+    return Conditions(**one | {series.over: np.linspace(values[0], values[-1], _STEPS)})
 
 
-def _points(over: str) -> Callable[[Machine], Iterator[Row]]:
-    def rows(it: Machine) -> Iterator[Row]:
-        found = it.reduction and it.reduction.series.get(over)
-        if not found:
-            yield Row(f"over the {_OVER[over][1]}", None, remark="not varied by itself over three values")
-            return
-        for x, mu, rise in zip(
-            found.x, found.average_mu, found.log_lift - found.at.log_end_tension, strict=True
-        ):
-            ratio = f"F_A/F_B = {math.exp(rise):.4g}"
-            yield Row(f"μ at {x:.4g} {_OVER[over][2]}", float(mu), remark=ratio)
+def size_chart(series: Series, found: Reduction) -> Iterator[Shown]:
+    """Yield Fig. 7: average coefficient over R_w/R_r, measured and by both laws, whichever is the better."""
+    at, lines = _fine(series), [Line("measured", series.at.size_ratio, series.average_mu, points=True)]
+    lines += [
+        Line(_NAMES[fit.law], at.size_ratio, fit.friction_law.average_mu(fit.theta, at))
+        for fit in found.sizes
+    ]
+    yield shown("figure_7", "Size effect: measured, and both laws", _SIZE, _MU, lines)
 
-    return rows
+
+def wrap_charts(series: Series, found: Reduction) -> Iterator[Shown]:
+    """Yield Fig. 8: ln F_A over the wrap and its derivative, measured and by both laws."""
+    at, cut = _fine(series), segments(series)
+    x = np.degrees(at.wrap_angle_rad)
+    forces = [Line("measured", series.x, series.log_lift, points=True)]
+    local = [Line("measured, piece by piece", np.degrees(cut.middle_rad), cut.mu, points=True)]
+    for fit in found.wraps:
+        law, name = fit.friction_law, _NAMES[fit.law]
+        forces.append(Line(name, x, law.log_lift(fit.theta, at)))
+        local.append(Line(name, x, law.local_mu(fit.theta, at.wrap_angle_rad, at)))
+    up = ("log_lift", "ln F_A [-]")
+    yield shown("figure_8_log_lift", "Wrap: measured ln F_A, and both laws", _WRAP, up, forces)
+    yield shown("figure_8_mu", "Wrap: local coefficient, eq. (13)", _WRAP, _LOCAL, local)
+
+
+def coupled_chart(series: Series, found: Reduction) -> Iterator[Shown]:
+    """Yield Fig. 9: the coefficient of (16) over the wrap from F_0 on, a line for each wheel."""
+    wrap_rad = np.radians(np.linspace(20.0, 1080.0, _STEPS))
+    for fit in found.both:
+        lines = []
+        for i, radius_m in enumerate(series.at.wheel_radius_m):
+            at = replace(series.at.select(np.full(_STEPS, i)), end_tension_N=np.ones(_STEPS))
+            mu = fit.friction_law.local_mu(fit.theta, wrap_rad, at)
+            lines.append(Line(f"R_w = {1e3 * radius_m:.4g} mm", np.degrees(wrap_rad), mu))
+        yield shown("figure_9", "Wheel and wrap together, eq. (16), from F_0 on", _WRAP, _LOCAL, lines)
 
 
 PAPER = Paper(
@@ -455,34 +417,35 @@ PAPER = Paper(
         Item(number="(1), Fig. 1", says="the element with its mass, and the slip angle θ of the wrap φ", where="1",
             rows=_figure_1, charts=_chart_1),
         Item(number="(2)", says="F_A/F_B = e^(μφ)", where="1", rows=_euler),
-        Item(number="Fig. 3 (b)", says="repeats beyond mean ± 2s are rejected once", where="2.2", unit="N", rows=_example,
-            remark="no series is printed: one of 15 forces with the printed mean and s"),
+        Item(number="Fig. 3 (b)", says="repeats beyond mean ± 2s are rejected once", where="2.2", unit="N",
+            rows=_example, remark="no series is printed: one of 15 forces with the printed mean and s"),
         *(
             Item(number=f"Fig. {number}", says=f"coefficient and ratio of forces over the {words}", where="3",
-                rows=_points(over), charts=_panels(over))
+                rows=_over(over, _points), charts=_over(over, panels))
             for over, (number, words, _, _) in _OVER.items()
         ),
         Item(number="(3)", says="μ = μ_inf (R_w/(R_r + R_w))^a + b", where="3.1",
-            rows=_parameters(_equation("size-power"))),
+            rows=_of_laws("size-power")),
         Item(number="(4)", says="μ = μ_inf (1 - e^(a R_w/R_r + b))", where="3.1",
-            rows=_parameters(_equation("size-exponential"))),
-        Item(number="Fig. 7", says="both laws of size beside the trials", where="3.1", rows=_both_laws("wheel_radius_m"),
-            charts=lambda it: size_chart(it.reduction) if it.reduction else (),
+            rows=_of_laws("size-exponential")),
+        Item(number="Fig. 7", says="both laws of size beside the trials", where="3.1", rows=_wheels(_misses),
+            charts=_wheels(size_chart),
             remark="the paper finds (4) the better of the two"),
-        Item(number="(5)-(10)", says="ln F_j - ln F_i = Σ μ_m φ_m", where="3.2", rows=_segments,
+        Item(number="(5)-(10)", says="ln F_j - ln F_i = Σ μ_m φ_m", where="3.2", rows=_wraps(_segments),
             remark="(8) and (10) weigh the pieces equally, which is right for equal pieces only"),
-        Item(number="(11)-(13)", says="∫μ dφ = ln F - ln F_0, μ(φ) = d ln F/dφ", where="3.2", rows=_local,
+        Item(number="(11)-(13)", says="∫μ dφ = ln F - ln F_0, μ(φ) = d ln F/dφ", where="3.2",
+            rows=_wraps(_local),
             remark="the law through the integral beside the differences of the trials, whose noise is amplified"),
-        Item(number="(14)", says="μ(φ) = a e^(bφ) + c", where="3.2", rows=_parameters(_equation("wrap-exponential"))),
-        Item(number="(15)", says="μ(φ) = a φ^b + c", where="3.2", rows=_parameters(_equation("wrap-power")),
+        Item(number="(14)", says="μ(φ) = a e^(bφ) + c", where="3.2", rows=_of_laws("wrap-exponential")),
+        Item(number="(15)", says="μ(φ) = a φ^b + c", where="3.2", rows=_of_laws("wrap-power"),
             remark="the paper's choice; a wrap series under one end tension cannot tell its parameters apart, so all "
             "end tensions on that wheel are taken"),
-        Item(number="Fig. 8", says="both laws of wrap beside the trials", where="3.2", rows=_both_laws("wrap_angle_rad"),
-            charts=lambda it: wrap_charts(it.reduction) if it.reduction else ()),
+        Item(number="Fig. 8", says="both laws of wrap beside the trials", where="3.2", rows=_wraps(_misses),
+            charts=_wraps(wrap_charts)),
         Item(number="(16)", says="μ(φ) = μ_R φ^c + d, μ_R = μ_inf (1 - e^(a r)) + b", where="3.3",
-            rows=_parameters(_equation("coupled")),
+            rows=_of_laws("coupled"),
             remark="its bracket is not that of (4), which `coupled` has; both are one family, A - B e^(a r)"),
-        Item(number="Fig. 9", says="wheel and wrap together", where="3.3", charts=_figure_9),
+        Item(number="Fig. 9", says="wheel and wrap together", where="3.3", charts=_wheels(coupled_chart)),
         Item(number="(17)", says="F_A = F_B exp ∫μ dφ from φ0 to φ0 + φ", where="3.3", rows=_lift,
             remark="F_0 = 1 N is a physical reference and no free scale: (15), (16) give another force for another F_0"),
     ),
@@ -491,3 +454,16 @@ PAPER = Paper(
         "Fig. 2 shows the test bench, Fig. 3 (a) a recording, which `extract` draws for each condition",
     ),
 )  # fmt: skip
+
+
+def reduction_of(trials: TrialTable) -> tuple[list[Part], list[Shown]]:
+    """Return the paper's reduction of trials by itself, for a report: in words and tables, and as figures.
+
+    Nothing where no setting was varied by itself.
+    """
+    found = Trials(reduce_trials(trials))
+    if not found.reduction.series:
+        return [], []
+    rows = {item: tuple(item.rows(found)) for item in PAPER.items[3:-1]}
+    charts = [one for item in rows for one in item.charts(found)]
+    return [part_of(item, some) for item, some in rows.items() if some], charts

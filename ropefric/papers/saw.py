@@ -8,8 +8,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.papers.paper import Given, Item, Paper, Row, Shown
-from ropefric.scenes.kind import Chart, Line
+from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
+from ropefric.scenes.kind import Line
 from ropefric.systems.bandsaw.answer import SawProblem, torsion_frequencies_Hz
 from ropefric.systems.bandsaw.feed import feed_limit_N
 from ropefric.systems.bandsaw.measured import deviations, explain_mounting
@@ -30,9 +30,10 @@ _PRINTED = {
     ("3", Side.SLACK, "running"): "21.0 42.0 63.0 84.0 105.0 126.0",
 }
 """Tables 1 to 3 by table, side and state: the first six modes [Hz]."""
+_CUT, _MISPRINT = "cut off, not rounded", "misprint: the printed speeds give 18.87"
 _MISPRINTS = {
     ("2", Side.SLACK, "tensioned", 5): "misprint for 116.5, which is 5 × 23.3",
-    ("2", Side.TIGHT, "running", 1): "misprint: the printed speeds give 18.87",
+    ("2", Side.TIGHT, "running", 1): _MISPRINT,
     ("3", Side.TIGHT, "running", 5): "misprint for 109.0, which is 5 × 21.8",
 }
 
@@ -85,20 +86,15 @@ def _one(of: str, value: float, printed: str = "", remark: str = "") -> Row:
     return Row(of, float(value), printed, remark)
 
 
-def _speeds(table: str, printed: tuple[str, str]) -> Callable[[Machine], Iterator[Row]]:
+def _both_sides(
+    what: str, table: str, printed: tuple[str, str], remarks: tuple[str, str] = ("", "")
+) -> Callable[[Machine], Iterator[Row]]:
+    """Give the wave speed or the first frequency of both running sides."""
+
     def rows(it: Machine) -> Iterator[Row]:
-        for side, shown in zip(_RUNNING, printed, strict=True):
-            remark = "with the printed 761 N; 754.2 N give this" if table == "3" else ""
-            yield _one(f"c, {side} side", it.span(side, table).wave_speed_m_s[0], shown, remark)
-
-    return rows
-
-
-def _first(table: str, printed: tuple[str, str]) -> Callable[[Machine], Iterator[Row]]:
-    def rows(it: Machine) -> Iterator[Row]:
-        for side, shown in zip(_RUNNING, printed, strict=True):
-            remark = _MISPRINTS.get((table, side, "running", 1), "cut off, not rounded")
-            yield _one(f"f_1, {side} side", it.modes_Hz(side, table)[0], shown, remark)
+        for side, text, remark in zip(_RUNNING, printed, remarks, strict=True):
+            value = it.span(side, table).wave_speed_m_s[0] if what == "c" else it.modes_Hz(side, table)[0]
+            yield _one(f"{what}, {side} side", value, text, remark)
 
     return rows
 
@@ -109,9 +105,9 @@ def _table(table: str) -> Callable[[Machine], Iterator[Row]]:
             if own == table:
                 first, found = text.split()[0], it.modes_Hz(side, table, runs=state == "running")
                 for mode, (value, shown) in enumerate(zip(found, text.split(), strict=True), start=1):
-                    remark = "cut off, not rounded" if table == "1" else f"{mode} × the rounded {first}"
+                    remark = _CUT if table == "1" else f"{mode} × the rounded {first}"
                     if mode == 1:
-                        remark = "with the printed 761 N" if table == "3" else "cut off, not rounded"
+                        remark = "with the printed 761 N" if table == "3" else _CUT
                     remark = _MISPRINTS.get((table, side, state, mode), remark)
                     name = "at rest" if side is Side.REST else f"{side}, {state}"
                     yield _one(f"{name}, mode {mode}", value, shown, remark)
@@ -179,26 +175,19 @@ def _measured(it: Machine) -> Iterator[Row]:
 
 
 _PHASES = np.arange(4) / 8.0
+_PLACE, _DEFLECTION = ("place_m", "Place along the span x [m]"), ("deflection", "Deflection [-]")
+_WAVES = {"forward": "wave with the blade", "backward": "wave against it", "mode": "the two together"}
 
 
 def _pictures(side: Side, mode: int, *, runs: bool) -> Callable[[Machine], Iterator[Shown]]:
     def charts(it: Machine) -> Iterator[Shown]:
         place_m, waves = it.waves(side, mode, _PHASES, runs=runs)
         speed = f"at {it.by_table['2'].speed_m_s:.1f} m/s" if runs else "at rest"
-        for what, name in (
-            ("forward", "wave with the blade"),
-            ("backward", "wave against it"),
-            ("mode", "the two together"),
-        ):
-            lines = [
-                Line(f"t = {phase:g} T", place_m, line)
-                for phase, line in zip(_PHASES, getattr(waves, what), strict=True)
-            ]
-            yield Shown(
-                f"{'running' if runs else 'rest'}_{what}",
-                Chart(f"Mode {mode} {speed}: {name}", "place_m", "Place along the span x [m]", "deflection",
-                    "Deflection [-]", tuple(lines)),
-            )  # fmt: skip
+        for what, name in _WAVES.items():
+            moments = zip(_PHASES, getattr(waves, what), strict=True)
+            lines = [Line(f"t = {phase:g} T", place_m, line) for phase, line in moments]
+            stem = f"{'running' if runs else 'rest'}_{what}"
+            yield shown(stem, f"Mode {mode} {speed}: {name}", _PLACE, _DEFLECTION, lines)
 
     return charts
 
@@ -228,10 +217,11 @@ PAPER = Paper(
         Item(number="(17)", says="ΔF = F_1 - F_2 = 2·9549 P/(D n)", where="3", unit="N",
             rows=lambda it: [_one("ΔF", 2.0 * it.problem.pull_N[0], "211")]),
         Item(number="v", says="v = πDn/60", where="3", unit="m/s",
-            rows=lambda it: [_one("v", it.by_table["2"].speed_m_s, "35.5", "cut off, not rounded")]),
+            rows=lambda it: [_one("v", it.by_table["2"].speed_m_s, "35.5", _CUT)]),
         Item(number="(10), (11)", says="c = √((F_0 ± ΔF/2)/ρA)", where="2, 3", unit="m/s",
-            rows=_speeds("2", ("76.8", "74.4"))),
-        Item(number="(12)", says="f_1 = c/(2l) (1 - v²/c²)", where="2, 3", unit="Hz", rows=_first("2", ("19.0", "17.9"))),
+            rows=_both_sides("c", "2", ("76.8", "74.4"))),
+        Item(number="(12)", says="f_1 = c/(2l) (1 - v²/c²)", where="2, 3", unit="Hz",
+            rows=_both_sides("f_1", "2", ("19.0", "17.9"), (_MISPRINT, _CUT))),
         Item(number="Table 2", says="under F_0 ± ΔF/2 (κ = 0)", where="3", unit="Hz", rows=_table("2")),
         Item(number="ρA, F_c", says="F_c = ∫½ρAR²ω² sin α dα = ρA R²ω²", where="2, 3",
             rows=lambda it: [
@@ -239,8 +229,9 @@ PAPER = Paper(
                 _one("F_c [N]", it.problem.inertia_N[0], "761", "from 0.6 kg/m and 16.2 1/s, both rounded"),
             ]),
         Item(number="(13), (14)", says="c = √((F_0 ± ΔF/2 + F_c)/ρA)", where="2, 3", unit="m/s",
-            rows=_speeds("3", ("84.7", "82.6"))),
-        Item(number="(15)", says="f_1 = c/(2l) (1 - v²/c²)", where="2, 3", unit="Hz", rows=_first("3", ("21.8", "21.0"))),
+            rows=_both_sides("c", "3", ("84.7", "82.6"), ("with the printed 761 N",) * 2)),
+        Item(number="(15)", says="f_1 = c/(2l) (1 - v²/c²)", where="2, 3", unit="Hz",
+            rows=_both_sides("f_1", "3", ("21.8", "21.0"))),
         Item(number="Table 3", says="under F_0 ± ΔF/2 + F_c (κ = 1)", where="3", unit="Hz", rows=_table("3")),
         Item(number="Discussion 1", says="measured and computed frequencies", where="4", rows=_measured,
             remark="the paper calls the agreement good; no moving string, whatever its mounting (0 to 1), explains "

@@ -35,7 +35,7 @@ _EXTRACTED = (
 )
 _FIGURES = (
     *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder"),
-    *("tornado", "design_chart", "budget_"),
+    *("tornado", "design_chart", "budget_", "paper_"),
 )
 _ANSWERED = (
     *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),

@@ -9,11 +9,13 @@ from typing import Any
 
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
+from ropefric.papers.prth import reduction_of
 from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence, manifest, trace_provenance
 from ropefric.pipeline.run import CampaignRun
 from ropefric.report import parts
 from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
 from ropefric.report.section import Section, as_text, interval, percent, plain
+from ropefric.scenes.kind import Part
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import result
 from ropefric.trials.outliers import RULES
@@ -31,6 +33,7 @@ _CHAPTERS = {
     "trials": "What was measured",
     "friction": "Does it obey the capstan equation?",
     "law": "How good the law is",
+    "paper": "As the paper on rope and wheel reduces trials",
     "uncertainty": "What makes up the uncertainty",
     "design": "The design and its neighbours",
     "next": "What to measure next",
@@ -60,17 +63,20 @@ def write_report(
     evidence = gather_evidence(run)
     provenance = trace_provenance(run, evidence)
     pictures: Pictures = {}
+    reduced, of_paper = reduction_of(run.answer.table)
     if figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 
-        pictures = draw_pictures(run, evidence, target, executor=executor, progress=progress)
+        pictures = draw_pictures(
+            run, evidence, target, executor=executor, progress=progress, of_paper=of_paper
+        )
     numbers = [
         target.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
     texts = evidence_files(evidence) | manifest(provenance, run.campaign.path, target.path)
     texts |= {
         "summary.txt": as_text(summary_sections(run)),
-        "report.html": as_html(campaign_report(run, evidence, provenance, pictures)),
+        "report.html": as_html(campaign_report(run, evidence, provenance, pictures, reduced)),
     }
     return (*numbers, *target.write(texts))
 
@@ -113,7 +119,11 @@ def _law_section(run: CampaignRun) -> Section:
 
 
 def campaign_report(
-    run: CampaignRun, evidence: Evidence, provenance: Mapping[str, Any], pictures: Pictures
+    run: CampaignRun,
+    evidence: Evidence,
+    provenance: Mapping[str, Any],
+    pictures: Pictures,
+    reduced: Iterable[Part] = (),
 ) -> Report:
     """Return a campaign's report: what to know first, the result, the evidence, settings and provenance."""
     answer, extraction, plan = run.answer, run.extraction, evidence.plan
@@ -147,6 +157,7 @@ def campaign_report(
             *pictures.get("residuals", ()),
             *parts.notes_sections(answer.fit),
         ],
+        "paper": [*(Section(**part._asdict()) for part in reduced), *pictures.get("paper", ())],
         "uncertainty": _uncertainty(evidence, pictures),
         "design": pictures.get("design", ()),
         "next": () if plan is None else [Section(lines=(_WHERE,)), *parts.plan_sections(plan)],

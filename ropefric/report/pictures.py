@@ -1,17 +1,19 @@
 """The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor
 from functools import partial
 
 from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
+from ropefric.papers.paper import Shown
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignAnswer, CampaignRun
 from ropefric.plotting.campaign import conditions_of, draw_condition, draw_overview
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
 from ropefric.plotting.figure import FigureWithData, begin, figure_files
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
+from ropefric.plotting.machines import draw_chart
 from ropefric.plotting.svg import svg_text
 from ropefric.report.page import Picture
 from ropefric.trials.result import Extraction
@@ -33,11 +35,16 @@ def draw_pictures(
     evidence: Evidence,
     folder: Folder,
     *,
+    of_paper: Iterable[Shown] = (),
     executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> dict[str, list[Picture]]:
     """Return the figures of a report by chapter, and write the CSV files of their numbers into a folder."""
     drawings = [*_of_trials(run.extraction), *_of_laws(run.answer), *_of_design(evidence)]
+    drawings += [
+        ("paper", f"paper_{one.stem}", f"{one.chart.title}.", partial(draw_chart, one.chart))
+        for one in of_paper
+    ]
     drawn = begin({stem: partial(_drawn, stem, draw) for _, stem, _, draw in drawings}, executor)
     made: dict[str, tuple[str, tuple[str, ...]]] = {}
     for done, (stem, (svg, files)) in enumerate(drawn(), start=1):

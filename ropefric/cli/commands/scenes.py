@@ -195,9 +195,7 @@ def paper(
     names = ("paper.json", *options.figure_names("figure_*", "rest_*", "running_*"))
     with options.open_folder(folder, family="paper", names=names, inputs=inputs, force=force) as target:
         table = None if trials is None else options.read_table(trials, out)
-        found = reading.read_paper(
-            name, scene=scene, trials=table, fit=fit, reference_N=reference_tension or 1.0
-        )
+        found = reading.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
         tree, files = found.to_dict(), list[Path]()
         if target is not None:
             from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)

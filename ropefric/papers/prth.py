@@ -257,6 +257,10 @@ def _chart_1(it: Machine) -> Iterator[Shown]:
     )
 
 
+def _within(std: float) -> str:
+    return f"± {std:.2g}" if 0.0 < std < math.inf else ""
+
+
 def _of_laws(*names: str) -> Callable[[Machine | Trials], Iterator[Row]]:
     """Give the parameters of fitted laws."""
 
@@ -265,7 +269,7 @@ def _of_laws(*names: str) -> Callable[[Machine | Trials], Iterator[Row]]:
         for fit in () if found is None else (*found.sizes, *found.wraps, *found.both):
             if fit.law in names:
                 for one in fit.parameters:
-                    yield Row(f"{one.name} of {fit.law}", one.value, remark=f"± {one.std:.2g}")
+                    yield Row(f"{one.name} of {fit.law}", one.value, remark=_within(one.std))
             if fit.law == "coupled" and fit.law in names:
                 for name, value in zip(("μ_inf", "b"), bracket_of_16(fit.theta), strict=True):
                     yield Row(f"{name} in the bracket of (16) as printed", value)
@@ -292,9 +296,7 @@ def _segments(wraps: Series, _: Reduction) -> Iterator[Row]:
     cut = segments(wraps)
     widths, ends_deg = np.diff(cut.ends_rad), np.degrees(cut.ends_rad)
     for start, end, mu, std in zip(ends_deg[:-1], ends_deg[1:], cut.mu, cut.std, strict=True):
-        yield Row(
-            f"μ from {start:.4g} to {end:.4g} deg", float(mu), remark=f"± {std:.2g}" if std > 0.0 else ""
-        )
+        yield Row(f"μ from {start:.4g} to {end:.4g} deg", float(mu), remark=_within(float(std)))
     yield Row("(7), (9): Σ μ_m φ_m / φ", float(cut.mu @ widths / widths.sum()))
     equal = np.ptp(widths) < 1e-9
     yield Row(

@@ -13,7 +13,18 @@ from ropefric.fitting.store import load_fit
 
 LARGEST_BYTES = 3_000_000
 VOID = {"meta", "br", "hr", "img", "input", "link"}
-CHAPTERS = ("warnings", "result", "trials", "friction", "law", "uncertainty", "design", "next", "provenance")
+CHAPTERS = (
+    "warnings",
+    "result",
+    "trials",
+    "friction",
+    "law",
+    "paper",
+    "uncertainty",
+    "design",
+    "next",
+    "provenance",
+)
 FIGURES = (
     *("overview", "mu_facets", "capstan", "fit_over_wrap", "ladder", "residuals"),
     *("budget_lift", "tornado", "budget_force", "design_chart"),

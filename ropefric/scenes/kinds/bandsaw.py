@@ -360,10 +360,7 @@ def _resonance(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any]
         )
     return {
         "recommended_preload": recommended,
-        "nearest": [
-            one._asdict()
-            for one in resonance.margins(saw, _RUNNING, shakes, n_modes, accuracy=accuracy)[:_NEAREST]
-        ],
+        "nearest": [one._asdict() for one in resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]],
         "crossings": [
             one._asdict() | {"speed_margin": kind.finite(one.speed_margin)}
             for side in _RUNNING
@@ -422,6 +419,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
         )
     if "wheel" in tree:
         lines.append(f"driving wheel: {100 * tree['wheel']['utilisation']:.3g} % of its grip is used")
+    if "torsion" in tree["effects"]["left_out"]:
+        lines.append("torsion is left out: none of its frequencies stand here")
     if "feed" in tree:
         bears = ", ".join(f"{tree[side]['feed_limit_N']:.4g} N on the {side} side" for side in sides[:2])
         lines.append(f"feed {tree['feed']['force_N']:.4g} N; the blade buckles sideways at {bears}")
@@ -527,6 +526,7 @@ KIND = kind.Kind(
     },
     identified=_identified,
     sections=_sections,
+    beyond={"resonance": "margins, crossings and the preload recommended", "comparison": "mounting factors"},
     words={"feed.limit_N": "feed force at which the blade buckles [N]"},
     figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

@@ -110,4 +110,5 @@ KIND = kind.Kind(
     answerable=answerable,
     failures=_failures,
     sections=_sections,
+    beyond={"slip_arc_rad": "the arcs of slip and stick"},
 )

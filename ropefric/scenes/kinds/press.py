@@ -571,6 +571,10 @@ KIND = kind.Kind(
     in_one_call=lambda problem: problem.start_up is None,  # one start-up is simulated at a time
     answerable=_answerable,
     failures=_failures,
+    beyond={
+        "critical": "what has to change until a roller slips, and which is the first",
+        "sticking": "angles and travels of belts that stick from standstill on",
+    },
     # A span goes slack for want of preload; a roller has a table of its own.
     keys={"span": "press.preload", "roller": "rollers.{}"},
     sections=_sections,

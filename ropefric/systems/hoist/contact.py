@@ -80,10 +80,9 @@ class Lift:
 
     @property
     def logs(self) -> FloatArray:
-        """Return the logarithms of all numbers, shape (k, n)."""
-        numbers = [self.average_mu, self.contact_rad, self.end_tension_N, *(self.arcs or ())]
+        """Return the logarithms of all numbers but the arcs under a payload, shape (4, n)."""
         with np.errstate(divide="ignore"):
-            return np.stack([self.log_lift, *np.log(numbers)])
+            return np.stack([self.log_lift, *np.log((self.average_mu, self.contact_rad, self.end_tension_N))])
 
     @cached_property
     def arcs(self) -> Arcs | None:

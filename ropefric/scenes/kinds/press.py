@@ -159,11 +159,11 @@ class StartUpTable(kind.Table):
     tolerance: Annotated[float, PlainValidator(kind.positive)] = 1e-6
 
     def _check(self) -> None:
-        if self.slip and self.integrator != "exact":
+        if self.slip and self.integrator not in {"exact", "rk4"}:
             reject(
                 "RF111",
                 f"{self.integrator} solves a start-up without slip only",
-                fix='write slip = false, or integrator = "exact"',
+                fix='write slip = false, or integrator = "exact" or "rk4"',
                 key="integrator",
             )
         if self.law == "table" and (self.times is None or self.speeds is None):

@@ -13,10 +13,11 @@ from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
+from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import contacts_of, factor_in_motion
-from ropefric.systems.press.transient.capture import GridSolver
+from ropefric.systems.press.transient.capture import GridSolver, RK4Solver
 from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
@@ -166,7 +167,7 @@ def start_up(
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
 
     The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). Without friction no belt slips
-    and none goes slack, and the problem is linear, which is all that integrators other than the exact one solve. With
+    and none goes slack, and the problem is linear, which is all that DOP853, Radau and LSODA solve. With
     friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
     the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
     Without slip that is so where the linear model would let its loads drive the press by a thousandth of the energy. A
@@ -176,7 +177,7 @@ def start_up(
     model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
     limit = None if friction is None else friction_limit(model, friction, told)
-    slips = limit is not None and slip and integrator == "exact"
+    slips = limit is not None and slip and integrator in {"exact", "rk4"}
     if slips and not (model.arc_mass_kg > 0.0).all():
         raise InputError(
             "a belt that slips moves by its own mass, but it has none on the rollers",
@@ -205,6 +206,10 @@ def start_up(
             INTEGRATORS[integrator](problem, times, **settings), [problem.n_state], axis=1
         )
         return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
+    if slips and integrator == "rk4":
+        step_s = settings.get("step_s")
+        stepped = _rk4_solver(model, inputs, limit, times, step_s=step_s, follow=following)
+        return made(_solved(stepped, times), GRID_ERROR)
     if slips and not exact_switching and _even(times):
         on_grid = _on_grid(
             GridSolver(model, inputs, limit, follow=following), times, lambda found: made(found, GRID_ERROR)
@@ -232,6 +237,32 @@ GRID_ERROR = 5e-3
 """What changes of contacts that are caught on a grid may be worth."""
 _LONGEST_STEP_S = 5e-3
 _DOUBLINGS = 5
+
+
+def _rk4_solver(
+    model: ElasticPress,
+    inputs: Inputs,
+    limit: FrictionLimit | None,
+    times_s: FloatArray,
+    *,
+    step_s: float | None,
+    follow: Callable[[FloatArray], FrictionLimit] | None,
+) -> RK4Solver:
+    """Return the solver of the classical Runge-Kutta method with steps no longer than asked for."""
+    if not _even(times_s):
+        raise InputError(
+            "RK4 with slip needs evenly spaced times from 0 on",
+            key="time_s",
+            fix="take the integrator 'exact'",
+        )
+    step_s = _RK4_STEP_S if step_s is None else float(checked("step_s", step_s))
+    check_steps(float(times_s[-1]) / step_s)
+    solver = RK4Solver(model, inputs, limit, follow=follow)
+    solver.steps = math.ceil(float(times_s[1]) / step_s * (1.0 - 1e-9))
+    return solver
+
+
+_RK4_STEP_S = 2e-4
 
 
 def _even(times_s: FloatArray) -> bool:

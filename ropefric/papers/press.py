@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,17 +16,20 @@ from ropefric.systems.effect import assemble
 from ropefric.systems.press.answer import PressAnswer, solve_press
 from ropefric.systems.press.critical import PressSweep, critical
 from ropefric.systems.press.effects import SYSTEM
-from ropefric.systems.press.machine import Press
+from ropefric.systems.press.machine import Press, Roller
 from ropefric.systems.press.statics import CLOSURES, solve_statics
 from ropefric.systems.press.steady import drive_power_W, driver_torque_N_m, steady_state
 from ropefric.systems.press.transient.motion import Settled, settled_press
 
 _EFFECTS = ("gravity-load", "squeeze-load", "belt-inertia", "wrap-dependence", "size")
-_TABLE_1 = {
-    "1": ("175", "177.6"), "2": ("75", "28.1"), "3": ("75", "163.3"), "4": ("75", "28.1"), "5": ("250", "56.7"),
-    "6": ("200", "131.8"), "7": ("175", "157.0"), "8": ("150", "147.2"), "9": ("100", "91.1"),
-    "10": ("175", "81.4"), "11": ("75", "79.6"), "12": ("75", "64.1"), "13": ("75", "126.1"),
-}  # fmt: skip
+
+
+def _numbered(text: str) -> dict[str, str]:
+    return {str(i): one for i, one in enumerate(text.split(), start=1)}
+
+
+_RADII = _numbered("175 75 75 75 250 200 175 150 100 175 75 75 75")
+_WRAPS = _numbered("177.6 28.1 163.3 28.1 56.7 131.8 157.0 147.2 91.1 81.4 79.6 64.1 126.1")
 """Radius [mm] and wrap [deg] of each roller."""
 _GRAVITY = {"2": "26.2", "3": "26.2", "5": "15.0", "13": "4.5"}
 _SQUEEZE = {"5": "84.0", "6": "33.6", "7": "29.4", "8": "25.2", "9": "16.8"}
@@ -67,7 +71,7 @@ def _machine(given: Given) -> Machine:
     speeds_m_s = np.linspace(0.0, 2.0, 41) * press.speed_m_s
     few_N = preloads_N[[0, 5, 10, 15, 25]]
     ends = None
-    if not press.missing_elasticity:
+    with suppress(RopefricError):  # the scene does not give EA, or a belt is slack at rest
         ends = settled_press(press, press.speed_m_s)
 
     def swept(**axes: FloatArray) -> PressSweep:
@@ -91,30 +95,19 @@ def _each(
         yield Row(form.format(name), value, (printed or {}).get(name, ""))
 
 
-def _loads(torque: str, printed: dict[str, str]) -> Callable[[Machine], Iterator[Row]]:
-    def rows(it: Machine) -> Iterator[Row]:
-        for roller in it.press.rollers:
-            value = getattr(roller, torque)
-            if value:
-                yield Row(f"M of roller {roller.name}", value, printed.get(roller.name, ""))
-
-    return rows
-
-
-def _pulls(it: Machine) -> Iterator[Row]:
-    for roller in it.press.rollers:
-        if roller.gravity_torque_N_m:
-            yield Row(f"T_G of roller {roller.name} = M_G/R", roller.gravity_torque_N_m / roller.radius_m)
+def _rollers(
+    value: Callable[[Roller, Press], float], form: str, printed: dict[str, str] | None = None
+) -> Callable[[Machine], Iterator[Row]]:
+    """Give a number of every roller that has one."""
+    return lambda it: (
+        Row(form.format(one.name), found, (printed or {}).get(one.name, ""))
+        for one in it.press.rollers
+        if (found := value(one, it.press))
+    )
 
 
-def _squeezes(it: Machine) -> Iterator[Row]:
-    for roller in it.press.rollers:
-        if roller.squeeze_torque_N_m:
-            width_m = max(belt.width_m for belt in it.press.belts_on(roller.name))
-            yield Row(
-                f"Δh K_max of roller {roller.name} = M_F/(bR)",
-                roller.squeeze_torque_N_m / (width_m * roller.radius_m),
-            )
+def _width_m(one: Roller, press: Press) -> float:
+    return max(belt.width_m for belt in press.belts_on(one.name))
 
 
 def _balances(it: Machine) -> Iterator[Row]:
@@ -130,40 +123,27 @@ def _balances(it: Machine) -> Iterator[Row]:
 
 
 def _travels(it: Machine) -> Iterator[Row]:
-    for words, tension_N in (
-        ("at rest", it.answer.at_rest_N[0]),
-        ("running", it.answer.state.effective_tension_N[0]),
-    ):
+    running_N = it.answer.state.effective_tension_N[0]
+    states = ("at rest", it.answer.at_rest_N[0], "30"), ("free to move, running", running_N, "")
+    for words, tension_N, printed in states:
         pulls_N = it.press.pull @ tension_N
         for (name, one), pull_N in zip(it.press.tensioners.items(), pulls_N.tolist(), strict=True):
             if one.spring_N_m:
-                printed, remark = ("30", "") if words == "at rest" else ("", "if it is free to move")
-                yield Row(
-                    f"x of roller {name}, {words}",
-                    1e3 * (pull_N - one.force_N) / one.spring_N_m,
-                    printed,
-                    remark,
-                )
-
-
-def _tensions(it: Machine) -> Iterator[Row]:
-    yield from _each(it.spans, it.answer.at_rest_N[0], "T{}")
+                travel_m = (pull_N - one.force_N) / one.spring_N_m
+                yield Row(f"x of roller {name}, {words}", 1e3 * travel_m, printed)
 
 
 def _open(it: Machine) -> Iterator[Row]:
     statics = it.answer.statics
-    yield Row("tensions", float(len(it.spans)), "14")
+    yield Row("tensions", float(len(it.spans)))
     yield Row("independent balances", float(statics.rank))
     for closure in CLOSURES:
         try:
             state = steady_state(solve_statics(it.press, closure=closure), speed_m_s=0.0, on_slack="flag")
         except RopefricError:  # speed-ratio needs what the scene does not give
             continue
-        free = [span for span in it.press.spans if span.start == "9"] if it.published else []
-        for span in free:
-            yield Row(
-                f"T{span.name} by the closure '{closure}'", float(state.tension_N[it.spans.index(span.name)])
-            )
+        for name in ("9", "10") if it.published else ():
+            yield Row(f"T{name} by the closure '{closure}'", float(state.tension_N[it.spans.index(name)]))
 
 
 def _settled(it: Machine) -> Iterator[Row]:
@@ -193,11 +173,19 @@ def _critical(it: Machine) -> Iterator[Row]:
             yield Row(f"{words} at which roller {found.roller} slips first", found.value)
 
 
-def _trend(values: FloatArray) -> str:
-    steps = np.diff(np.ravel(values))
-    scale = 1e-12 * np.abs(values).max()
-    return "falls" if (steps < -scale).all() else "rises" if (steps > scale).all() else "constant" if (
-        np.abs(steps) <= 1e-9 * np.abs(values).max()).all() else "mixed"  # fmt: skip
+def _steps(values: FloatArray) -> tuple[FloatArray, float]:
+    """Return by how much values change from one to the next, and what is no change."""
+    return np.diff(np.ravel(values)), 1e-12 * float(np.abs(values).max())
+
+
+def _falls(values: FloatArray) -> bool:
+    steps, least = _steps(values)
+    return bool((steps < -least).all())
+
+
+def _constant(values: FloatArray) -> bool:
+    steps, least = _steps(values)
+    return bool((np.abs(steps) <= 1e3 * least).all())
 
 
 def _figure_4(it: Machine) -> Iterator[Row]:
@@ -215,7 +203,7 @@ def _figure_4(it: Machine) -> Iterator[Row]:
         )
         yield Row("T'3 = T'4", bool(np.allclose(tension_N[:, 2], tension_N[:, 3], rtol=1e-12)), "yes")
         yield Row("T'11 = T'12 = T'13", bool(np.ptp(tension_N[:, alike], axis=1).max() < 1e-9), "yes")
-        yield Row("every T' falls with the speed", all(_trend(one) == "falls" for one in tension_N.T), "yes")
+        yield Row("every T' falls with the speed", all(map(_falls, tension_N.T)), "yes")
 
 
 _INVERTED = "the inverted ratio does, which the figures must show"
@@ -235,7 +223,7 @@ def _figure_5(it: Machine) -> Iterator[Row]:
         return {name for name in it.rollers if (slip.of(name, measure) > 1.0).any()} == set(_ABOVE)
 
     def constant(measure: str) -> bool:
-        return all(_trend(slip.of(name, measure)) == "constant" for name in _CONSTANT)
+        return all(_constant(slip.of(name, measure)) for name in _CONSTANT)
 
     def small(measure: str) -> bool:
         named = max(slip.of(name, measure).max() for name in _SMALL)
@@ -252,7 +240,7 @@ def _figure_6(it: Machine) -> Iterator[Row]:
     yield from _said(
         it,
         "rollers 2 and 5 fall as the preload rises",
-        lambda measure: all(_trend(slip.of(name, measure)) == "falls" for name in _WATCHED),
+        lambda measure: all(_falls(slip.of(name, measure)) for name in _WATCHED),
     )
 
 
@@ -260,7 +248,7 @@ def _figure_7(it: Machine) -> Iterator[Row]:
     slip = it.over_both.slip
 
     def rises(measure: str) -> bool:
-        return all(_trend(row) == "rises" for name in _WATCHED for row in slip.of(name, measure))
+        return all(_falls(-row) for name in _WATCHED for row in slip.of(name, measure))
 
     def weaker(measure: str) -> bool:
         spread = [slip.of(name, measure) for name in _WATCHED]
@@ -309,20 +297,21 @@ PAPER = Paper(
     scene="belt-press",
     machine=_machine,
     items=(
-        Item(number="Table 1", says="radius R_i and wrap α_i", where="4", unit="mm, deg", given=True,
-            rows=lambda it: [
-                row for one in it.press.rollers for shown in [_TABLE_1.get(one.name, ("", ""))] for row in (
-                    Row(f"R of roller {one.name}", 1e3 * one.radius_m, shown[0]),
-                    Row(f"α of roller {one.name}", math.degrees(one.wrap_angle_rad), shown[1]))
-            ]),
-        Item(number="(1)-(5)", says="T_G = μ_f b h ρ_s g l", where="1.1", unit="N", rows=_pulls,
+        Item(number="Table 1, R", says="radius R_i", where="4", unit="mm", given=True,
+            rows=_rollers(lambda one, _: 1e3 * one.radius_m, "R of roller {}", _RADII)),
+        Item(number="Table 1, α", says="wrap α_i", where="4", unit="deg", given=True,
+            rows=_rollers(lambda one, _: math.degrees(one.wrap_angle_rad), "α of roller {}", _WRAPS)),
+        Item(number="(1)-(5)", says="T_G = μ_f b h ρ_s g l", where="1.1", unit="N",
+            rows=_rollers(lambda one, _: one.gravity_torque_N_m / one.radius_m, "T_G of roller {} = M_G/R"),
             remark="h is the sludge's height here and the belt's thickness in section 4; only the pull is known"),
-        Item(number="(6)", says="M_G = R T_G", where="1.1", unit="N m", rows=_loads("gravity_torque_N_m", _GRAVITY),
-            given=True),
-        Item(number="(7), (8)", says="K_max = (1 + μ_c) σ_c²/(3 E_c)", where="1.1", unit="N/m", rows=_squeezes,
+        Item(number="(6)", says="M_G = R T_G", where="1.1", unit="N m", given=True,
+            rows=_rollers(lambda one, _: one.gravity_torque_N_m, "M_G of roller {}", _GRAVITY)),
+        Item(number="(7), (8)", says="K_max = (1 + μ_c) σ_c²/(3 E_c)", where="1.1", unit="N/m",
+            rows=_rollers(lambda one, press: one.squeeze_torque_N_m / (_width_m(one, press) * one.radius_m),
+                "Δh K_max of roller {} = M_F/(bR)"),
             remark="Δh and K_max are known as a product only; roller 5 carries two units, wedge and press"),
-        Item(number="(9)", says="M_F = b R Δh K_max", where="1.1", unit="N m",
-            rows=_loads("squeeze_torque_N_m", _SQUEEZE), given=True),
+        Item(number="(9)", says="M_F = b R Δh K_max", where="1.1", unit="N m", given=True,
+            rows=_rollers(lambda one, _: one.squeeze_torque_N_m, "M_F of roller {}", _SQUEEZE)),
         Item(number="(10)-(20), (23)-(32)", says="J θ'' = R(T_out - T_in) - M, steady: θ'' = 0", where="1.2, 1.3, 2",
             unit="N m", rows=_balances,
             remark="(19), (20), (24) and (30) print M_F3 and M_F13 where M_G3 and M_G13 are meant"),
@@ -331,7 +320,8 @@ PAPER = Paper(
         Item(number="(23)-(34) as a whole", says="what the balances leave open", where="2", unit="N", rows=_open,
             remark="they are 13 for 14 tensions: only T9 + T10 follows, and the paper does not say what it took; "
             "rollers 1 and 10 depend on it, the others do not"),
-        Item(number="(35), (36)", says="the tensions at v = 0", where="2", unit="N", rows=_tensions),
+        Item(number="(35), (36)", says="the tensions at v = 0", where="2", unit="N",
+            rows=lambda it: _each(it.spans, it.answer.at_rest_N[0], "T{}")),
         Item(number="after (36)", says="steady angles relative to roller 1, and travels", where="2", rows=_settled,
             remark="of belts that stick from standstill on; the paper integrates until nothing changes, which with its "
             "damping alone takes hours"),

@@ -121,7 +121,10 @@ def test_the_saws_numbers(read):
 def test_the_table_of_the_press_is_the_published_one():
     for row in published("belt_press_rollers.csv"):
         name = row["roller"]
-        assert press_paper._TABLE_1[name] == (row["roller_radius_mm"], row["wrap_angle_deg"])
+        assert (press_paper._RADII[name], press_paper._WRAPS[name]) == (
+            row["roller_radius_mm"],
+            row["wrap_angle_deg"],
+        )
         assert press_paper._GRAVITY.get(name, "") == row["gravity_torque_N_m"]
         assert press_paper._SQUEEZE.get(name, "") == row["squeeze_torque_N_m"]
 

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 import ropefric
+from ropefric import plugins
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
@@ -273,7 +274,8 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     how = asdict(settings)
     if settings.of == "peak":  # what older versions can read
         del how["of"]
-    return {"input": source, "settings": how, "versions": versions}
+    used = {"plugins": found} if (found := plugins.provenance()) else {}
+    return {"input": source, "settings": how, "versions": versions, **used}
 
 
 # ---- what keeps a fit from being trusted, and the experiment that would help ----

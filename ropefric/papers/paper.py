@@ -175,8 +175,10 @@ class Reading:
 def part_of(item: Item, rows: Iterable[Row]) -> Part:
     """Return an item and its rows in words."""
     title = f"{item.number}  {item.says}" + (f" [{item.unit}]" if item.unit else "")
-    notes = (item.remark,) if item.remark else ()
-    return Part(title, lines=(f"section {item.where} of the paper",), notes=notes, **_table(tuple(rows)))
+    where, table = f"section {item.where} of the paper", _table(tuple(rows))
+    if not table and item.rows is not nothing:
+        where += "; no number of it follows from what is given"
+    return Part(title, lines=(where,), notes=(item.remark,) if item.remark else (), **table)
 
 
 def _tree(row: Row) -> dict[str, Any]:

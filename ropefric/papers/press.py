@@ -13,13 +13,14 @@ from ropefric.errors import RopefricError
 from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
 from ropefric.scenes.kind import Line
 from ropefric.systems.effect import assemble
-from ropefric.systems.press.answer import PressAnswer, solve_press
+from ropefric.systems.press.answer import PressAnswer, PressProblem, solve_press
 from ropefric.systems.press.critical import PressSweep, critical
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Press, Roller
 from ropefric.systems.press.statics import CLOSURES, solve_statics
 from ropefric.systems.press.steady import drive_power_W, driver_torque_N_m, steady_state
 from ropefric.systems.press.transient.motion import Settled, settled_press
+from ropefric.systems.press.transient.start_up import StartUp
 
 _EFFECTS = ("gravity-load", "squeeze-load", "belt-inertia", "wrap-dependence", "size")
 
@@ -48,6 +49,7 @@ class Machine(NamedTuple):
     over_preload: PressSweep
     over_both: PressSweep
     settled: Settled | None
+    moved: StartUp | None
     published: bool
 
     @property
@@ -84,8 +86,15 @@ def _machine(given: Given) -> Machine:
         over_preload=swept(preload_N=preloads_N),
         over_both=swept(preload_N=few_N, speed_m_s=speeds_m_s),
         settled=ends,
+        moved=None if problem.start_up is None else _start_up(problem),
         published=given.published,
     )
+
+
+def _start_up(problem: PressProblem) -> StartUp | None:
+    """Return the start-up of a scene that has one, with all effects that can be simulated."""
+    known = [name for name, one in SYSTEM.effects.items() if not one.needs(problem)]
+    return solve_press(assemble(SYSTEM, problem, known)).start_up
 
 
 def _each(
@@ -162,6 +171,12 @@ def _factors(it: Machine) -> Iterator[Row]:
     yield from _each(slip.rollers, slip.as_printed[0], "Λ* of roller {} as printed")
     yield from _each(slip.rollers, slip.as_plotted[0], "Λ* of roller {} inverted")
     yield from _each(slip.rollers, slip.utilisation[0], "utilisation of roller {}")
+
+
+def _in_motion(it: Machine) -> Iterator[Row]:
+    if it.moved is not None:
+        for name, value in it.moved.summary()["peak_as_printed"].items():
+            yield Row(f"largest Λ of roller {name} over the start-up", value)
 
 
 def _critical(it: Machine) -> Iterator[Row]:
@@ -325,10 +340,13 @@ PAPER = Paper(
         Item(number="after (36)", says="steady angles relative to roller 1, and travels", where="2", rows=_settled,
             remark="of belts that stick from standstill on; the paper integrates until nothing changes, which with its "
             "damping alone takes hours"),
-        Item(number="(37), (38)", says="Λ_i = T'_(i-1)/(T'_i (e^(μα) - 1))", where="3", rows=_factors,
-            remark="(37) is (38) with ρAR²θ''/μ added to both tensions, and the same at steady speed; `solve` gives it "
-            "over a start-up. As printed Λ is not 1 at gross slip and not 0 on a roller without torque; its sign of "
-            "the added term is that of a driven roller; the indices are literal for rollers 2 to 9 only"),
+        Item(number="(37)", says="Λ_i = (T'_(i-1) + ρAR²θ''/μ)/((T'_i + ρAR²θ''/μ)(e^(μα) - 1))", where="3",
+            rows=_in_motion,
+            remark="at steady speed it is (38); a scene with [start_up] has it over time, in start_up.csv of `solve`; "
+            "the sign of the added term is that of a driven roller"),
+        Item(number="(38)", says="Λ_i = T'_(i-1)/(T'_i (e^(μα) - 1))", where="3", rows=_factors,
+            remark="as printed it is not 1 at gross slip and not 0 on a roller without torque; its indices are literal "
+            "for rollers 2 to 9 only"),
         Item(number="what it comes to", says="the limit of friction", where="4.2", rows=_critical,
             remark="by the utilisation, required over available friction"),
         Item(number="(39)", says="T' = T - ρAv²", where="4.1", unit="N",

@@ -160,8 +160,16 @@ def test_a_press_of_ones_own_has_its_own_numbers_and_nothing_printed(read, tmp_p
     assert rows["(35), (36)", "T2"].value == pytest.approx(by_hand, rel=1e-12)
 
 
-def test_steady_angles_and_travels_where_the_belts_stretch(read):
-    rows = read("press", scene=ROOT / "data" / "scenes" / "press-start-up.toml")
+def test_steady_angles_travels_and_eq_37_where_the_belts_stretch(read, tmp_path):
+    text = (ROOT / "data" / "scenes" / "press-start-up.toml").read_text(encoding="utf-8")
+    path = tmp_path / "short.toml"
+    path.write_text(
+        text.replace('"8 s"', '"1 s"').replace('"4 s"', '"0.8 s"').replace("1601", "101"), encoding="utf-8"
+    )
+    rows = read("press", scene=path)
+    started = [row.value for (item, _), row in rows.items() if item == "(37)"]
+    assert len(started) == 13
+    assert started[3] == pytest.approx(rows["(38)", "Λ* of roller 4 as printed"].value, rel=0.3)
     angles = [row.value for (item, of), row in rows.items() if item == "after (36)" and "angle" in of]
     assert len(angles) == 13
     assert angles[0] == 0.0

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize.elementwise import find_root
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError, SolverError
+from ropefric.errors import InputError, RopefricError, SolverError
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
 from ropefric.systems.effect import Model
@@ -86,8 +86,14 @@ class Lift:
 
     @cached_property
     def arcs(self) -> Arcs | None:
-        """Return the arcs of slip and stick under the payload, if there is one."""
-        return None if self.model.problem.payload_kg is None else _arcs(self.model)
+        """Return the arcs of slip and stick under the payload, if any; NaN where the law has no answer to it."""
+        problem = self.model.problem
+        if problem.payload_kg is None:
+            return None
+        try:
+            return _arcs(self.model)
+        except RopefricError:
+            return Arcs(*np.full((2, problem.n), np.nan))
 
     @property
     def lift_force_N(self) -> FloatArray:

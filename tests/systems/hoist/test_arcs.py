@@ -110,5 +110,12 @@ def test_the_tension_rises_over_the_slip_and_stays_over_the_stick(solved, couple
     np.testing.assert_allclose(found, [80.0, 250.0, 250.0, 250.0], rtol=1e-9)
 
 
+def test_a_payload_that_the_law_has_no_answer_to_leaves_the_lift_force(solved, coupled):
+    """Below F_0 = 1 N no wrap stands for a tension."""
+    lift = solved(hoist(coupled, 0.5))
+    assert np.isnan(lift.arcs.slip_rad[0])
+    assert lift.lift_force_N[0] == solved(hoist(coupled, 100.0)).lift_force_N[0]
+
+
 def test_without_a_payload_there_is_no_such_arc(solved, full_problem):
     assert solved(full_problem).arcs is None

@@ -5,9 +5,8 @@ from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize.elementwise import find_root
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, RopefricError, SolverError
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
@@ -22,7 +21,8 @@ TOLD = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))
 _MAX_STEPS = 400
-_ALL = slice(None)
+_HALVINGS = 54
+"""Of an arc, to the last digit of the whole."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,14 +165,14 @@ def _tensions_N(model: HoistModel) -> tuple[FloatArray, FloatArray, FloatArray]:
     )
 
 
-def _exponent(model: HoistModel, slack_N: FloatArray, cases: IntArray | slice = _ALL) -> partial[FloatArray]:
-    """Return M over a wrap yet to be given, of some cases."""
+def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
+    """Return M over a wrap yet to be given."""
     problem = model.problem
     return partial(
         problem.friction.exponent,
-        wheel_radius_m=problem.wheel_radius_m[cases],
-        rope_radius_m=problem.rope_radius_m[cases],
-        slack_tension_N=slack_N[cases],
+        wheel_radius_m=problem.wheel_radius_m,
+        rope_radius_m=problem.rope_radius_m,
+        slack_tension_N=slack_N,
         told=frozenset(TOLD[name] for name in model.effects & TOLD.keys()),
     )
 
@@ -187,12 +187,11 @@ def _under_payload_N(model: HoistModel) -> tuple[FloatArray, FloatArray, BoolArr
 
 
 def tension_along_N(lift: Lift, angle_rad: FloatArray) -> FloatArray:
-    """Return the tension under the payload at angles from the slack side [N], shape (m,), the slip beside it."""
+    """Return the tension of one case under its payload at angles from the slack side [N], the slip beside it."""
     idle_N, (slack_N, tight_N), touching = _under_payload_N(lift.model)
     if lift.arcs is None or not touching[0]:
         return np.full(angle_rad.shape, np.nan)
-    first = np.zeros(angle_rad.size, np.int64)
-    exponent = _exponent(lift.model, slack_N, first)(wrap_angle_rad=angle_rad)
+    exponent = _exponent(lift.model, slack_N)(wrap_angle_rad=angle_rad)
     rising = np.where(angle_rad < lift.arcs.slip_rad[0], slack_N[0] * np.exp(exponent), tight_N[0])
     return np.asarray(idle_N[0] + rising)
 
@@ -210,22 +209,14 @@ def _arcs(model: HoistModel) -> Arcs:
     lifted = [lifted_arc_rad(stiff_N / (one + stiff_N)) for one in (slack_N, tight_N)]
     contact = np.maximum(problem.wrap_angle_rad - lifted[0] - lifted[1], 0.0)
     needed = np.log(tight_N / slack_N)
-    slip = contact.copy()
-    held = touching & (needed < _exponent(model, slack_N)(wrap_angle_rad=contact))
-    slip[held & (needed == 0.0)] = 0.0
-    some = np.flatnonzero(held & (needed > 0.0))
-
-    def surplus(arc: FloatArray, cases: IntArray) -> FloatArray:
-        return np.asarray(_exponent(model, slack_N, cases)(wrap_angle_rad=arc) - needed[cases])
-
-    if some.size:
-        found = find_root(
-            surplus,
-            (np.zeros(some.size), contact[some]),
-            args=(some,),
-            tolerances={"xatol": 1e-15, "xrtol": 1e-13, "fatol": 0.0, "frtol": 0.0},
-        )
-        slip[some] = found.x
+    exponent_over = _exponent(model, slack_N)
+    held = touching & (needed < exponent_over(wrap_angle_rad=contact))
+    low, high = np.zeros_like(contact), contact
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        short = exponent_over(wrap_angle_rad=middle) < needed
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    slip = np.where(held, np.where(needed > 0.0, high, 0.0), contact)
     slip, stick = (np.where(touching, one, np.nan) for one in (slip, contact - slip))
     return Arcs(slip, stick)
 

@@ -6,7 +6,7 @@ package; time stamps and paths of files do not matter. A damaged entry counts as
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
@@ -121,6 +121,26 @@ def extract_campaign(
     One bad recording never ends the run: it gives a trial with a status and a problem. Results do not depend on
     `jobs` or what is in the cache.
     """
+    by_row, n_reused = extract_rows(campaign, jobs=jobs, cache_dir=cache_dir, progress=progress)
+    return summarised(campaign, [trial for _, trial in in_list_order(campaign, by_row)], n_reused=n_reused)
+
+
+ByRow = Mapping[str, tuple[TrialResult, ...]]
+"""The results of each row of a trial list, by the row's name."""
+
+
+def extract_rows(
+    campaign: Campaign,
+    *,
+    jobs: int = 1,
+    cache_dir: Path | None = None,
+    progress: Progress | None = None,
+    trusted: bool = False,
+) -> tuple[ByRow, int]:
+    """Return what the recording of every row gives by itself, and how many recordings were in the cache.
+
+    Recordings that are `trusted`, since they were read before, are read at once, in this process.
+    """
     if jobs < 1:
         raise InputError(f"{jobs} processes cannot work", code="RF110", key="jobs", fix="use 1 or more")
     by_file: dict[Path, list[TrialSpec]] = {}  # so that a wide file is read once
@@ -133,10 +153,13 @@ def extract_campaign(
         files=tuple(files),
         cache=None if cache_dir is None else ResultCache(cache_dir, campaign.settings_fingerprint()),
     )
-    _preload(work)
-    with closing(
-        guarded(work, len(files), jobs=jobs, limits=campaign.limits)
-    ) as running:  # ends its processes
+    running: Generator[tuple[int, _Done | Lost]]
+    if trusted:
+        running = ((place, work(place)) for place in range(len(files)))
+    else:
+        _preload(work)
+        running = guarded(work, len(files), jobs=jobs, limits=campaign.limits)
+    with closing(running):  # ends its processes
         for count, (place, found_or_lost) in enumerate(running, start=1):
             done[place] = (
                 work.lost(place, found_or_lost) if isinstance(found_or_lost, Lost) else found_or_lost
@@ -145,19 +168,16 @@ def extract_campaign(
                 found = [trial for row in done[place][0] for trial in row]
                 worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
                 progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
-    trials = _in_list_order(campaign, files, [results for results, _ in done])
-    return summarised(campaign, trials, n_reused=sum(reused for _, reused in done))
-
-
-def _in_list_order(
-    campaign: Campaign, files: Sequence[_Rows], results: Sequence[Results]
-) -> list[TrialResult]:
-    """Put the results of files back into the order of the trial list; each trial has a name of its own."""
     by_row = {
         spec.trial: found
-        for rows, of_file in zip(files, results, strict=True)
+        for rows, (of_file, _) in zip(files, done, strict=True)
         for spec, found in zip(rows, of_file, strict=True)
     }
+    return by_row, sum(reused for _, reused in done)
+
+
+def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, TrialResult]]:
+    """Return each row of the trial list with each of its results, which has a name of its own."""
     taken = set(by_row)
     placed = []
     for row in campaign.trials:
@@ -168,7 +188,7 @@ def _in_list_order(
                 number += 1
                 name = f"{result.trial}-{number}"
             taken.add(name)
-            placed.append(result if name == result.trial else replace(result, trial=name))
+            placed.append((row, result if name == result.trial else replace(result, trial=name)))
     return placed
 
 

@@ -53,7 +53,7 @@ def with_decision(content: bytes, line: int, values: Mapping[str, str | float], 
         numbers = (_split(lines[row - 1], separator) for row in rows[1:]) if separator != "," else ()
         cells = tuple((0, tuple(map(_value, raws))) for raws in numbers)
         mark = CellTable(path=path, separator=separator, header=header, header_line=head, rows=cells)
-        return f"{value / scale:.7g}".replace(".", mark.decimal_mark(columns))
+        return f"{value / scale:.12g}".replace(".", mark.decimal_mark(columns))
 
     for number in rows if added else (line,):
         bare = lines[number - 1].rstrip("\r\n")

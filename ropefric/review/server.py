@@ -155,7 +155,7 @@ class _Handler(BaseHTTPRequestHandler):
         size = int(self.headers["Content-Length"])
         if not 0 <= size <= MOST_BYTES:
             raise _Refused(413, "this is too long for a decision")
-        asked = json.loads(self.rfile.read(size))
+        asked = dict(json.loads(self.rfile.read(size)))
         review = self.server.review
         if path == "/api/decide":
             pick_s, text = asked.get("pick_s"), str(asked.get("text", ""))

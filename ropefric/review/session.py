@@ -5,7 +5,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
-from math import degrees, isfinite
+from math import ceil, degrees, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, RopefricError
-from ropefric.files.digits import significant
+from ropefric.files.digits import GIVEN_DIGITS, significant
 from ropefric.files.read import read_file
 from ropefric.files.text import GZIP_MAGIC
 from ropefric.files.write import write_file
@@ -35,9 +35,9 @@ OWN_WORDS = "review: "
 """How a reason begins that nobody has written by hand."""
 UNREADABLE = "RF101"
 """Code of the problem that reading a recording came to nothing, perhaps as it ended the process that did it."""
+STEADY = 1e-5
 MOST_UNDONE = 100
 _HELD_TRACES = 3
-_DIGITS = 8
 
 Curves = tuple[FloatArray, FloatArray, FloatArray | None]
 """Time, force and smoothed force of a recording, samples that are missing left out."""
@@ -236,12 +236,16 @@ class Review:
             fix = "click where the break-away is, or choose a candidate"
             raise InputError("no time is given for the break-away", code="RF121", key="pick_s", fix=fix)
         self.preview(trial, pick_s)  # which refuses a place without a peak
-        spec, events = self._spec(trial), self._result(trial).breakaway.candidates
+        spec, result = self._spec(trial), self._result(trial)
+        events, outline = result.breakaway.candidates, result.outline
         near = [
             place for place, event in enumerate(events, 1) if abs(event.time_s - pick_s) < 1e-6 * abs(pick_s)
         ]
         said = f"candidate {near[0]} of {len(events)} accepted" if near else "set by hand"
         own = spec.why if not spec.why.startswith(OWN_WORDS) else ""
+        if outline is not None:  # no finger is steadier than this part of the recording
+            span_s = float(outline.time_s[-1] - outline.time_s[0])
+            pick_s = round(pick_s, max(0, ceil(-log10(max(STEADY * span_s, 1e-12)))))
         emptied = dict.fromkeys(("peak_N", "peak_std_N", "exclude"), "")
         return {"pick_s": pick_s, "why": text.strip() or own or OWN_WORDS + said, **emptied}
 
@@ -330,9 +334,11 @@ class Review:
                     self._first = self._first or said
 
     def close(self) -> None:
-        """Wait for a decision that is being written; none comes after it."""
+        """Wait for a decision that is being written, a moment for the fit of a law; nothing comes after it."""
         with self.lock:
-            self._number = -1
+            self._number, thread = -1, self._thread
+        if thread is not None:
+            thread.join(2.0)
 
     def answer(self) -> dict[str, Any]:
         """Return the last decision, and what all trials say before and after it, as far as it is known."""
@@ -357,6 +363,7 @@ class Review:
                 "list": campaign.trial_list.name,
                 "by": self.by,
                 "slack": campaign.protocol.needs_lift_force,
+                "order": list(self._state.specs),
                 "rows": self._state.rows(),
                 "undo": len(self._undo),
                 "counts": self._counts(),
@@ -488,10 +495,14 @@ def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) ->
     rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
     answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
     parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
-    said = {"law": answer.fit.law, "verdict": answer.verdict.word, "parameters": parameters}
-    return _plain(
-        said | {"reason": answer.verdict.reason, "doubts": list(answer.doubts), "lift": _lift(answer)}
-    )
+    return {
+        "law": answer.fit.law,
+        "verdict": answer.verdict.word,
+        "reason": answer.verdict.reason,
+        "doubts": list(answer.doubts),
+        "parameters": _plain(parameters),
+        "lift": _plain(_lift(answer)),
+    }
 
 
 def _lift(answer: CampaignAnswer) -> dict[str, Any] | None:
@@ -522,9 +533,9 @@ def _std_of(trial: TrialResult) -> float:
 
 
 def _plain(tree: Any) -> Any:
-    """Return a tree as JSON holds it: numbers to the digits that an eye may want, None where there is none."""
+    """Return a tree as JSON holds it: numbers without their last bits, None where there is none."""
     if isinstance(tree, float):
-        return significant(tree, _DIGITS) if isfinite(tree) else None
+        return significant(tree, GIVEN_DIGITS) if isfinite(tree) else None
     if isinstance(tree, Mapping):
         return {key: _plain(item) for key, item in tree.items()}
     return [_plain(item) for item in tree] if isinstance(tree, list | tuple) else tree

@@ -47,6 +47,9 @@ def review(
     """
     if not folder.is_dir():
         raise DataError("there is no such folder", path=folder, fix="give a folder that `ropefric run` wrote")
+    if campaign is None and not (folder / evidence.MANIFEST).is_file():
+        why = "the folder does not say which campaign it is of: only `run` writes that down"
+        raise DataError(why, path=folder, fix="name the campaign: --campaign CAMPAIGN.toml")
     path, law = (campaign, "") if campaign is not None else evidence.recorded_run(folder)
     path = options.campaign_file(path)
     n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))

@@ -1,33 +1,29 @@
 """A campaign under review: its trials, the decisions written to its list, and what these change."""
 
 import threading
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 from math import ceil, degrees, isfinite, log10
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, RopefricError
-from ropefric.files.digits import GIVEN_DIGITS, significant
+from ropefric.files.digits import rounded_tree
 from ropefric.files.read import read_file
 from ropefric.files.text import GZIP_MAGIC
 from ropefric.files.write import write_file
-from ropefric.pipeline.run import CampaignAnswer, answer_trials
+from ropefric.pipeline.run import answer_trials
+from ropefric.review import shown
 from ropefric.review.decisions import with_decision
 from ropefric.traces.breakaway import Status
-from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.excel import READER as EXCEL
-from ropefric.traces.smoothing import smooth
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.conditions import set_aside_impossible, summarised
 from ropefric.trials.extract import ByRow, Progress, extract_rows, in_list_order
-from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, no_force
 from ropefric.trials.table import table_of_extraction
 
@@ -35,19 +31,19 @@ OWN_WORDS = "review: "
 """How a reason begins that nobody has written by hand."""
 UNREADABLE = "RF101"
 """Code of the problem that reading a recording came to nothing, perhaps as it ended the process that did it."""
+FEW = 20
+"""Recordings, at most, that are read at once where they were read before."""
 STEADY = 1e-5
 MOST_UNDONE = 100
-_HELD_TRACES = 3
-
-Curves = tuple[FloatArray, FloatArray, FloatArray | None]
-"""Time, force and smoothed force of a recording, samples that are missing left out."""
+HELD_CURVES = 3
+"""Recordings that are kept to be drawn again."""
 
 
 class _OutdatedError(Exception):
     """What is being computed is of a state that is no more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _State:
     """A campaign as its files say, what every row of its list gives, and what all of them give together."""
 
@@ -57,10 +53,16 @@ class _State:
     extraction: Extraction
     specs: Mapping[str, TrialSpec]
 
+    @cached_property
+    def bare(self) -> dict[str, TrialSpec]:
+        """Return the rows of the list without what no result depends on: their lines, columns of the user's own."""
+        return {row.trial: replace(row, line=0, own=()) for row in self.campaign.trials}
+
+    @cached_property
     def rows(self) -> dict[str, dict[str, Any]]:
         """Return what the list of trials shows of each."""
         names = {name: self._name_of(one) for one in self.extraction.conditions for name in one.trials}
-        return {trial.trial: _row(trial, names[trial.trial]) for trial in self.extraction.trials}
+        return {trial.trial: shown.row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
 
     def _name_of(self, one: ConditionSummary) -> str:
         """Return the settings of a condition in words."""
@@ -77,7 +79,7 @@ class _State:
             "n_kept": one.n_kept,
             "n": one.n_recorded,
         }
-        return {"name": self._name_of(one), "rejected": list(one.rejected), **_plain(numbers)}
+        return {"name": self._name_of(one), "rejected": list(one.rejected), **rounded_tree(numbers)}
 
 
 class Review:
@@ -116,7 +118,7 @@ class Review:
         self._cache_dir, self._jobs = cache_dir, jobs
         self.lock = threading.RLock()
         self.n_written = 0
-        self._traces: OrderedDict[tuple[object, ...], Curves] = OrderedDict()
+        self._curves: dict[tuple[object, ...], shown.Curves] = {}
         self._undo: deque[tuple[bytes, bytes, str]] = deque(maxlen=MOST_UNDONE)
         self._state = self._load(None, progress=progress)
         self._change: dict[str, Any] | None = None
@@ -144,23 +146,24 @@ class Review:
         campaign = load_campaign(self._path, missing_recordings="flag")
         if _content_of(campaign.trial_list) != content:
             raise _changed(campaign.trial_list)
-        known: dict[TrialSpec, tuple[TrialResult, ...]] = {}
+        seen: ByRow = {} if before is None else before.by_row
+        kept: dict[str, tuple[TrialResult, ...]] = {}
         if before is not None and before.campaign.settings_fingerprint() == campaign.settings_fingerprint():
-            known = {_bare(row): before.by_row[row.trial] for row in before.campaign.trials}
-        kept = {
-            row.trial: tuple(replace(one, own=row.own) for one in known[_bare(row)])
-            for row in campaign.trials
-            if _bare(row) in known
-        }
+            kept = {
+                row.trial: tuple(
+                    one if one.own == row.own else replace(one, own=row.own) for one in seen[row.trial]
+                )
+                for row in campaign.trials
+                if before.bare.get(row.trial) == replace(row, line=0, own=())
+            }
         rows = tuple(row for row in campaign.trials if row.trial not in kept)
-        seen = {} if before is None else before.by_row
-        readable = (row.trial in seen and all(map(_is_readable, seen[row.trial])) for row in rows)
+        readable = all(row.trial in seen and all(map(_is_readable, seen[row.trial])) for row in rows)
         new, n_reused = extract_rows(
             campaign.model_copy(update={"trials": rows, "warnings": ()}),
             jobs=self._jobs,
             cache_dir=self._cache_dir,
             progress=progress,
-            trusted=all(readable),
+            trusted=readable and len(rows) <= FEW,
         )
         by_row = {**kept, **new}
         placed = in_list_order(campaign, by_row)
@@ -270,11 +273,8 @@ class Review:
         write_file(path, content)
         try:
             new = self._load(state, content)
-            changed = {
-                row.trial
-                for row, was in zip(new.campaign.trials, state.campaign.trials, strict=True)
-                if _bare(row) != _bare(was)
-            }
+            names = {*state.bare, *new.bare}
+            changed = {name for name in names if state.bare.get(name) != new.bare.get(name)}
             if not changed <= {state.specs[trial].trial}:
                 raise _not_alone(changed, path)  # noqa: TRY301  (whatever is wrong, the list becomes what it was)
         except BaseException:
@@ -284,7 +284,7 @@ class Review:
         self._state = new
 
     def _changed_since(self, state: _State, trial: str) -> dict[str, Any]:
-        before, now = state.rows(), self._state.rows()
+        before, now = state.rows, self._state.rows
         self._change = {
             "trial": trial,
             "was": before[trial] | {"condition_was": state.condition(trial)},
@@ -364,7 +364,7 @@ class Review:
                 "by": self.by,
                 "slack": campaign.protocol.needs_lift_force,
                 "order": list(self._state.specs),
-                "rows": self._state.rows(),
+                "rows": self._state.rows,
                 "undo": len(self._undo),
                 "counts": self._counts(),
                 **self.answer(),
@@ -386,28 +386,8 @@ class Review:
         """Return all that is known of a trial but its samples."""
         with self.lock:
             spec, result = self._spec(trial), self._result(trial)
-            found, condition = result.breakaway, self._state.condition(trial)
-        numbers = (
-            *("peak_N", "peak_raw_N", "peak_time_s", "kinetic_N", "kinetic_std_N", "drop_N", "noise_std_N"),
-            *("window_s", "loading_rate_N_s", "n_slips", "two_line_N"),
-        )
-        tree = {
-            **{name: getattr(found, name) for name in numbers},
-            "start_s": spec.start_s,
-            "stop_s": spec.stop_s,
-            "mu": result.mu,
-            "file": result.file,
-            "picked": [result.measured_N, _std_of(result), found.peak_time_s],
-            "detail": found.detail,
-            "advice": "" if found.status is Status.OK else found.advice,
-            "notes": found.notes,
-            "problems": [f"{one.code}: {one.message}" for one in result.problems],
-            "phases": [asdict(one) for one in found.phases],
-            "events": [asdict(one) for one in found.events],
-            "candidates": [asdict(one) for one in found.candidates],
-            "condition": condition,
-        }
-        return {"trial": trial, **_plain(tree)}
+            condition = self._state.condition(trial)
+        return shown.facts_of(spec, result) | {"trial": trial, "condition": condition}
 
     def preview(self, trial: str, pick_s: float) -> dict[str, Any]:
         """Return the force that a trial would have with its break-away at a time; nothing is written."""
@@ -421,70 +401,26 @@ class Review:
         found = result.breakaway
         if found.status is not Status.OK:
             raise DataError(found.detail, code="RF244", key="pick_s", fix="choose another place")
-        return {"picked": _plain([result.measured_N, _std_of(result), found.peak_time_s])}
+        return shown.pick_of(result)
 
     def curve(self, trial: str, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
         """Return a stretch of a recording as it is drawn; a time that is no number stands for the recording's end."""
         with self.lock:
             campaign, spec, result = self._state.campaign, self._spec(trial), self._result(trial)
         self._refuse_unread(result)
-        window_s = result.breakaway.window_s
-        key = (trial, result.sha256, campaign.settings_fingerprint(), window_s)
-        if key not in self._traces:
-            raws = read_recordings(spec.path, campaign.profile, shown_as=spec.file)
-            raw = blocks_of(replace(spec, sample=result.sample), raws)[0]
-            trace, _, _ = tared_trace(campaign, spec, raw)
-            smoothed = smooth(trace, window_s).force_N if isfinite(window_s) else None
-            present = np.isfinite(trace.force_N)
-            shown = None if smoothed is None else smoothed[present]
-            self._traces[key] = trace.time_s[present], trace.force_N[present], shown
+        key = (trial, result.sha256, campaign.settings_fingerprint(), result.breakaway.window_s)
+        curves = self._curves.get(key) or shown.curves_of(campaign, spec, result)
         with self.lock:
-            curves = self._traces[key]
-            self._traces.move_to_end(key)
-            while len(self._traces) > _HELD_TRACES:
-                self._traces.popitem(last=False)
-        return decimated(curves, start_s, stop_s, columns)
+            self._curves.pop(key, None)
+            self._curves[key] = curves  # the last one is the newest
+            for old in [*self._curves][:-HELD_CURVES]:
+                del self._curves[old]
+        return shown.decimated(curves, start_s, stop_s, columns)
 
     def _refuse_unread(self, result: TrialResult) -> None:
         if not _is_readable(result):
             fix = "".join(problem.fix for problem in result.problems[-1:])
             raise DataError(result.breakaway.detail, path=result.file, fix=fix)
-
-
-def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
-    """Return time, lowest, highest and smoothed force for each column of a picture that has a sample.
-
-    A column holds all samples in its stretch of time, so no peak is lost; where there are fewer samples than
-    two in a column, each stands for itself.
-    """
-    time_s, force_N, smoothed_N = curves
-    if not time_s.size:
-        raise DataError("no sample is there", fix="exclude the trial")
-    begin_s, end_s = float(time_s[0]), float(time_s[-1])
-    start_s = start_s if isfinite(start_s) else begin_s
-    stop_s = stop_s if isfinite(stop_s) else end_s
-    columns = min(max(int(columns), 10), 5000)
-    if not start_s < stop_s:
-        stop_s = start_s + 1e-9 * max(1.0, abs(start_s))
-    first, last = np.searchsorted(time_s, start_s, "left"), np.searchsorted(time_s, stop_s, "right")
-    if last - first <= 2 * columns:
-        inside = slice(max(0, int(first) - 1), int(last) + 1)
-        shown = [time_s[inside], force_N[inside], force_N[inside]]
-        middle = np.arange(time_s.size)[inside]
-    else:
-        time, force = time_s[first:last], force_N[first:last]
-        column = np.minimum(((time - start_s) * (columns / (stop_s - start_s))).astype(np.int64), columns - 1)
-        starts = np.flatnonzero(np.diff(column, prepend=-1))
-        counts = np.diff(np.append(starts, column.size))
-        low, high = np.minimum.reduceat(force, starts), np.maximum.reduceat(force, starts)
-        shown = [0.5 * (time[starts] + time[starts + counts - 1]), low, high]
-        middle = first + starts + counts // 2
-    if smoothed_N is not None:
-        shown.append(smoothed_N[middle])
-    names = ("time_s", "low_N", "high_N", "smoothed_N")
-    tree = {name: _plain(values.tolist()) for name, values in zip(names, shown, strict=False)}
-    span = (start_s, stop_s, begin_s, end_s)
-    return dict(zip(("start_s", "stop_s", "begin_s", "end_s"), span, strict=True)) | tree
 
 
 def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) -> dict[str, Any]:
@@ -494,62 +430,13 @@ def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) ->
         raise without
     rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
     answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
-    parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
-    return {
-        "law": answer.fit.law,
-        "verdict": answer.verdict.word,
-        "reason": answer.verdict.reason,
-        "doubts": list(answer.doubts),
-        "parameters": _plain(parameters),
-        "lift": _plain(_lift(answer)),
-    }
-
-
-def _lift(answer: CampaignAnswer) -> dict[str, Any] | None:
-    if answer.prediction is None:
-        return None
-    found = answer.prediction
-    low_N, high_N = found.interval_N[0].tolist()
-    return {"force_N": float(found.lift_force_N[0]), "low_N": low_N, "high_N": high_N, "level": found.level}
-
-
-def _row(trial: TrialResult, condition: str) -> dict[str, Any]:
-    return {
-        "file": trial.file,
-        "condition": condition,
-        "status": trial.breakaway.status.value,
-        "outcome": trial.outcome,
-        "excluded": trial.excluded,
-        "decision": trial.decision,
-        "why": trial.why,
-        "by": trial.by,
-        "force_N": _plain(trial.measured_N),
-        "std_N": _plain(_std_of(trial)),
-    }
-
-
-def _std_of(trial: TrialResult) -> float:
-    return trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
-
-
-def _plain(tree: Any) -> Any:
-    """Return a tree as JSON holds it: numbers without their last bits, None where there is none."""
-    if isinstance(tree, float):
-        return significant(tree, GIVEN_DIGITS) if isfinite(tree) else None
-    if isinstance(tree, Mapping):
-        return {key: _plain(item) for key, item in tree.items()}
-    return [_plain(item) for item in tree] if isinstance(tree, list | tuple) else tree
+    return shown.answer_of(answer)
 
 
 def _needed(text: str, otherwise: str) -> str:
     if not text.strip():
         raise InputError(otherwise, code="RF121", fix="say in a few words what was seen")
     return text.strip()
-
-
-def _bare(row: TrialSpec) -> TrialSpec:
-    """Return a row without what its result does not depend on: its line, and columns of the user's own."""
-    return replace(row, line=0, own=())
 
 
 def _is_readable(result: TrialResult) -> bool:

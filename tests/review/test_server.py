@@ -2,7 +2,6 @@
 
 import http.client
 import json
-import os
 import re
 import signal
 import subprocess
@@ -11,6 +10,7 @@ from urllib.parse import quote
 
 import pytest
 
+from ropefric.cli.app import main
 from ropefric.review.server import MOST_BYTES, ReviewServer
 
 
@@ -136,50 +136,38 @@ def test_a_port_that_is_taken_is_told(served):
         ReviewServer(served.review, served.server_port)
 
 
-@pytest.fixture
-def review():
-    """Run the command in a process that does not outlive the test."""
-    begun = []
-
-    def review(*argv):
-        words = [sys.executable, "-m", "ropefric", "review", *map(str, argv)]
-        begun.append(subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
-        return begun[-1]
-
-    yield review
-    for process in begun:
-        process.kill()
-        process.communicate()
-
-
-def test_the_command_serves_until_it_is_interrupted(campaign, review):
+def test_the_command_serves_until_it_is_interrupted(campaign):
     out = campaign / "out"
     (out / "manifest.json").write_text(
         json.dumps({"schema": "ropefric.run/1", "campaign": "../campaign.toml", "law": ""})
     )
-    process = review(out, "--no-open", "--by", "A. Meier")
-    address = ""
-    while "token=" not in address:
-        address = process.stderr.readline()
-        assert address, process.wait()
-    port, token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)\n", address).groups()
-    line = http.client.HTTPConnection("127.0.0.1", int(port), timeout=20)
-    headers = {"Origin": f"http://127.0.0.1:{port}", "Content-Type": "application/json"}
-    body = json.dumps({"trial": "c08-r01", "action": "exclude", "text": "torn"})
-    line.request("POST", f"/api/decide?token={token}", body, headers)
-    assert line.getresponse().status == 200
-    line.close()
-    process.send_signal(signal.SIGINT if os.name == "posix" else signal.CTRL_C_EVENT)
-    said, _ = process.communicate(timeout=20)
+    words = [sys.executable, "-m", "ropefric", "review", str(out), "--no-open", "--by", "A. Meier"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        address = ""
+        while "token=" not in address:
+            address = process.stderr.readline()
+            assert address
+        port, token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)\n", address).groups()
+        line = http.client.HTTPConnection("127.0.0.1", int(port), timeout=60)
+        headers = {"Origin": f"http://127.0.0.1:{port}", "Content-Type": "application/json"}
+        body = json.dumps({"trial": "c08-r01", "action": "exclude", "text": "torn"})
+        line.request("POST", f"/api/decide?token={token}", body, headers)
+        assert line.getresponse().status == 200
+        line.close()
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=60)
+    finally:
+        process.kill()
+        process.communicate()
     assert process.returncode == 0
     assert said.startswith("1 decision written to ")
     assert "`ropefric report" in said
     assert ",torn,A. Meier,20" in (campaign / "trials.csv").read_text()
 
 
-def test_a_folder_that_knows_no_campaign_needs_its_name(campaign, review):
-    process = review(campaign / "out", "--no-open")
-    _, said = process.communicate(timeout=20)
-    assert process.returncode == 3
-    assert "--campaign CAMPAIGN.toml" in said
-    assert "there is no such folder" in review(campaign / "nowhere").communicate(timeout=20)[1]
+def test_a_folder_that_knows_no_campaign_needs_its_name(campaign, capfd):
+    assert main(["review", str(campaign / "out"), "--no-open"]) == 3
+    assert "--campaign CAMPAIGN.toml" in capfd.readouterr().err
+    assert main(["review", str(campaign / "nowhere"), "--no-open"]) == 3
+    assert "there is no such folder" in capfd.readouterr().err

@@ -8,13 +8,17 @@
 from importlib import import_module
 from typing import Any
 
+from ropefric.shown import drawn_by
+
 __version__ = "0.1.0"
 
 _NAMES = {
-    "api": "budget compare design diagnose explain extract find_breakaway fit measured_budgets plan_tests predict "
-    "read_trace read_trial reject run smooth solve sweep trial_table",
+    "api": "budget compare design diagnose explain extract find_breakaway fit friction_table measured_budgets "
+    "plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
+    "errors": "RopefricError RopefricWarning",
     "fitting.lmfit_model": "lmfit_model",
     "fitting.store": "load_fit save_fit",
+    "plugins": "load_plugin",
     "scenes.scene": "load_scene",
     "scenes.scene_templates": "write_scenes",
     "trials.campaign": "load_campaign",
@@ -30,6 +34,13 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(_WHERE[name]), name)
     globals()[name] = value
     return value
+
+
+def _draw(result: Any, *args: Any, **options: Any) -> Any:
+    return import_module("ropefric.plotting.results").draw(result, *args, **options)
+
+
+drawn_by(_draw)
 
 
 def __dir__() -> list[str]:

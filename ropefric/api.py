@@ -4,7 +4,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,8 @@ from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
+from ropefric.fitting.export import FrictionTable
+from ropefric.fitting.export import friction_table as tabulate
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.predict import Method, Prediction
@@ -26,6 +28,7 @@ from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
+from ropefric.given import Columns, as_table, as_trace, in_si, settings, wheels_of
 from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
@@ -48,7 +51,7 @@ from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
-from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame, table_of_extraction
+from ropefric.trials.table import TrialTable, read_trial_table, table_of_extraction
 from ropefric.uncertainty.budget import Statement
 
 if TYPE_CHECKING:
@@ -57,6 +60,12 @@ if TYPE_CHECKING:
 
 PathLike = str | os.PathLike[str]
 """A file or folder."""
+
+Trials = Union[TrialTable, Extraction, "pd.DataFrame", Mapping[str, Any], npt.NDArray[Any], PathLike]
+"""Trials in any form that `trial_table` takes."""
+
+Given = Any
+"""A number, an array, or a quantity with its unit: 0.035, [0.02, 0.04], "35 mm", or one of pint's."""
 
 
 def as_campaign(campaign: Campaign | PathLike) -> Campaign:
@@ -136,15 +145,22 @@ def read_trial(campaign: Campaign | PathLike, trial: str) -> ForceTrace:
     raise InputError(f"the campaign has no trial {trial!r}", key="trial", fix="see campaign.trials")
 
 
-def smooth(trace: ForceTrace, window_s: float | None = None) -> SmoothedForce:
+def smooth(
+    trace: "ForceTrace | pd.DataFrame | Mapping[str, Any]",
+    window_s: float | None = None,
+    *,
+    columns: Columns = None,
+) -> SmoothedForce:
     """Return a trace's force under a centred moving average.
 
     Parameters
     ----------
-    trace : ForceTrace
-        The recording.
+    trace : ForceTrace, DataFrame or mapping
+        The recording, see `find_breakaway`.
     window_s : float, optional
         Full width [s]; by default the width with the smallest uncertainty of the break-away force.
+    columns : mapping of str to str, optional
+        New names of a table's columns.
 
     Raises
     ------
@@ -156,8 +172,9 @@ def smooth(trace: ForceTrace, window_s: float | None = None) -> SmoothedForce:
     >>> smooth(ForceTrace(time_s=[0, 1, 2, 3, 4], force_N=[0, 0, 9, 0, 0]), 3.0).force_N.tolist()
     [0.0, 3.0, 3.0, 3.0, 0.0]
     """
+    recorded = as_trace(trace, columns=columns)
     if window_s is None:
-        found = find_breakaway(trace)
+        found = find_breakaway(recorded)
         window_s = found.window_s
         if np.isnan(window_s):
             raise InputError(
@@ -165,12 +182,14 @@ def smooth(trace: ForceTrace, window_s: float | None = None) -> SmoothedForce:
                 key="window_s",
                 fix="give window_s",
             )
-    return average(trace, window_s)
+    return average(recorded, window_s)
 
 
 def find_breakaway(
-    trace: ForceTrace,
+    trace: "ForceTrace | pd.DataFrame | Mapping[str, Any] | npt.ArrayLike",
+    force_N: npt.ArrayLike | None = None,
     *,
+    columns: Columns = None,
     window_s: float | None = None,
     peak: Literal["smoothed", "two-line"] = "smoothed",
     start_s: float | None = None,
@@ -183,8 +202,12 @@ def find_breakaway(
 
     Parameters
     ----------
-    trace : ForceTrace
-        The recording.
+    trace : ForceTrace, DataFrame, mapping or array_like
+        The recording; a table with columns of times and forces, such as `time_s` and `force_kN`; or the times [s].
+    force_N : array_like, optional
+        The forces [N] where the times stand alone; a pint quantity in any unit of force.
+    columns : mapping of str to str, optional
+        New names of a table's columns: `{"F [daN]": "force [daN]"}`.
     window_s, peak, start_s, stop_s, min_step_N, ending
         As `ropefric.traces.breakaway.PickSettings`.
     pick_s : float, optional
@@ -199,15 +222,16 @@ def find_breakaway(
     --------
     >>> time_s = np.arange(2500) / 1000
     >>> force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
-    >>> found = find_breakaway(ForceTrace(time_s=time_s, force_N=force_N))
+    >>> found = find_breakaway(time_s, force_N)
     >>> str(found.status), round(found.peak_N)
     ('ok', 100)
     """
-    settings = PickSettings(
+    chosen = PickSettings(
         window_s=window_s, peak=peak, start_s=start_s, stop_s=stop_s, min_step_N=min_step_N, ending=ending,
         pick_s=pick_s,
     )  # fmt: skip
-    return pick_breakaway(trace, settings)[0] if pick_s is None else pick_at(trace, settings)
+    recorded = as_trace(trace, force_N, columns)
+    return pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
 
 
 def extract(
@@ -216,6 +240,7 @@ def extract(
     jobs: int = 1,
     cache_dir: PathLike | None = None,
     progress: Callable[[int, int, str], None] | None = None,
+    executor: Any = None,
 ) -> Extraction:
     """Return the break-away forces of all recordings of a campaign, outliers marked by its rule.
 
@@ -229,9 +254,14 @@ def extract(
         Where results are kept, so that unchanged recordings are not extracted again.
     progress : callable, optional
         Called with recordings done, recordings in all, and "name status" of the last one.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Reads the recordings in the stead of `jobs` processes of this machine; the result is the same to the last bit.
+        Its workers need the recordings under the same path. What a worker that died had in hand is read here.
     """
     kept = None if cache_dir is None else Path(cache_dir)
-    return extract_campaign(as_campaign(campaign), jobs=jobs, cache_dir=kept, progress=progress)
+    return extract_campaign(
+        as_campaign(campaign), jobs=jobs, cache_dir=kept, progress=progress, executor=executor
+    )
 
 
 def reject(values: npt.ArrayLike, rule: str = "two-sigma") -> Repeatability:
@@ -252,26 +282,33 @@ def reject(values: npt.ArrayLike, rule: str = "two-sigma") -> Repeatability:
     return summarise(values, rule)
 
 
-def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> TrialTable:
+def trial_table(trials: Trials, *, columns: Columns = None) -> TrialTable:
     """Return trials as a trial table; its `to_frame()` gives a pandas DataFrame.
 
     Parameters
     ----------
-    trials : TrialTable, Extraction, DataFrame or path-like
-        A table, the result of `extract`, a frame or CSV file with headers such as `wrap_angle_deg`.
+    trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
+        A table, the result of `extract`, a frame, columns by name or a CSV file with headers such as `wrap_angle_deg`.
+        Columns may hold quantities with their units: "35 mm", or pint's.
+    columns : mapping of str to str, or sequence of str, optional
+        New names of columns, `{"F [N]": "peak_N"}`; or the names of the columns of an array.
 
     Raises
     ------
     DataError
         With everything that is wrong in it.
 
+    Warns
+    -----
+    RopefricWarning
+        Where a wrap was probably meant in degrees, or a size in millimetres.
+
     Examples
     --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"wheel_radius_mm": [40, 40], "rope_diameter_mm": 10, "wrap_turns": 1,
-    ...                       "end_tension_N": 20, "peak_N": [70, 71]})
-    >>> trial_table(frame).to_frame()["peak_N"].tolist()
-    [70.0, 71.0]
+    >>> found = trial_table({"wheel_radius": "40 mm", "rope_diameter_mm": 10, "wrap_turns": 1, "F_B": 20,
+    ...     "F [N]": [70, 71]}, columns={"F [N]": "peak_N", "F_B": "end_tension_N"})
+    >>> found.to_frame()["peak_N"].tolist(), found.wheel_radius_m.tolist()
+    ([70.0, 71.0], [0.04, 0.04])
     """
     if isinstance(trials, TrialTable):
         return trials
@@ -279,17 +316,17 @@ def trial_table(trials: "TrialTable | Extraction | pd.DataFrame | PathLike") -> 
         return table_of_extraction(trials)
     if isinstance(trials, str | os.PathLike):
         return read_trial_table(trials)
-    if hasattr(trials, "columns"):
-        return table_from_frame(trials)
+    if isinstance(trials, Mapping) or hasattr(trials, "columns") or hasattr(trials, "dtype"):
+        return as_table(trials, columns)
     raise InputError(
         f"{type(trials).__name__} is no trial table",
         key="trials",
-        fix="give a DataFrame or the path of a CSV file",
+        fix="give a DataFrame, a mapping of columns, or the path of a CSV file",
     )
 
 
 def fit(
-    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    trials: Trials,
     law: str,
     *,
     fixed: Mapping[str, float] | None = None,
@@ -302,13 +339,16 @@ def fit(
     seed: int = 0,
     intervals: Literal["auto", "covariance", "profile", "bootstrap", "bootstrap-t"] = "auto",
     of: Literal["peak", "kinetic"] = "peak",
+    columns: Columns = None,
+    resamples: int = 2000,
+    executor: Any = None,
 ) -> FitResult:
     """Return a friction law fitted to trials; `status` says whether to trust it.
 
     Parameters
     ----------
-    trials : TrialTable, Extraction, DataFrame or path-like
-        See `trial_table`.
+    trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
+        See `trial_table`, which takes `columns`, too.
     law : str
         "constant", "wrap-power", "coupled", …
     fixed, start : mapping of parameter name to value, optional
@@ -328,6 +368,10 @@ def fit(
         intervals as a parabola does, else the profile.
     of : {"peak", "kinetic"}
         The force that is fitted: the break-away force, or the mean force while sliding (column `kinetic_N`).
+    resamples : int
+        Data sets that a bootstrap draws and fits anew.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Fits them, with the same result to the last bit.
 
     Examples
     --------
@@ -340,50 +384,54 @@ def fit(
     0.2
     """
     made = fit_law(
-        trial_table(trials), law, fixed=fixed, bounds=bounds, start=start, scale_covar=scale_covar, loss=loss,
-        clustered=clustered, n_starts=n_starts, seed=seed, of=of,
+        trial_table(trials, columns=columns), law, fixed=fixed, bounds=bounds, start=start,
+        scale_covar=scale_covar, loss=loss, clustered=clustered, n_starts=n_starts, seed=seed, of=of,
     )  # fmt: skip
-    return with_intervals(made, intervals, seed=seed)
+    return with_intervals(made, intervals, n=resamples, seed=seed, executor=executor)
 
 
 def compare(
-    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    trials: Trials,
     laws: Iterable[str] | None = None,
     *,
     progress: Callable[[str, int, int], None] | None = None,
     of: Literal["peak", "kinetic"] = "peak",
+    columns: Columns = None,
 ) -> Comparison:
     """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it.
 
     `of` is the force they are fitted to: the break-away force, or the mean force while sliding.
     """
-    return compare_laws(trial_table(trials).of(of), laws, progress=progress)
+    return compare_laws(trial_table(trials, columns=columns).of(of), laws, progress=progress)
 
 
 def diagnose(
-    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    trials: Trials,
     comparison: Comparison | None = None,
     *,
     touching_turns: float | None = None,
+    columns: Columns = None,
 ) -> Diagnosis:
     """Return why trials do not obey the capstan equation, with the evidence, or that they do.
 
     `touching_turns` is how many turns at most touch the one beside them; by default all beyond the first may.
     """
-    return find_causes(trial_table(trials), comparison, touching_turns=touching_turns)
+    return find_causes(trial_table(trials, columns=columns), comparison, touching_turns=touching_turns)
 
 
 def predict(
     fit: FitResult | PathLike,
+    wheels: "pd.DataFrame | Mapping[str, Any] | None" = None,
     *,
-    wheel_radius_m: npt.ArrayLike,
-    wrap_angle_rad: npt.ArrayLike,
-    end_tension_N: npt.ArrayLike,
-    rope_radius_m: npt.ArrayLike | None = None,
+    wheel_radius_m: Given = None,
+    wrap_angle_rad: Given = None,
+    end_tension_N: Given = None,
+    rope_radius_m: Given = None,
     level: float = 0.95,
     method: Method = "linear",
-    linear_density_kg_m: float | None = None,
-    speed_m_s: float | None = None,
+    linear_density_kg_m: Given = None,
+    speed_m_s: Given = None,
+    columns: Columns = None,
 ) -> Prediction:
     """Return the lift force of a fitted law for n wheels, with confidence and prediction intervals.
 
@@ -391,39 +439,66 @@ def predict(
     ----------
     fit : FitResult or path-like
         The fit or its file.
-    wheel_radius_m, wrap_angle_rad, end_tension_N : array_like, scalar or shape (n,)
-        R_w [m], φ [rad], F_B [N].
+    wheels : DataFrame or mapping, optional
+        Settings of n wheels, with headers as in a trial table: `wheel_radius_mm`, `wrap_turns`, `end_tension_N`.
+    wheel_radius_m, wrap_angle_rad, end_tension_N : array_like, scalar or shape (n,), optional
+        R_w [m], φ [rad], F_B [N], those that the table does not have; or with units: "35 mm", "400 deg".
     rope_radius_m : array_like, optional
         R_r [m]; that of the trials where they had one rope only.
     level, method, linear_density_kg_m, speed_m_s
         As `ropefric.fitting.predict.predict`.
+    columns : mapping of str to str, optional
+        New names of the table's columns.
+
+    Raises
+    ------
+    InputError
+        If a setting is missing, or the law has no answer for a wheel.
+
+    Warns
+    -----
+    RopefricWarning
+        Where a wrap was probably meant in degrees, or a size in millimetres.
+
+    Examples
+    --------
+    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
+    ...     "peak_N": [36.6, 66.1, 121.7]}
+    >>> found = predict(fit(trials, "constant"), wheel_radius_m="35 mm", wrap_angle_rad="400 deg", end_tension_N=20)
+    >>> round(found.lift_force_N[0])
+    81
     """
     stored = as_fit(fit)
-    wheels = Conditions(
-        wheel_radius_m=np.asarray(wheel_radius_m, dtype=np.float64),
-        rope_radius_m=_rope(stored, rope_radius_m),
-        wrap_angle_rad=np.asarray(wrap_angle_rad, dtype=np.float64),
-        end_tension_N=np.asarray(end_tension_N, dtype=np.float64),
-    )
+    given = {} if wheels is None else wheels_of(wheels, columns)
+    asked = {
+        "wheel_radius_m": wheel_radius_m,
+        "wrap_angle_rad": wrap_angle_rad,
+        "end_tension_N": end_tension_N,
+    }
+    given |= settings(**asked)
+    missing = [name for name in asked if name not in given]
+    if missing:
+        raise InputError(
+            f"no value for {', '.join(missing)}", key=missing[0], fix="give it by name or as a column"
+        )
+    if rope_radius_m is not None or "rope_radius_m" not in given:
+        given["rope_radius_m"] = _rope(stored, rope_radius_m)
+    moving = (("kg/m", linear_density_kg_m), ("m/s", speed_m_s))
+    density, speed = (None if value is None else float(in_si(value, unit)) for unit, value in moving)
     return predict_lift(
-        stored,
-        wheels,
-        level=level,
-        method=method,
-        linear_density_kg_m=linear_density_kg_m,
-        speed_m_s=speed_m_s,
+        stored, Conditions(**given), level=level, method=method, linear_density_kg_m=density, speed_m_s=speed
     )
 
 
 def design(
     fit: FitResult | PathLike,
     *,
-    lift_N: npt.ArrayLike,
+    lift_N: Given,
     solve_for: SolveFor = "wrap",
-    wheel_radius_m: npt.ArrayLike | None = None,
-    wrap_angle_rad: npt.ArrayLike | None = None,
-    end_tension_N: npt.ArrayLike | None = None,
-    rope_radius_m: npt.ArrayLike | None = None,
+    wheel_radius_m: Given = None,
+    wrap_angle_rad: Given = None,
+    end_tension_N: Given = None,
+    rope_radius_m: Given = None,
     probability: float | None = 0.95,
 ) -> Design:
     """Return the smallest wrap, wheel radius or end tension that lifts a load with a probability.
@@ -438,10 +513,14 @@ def design(
         R_r [m]; that of the trials where they had one rope only.
     """
     stored = as_fit(fit)
-    return find_design(
-        stored, lift_N=lift_N, rope_radius_m=_rope(stored, rope_radius_m), wheel_radius_m=wheel_radius_m,
-        wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N, solve_for=solve_for, probability=probability,
-    )  # fmt: skip
+    given: dict[str, Any] = settings(
+        lift_N=lift_N,
+        wheel_radius_m=wheel_radius_m,
+        wrap_angle_rad=wrap_angle_rad,
+        end_tension_N=end_tension_N,
+    )
+    rope_m = _rope(stored, rope_radius_m)
+    return find_design(stored, rope_radius_m=rope_m, solve_for=solve_for, probability=probability, **given)
 
 
 def run(
@@ -452,6 +531,7 @@ def run(
     jobs: int = 1,
     cache_dir: PathLike | None = None,
     overwrite: bool = False,
+    executor: Any = None,
 ) -> CampaignRun:
     """Return a campaign's result, from recordings to the lift force of its wheel, and write its files into a folder.
 
@@ -463,7 +543,7 @@ def run(
         Where trials.csv, fits/, comparison.csv, … go; what an earlier run wrote there and no longer fits is removed.
     law : str
         The law to use; "" for the best whose fit may be used as it stands.
-    jobs, cache_dir
+    jobs, cache_dir, executor
         As `extract`.
     overwrite : bool
         Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
@@ -471,28 +551,79 @@ def run(
     kept = None if cache_dir is None else Path(cache_dir)
     loaded = as_campaign(campaign)
     with campaign_folder(loaded, folder, force=overwrite) as target:
-        result = run_campaign(loaded, target, law=law, jobs=jobs, cache_dir=kept)
+        result = run_campaign(loaded, target, law=law, jobs=jobs, cache_dir=kept, executor=executor)
         target.publish("answer")
     return result
 
 
-def _rope(fit: FitResult, given_m: npt.ArrayLike | None) -> FloatArray:
-    if given_m is None:
-        given_m = fit.only_rope_radius_m()
-    return np.asarray(given_m, dtype=np.float64)
+def _rope(fit: FitResult, given_m: Given) -> FloatArray:
+    return settings(rope_radius_m=fit.only_rope_radius_m() if given_m is None else given_m)["rope_radius_m"]
+
+
+def _wheel(
+    wheel_radius_m: Given, rope_radius_m: Given, wrap_angle_rad: Given, end_tension_N: Given
+) -> Conditions:
+    given = settings(
+        wheel_radius_m=wheel_radius_m, rope_radius_m=rope_radius_m, wrap_angle_rad=wrap_angle_rad,
+        end_tension_N=end_tension_N,
+    )  # fmt: skip
+    return one_condition(**{name: value.item() for name, value in given.items()})
+
+
+def friction_table(
+    fit: FitResult | PathLike,
+    *,
+    wheel_radius_m: Given = None,
+    wrap_angle_rad: Given = None,
+    end_tension_N: Given = None,
+    rope_radius_m: Given = None,
+) -> FrictionTable:
+    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that stands for it best.
+
+    Parameters
+    ----------
+    fit : FitResult or path-like
+        The fit or its file.
+    wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m : array_like, optional
+        Levels of each setting, of which every combination becomes a row; by default over what was tested.
+
+    Returns
+    -------
+    FrictionTable
+        `to_frame()` has the table; `constant_mu` is the constant whose largest relative error of the lift force over the
+        table, `constant_error`, is smallest.
+
+    Raises
+    ------
+    InputError
+        If the law has no answer anywhere on the grid, or a wrap is zero.
+
+    Examples
+    --------
+    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
+    ...     "peak_N": [36.6, 66.1, 121.7]}
+    >>> table = friction_table(fit(trials, "constant"), wrap_angle_rad=["1 turn", "2 turn"])
+    >>> round(table.constant_mu, 3), len(table.to_frame())
+    (0.2, 2)
+    """
+    levels = settings(
+        wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
+        rope_radius_m=rope_radius_m,
+    )  # fmt: skip
+    return tabulate(as_fit(fit), **levels)
 
 
 def budget(
     fit: FitResult | PathLike,
     *,
-    wheel_radius_m: float,
-    wrap_angle_rad: float,
-    end_tension_N: float,
-    rope_radius_m: float | None = None,
-    u_wheel_radius_m: float = 0.0,
-    u_rope_radius_m: float = 0.0,
-    u_wrap_angle_rad: float = 0.0,
-    u_end_tension_N: float = 0.0,
+    wheel_radius_m: Given,
+    wrap_angle_rad: Given,
+    end_tension_N: Given,
+    rope_radius_m: Given = None,
+    u_wheel_radius_m: Given = 0.0,
+    u_rope_radius_m: Given = 0.0,
+    u_wrap_angle_rad: Given = 0.0,
+    u_end_tension_N: Given = 0.0,
     one_pull: bool = False,
     level: float = 0.95,
     draws: int = 200_000,
@@ -538,19 +669,18 @@ def budget(
     (81.1, 'wrap angle')
     """
     stored = as_fit(fit)
-    radius_m = stored.only_rope_radius_m() if rope_radius_m is None else rope_radius_m
-    at = one_condition(wheel_radius_m, radius_m, wrap_angle_rad, end_tension_N)
+    at = _wheel(wheel_radius_m, _rope(stored, rope_radius_m), wrap_angle_rad, end_tension_N)
     wheel_std = {
-        "wheel_radius_m": u_wheel_radius_m,
-        "rope_radius_m": u_rope_radius_m,
-        "wrap_angle_rad": u_wrap_angle_rad,
-        "end_tension_N": u_end_tension_N,
+        "wheel_radius_m": float(in_si(u_wheel_radius_m, "m")),
+        "rope_radius_m": float(in_si(u_rope_radius_m, "m")),
+        "wrap_angle_rad": float(in_si(u_wrap_angle_rad, "rad")),
+        "end_tension_N": float(in_si(u_end_tension_N, "N")),
     }
     return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
 def measured_budgets(
-    trials: "TrialTable | Extraction | pd.DataFrame | PathLike",
+    trials: Trials,
     quantity: budgets.MeasuredQuantity = "force",
     *,
     u_wrap_angle_rad: float | None = None,
@@ -565,8 +695,8 @@ def measured_budgets(
 
     Parameters
     ----------
-    trials : TrialTable, Extraction, DataFrame or path-like
-        See `trial_table`. An extraction knows its measuring chain, a table only the total.
+    trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
+        See `trial_table`, which takes `columns`, too. An extraction knows its measuring chain, a table only the total.
     quantity : {"force", "mu"}
         What the budget is of.
     u_wrap_angle_rad : float, optional
@@ -608,14 +738,14 @@ def measured_budgets(
 def plan_tests(
     known: FitResult | next_tests.PlannedLaw | PathLike,
     *,
-    wheels_m: Sequence[float],
-    wraps_rad: Sequence[float],
-    end_tensions_N: Sequence[float],
-    wheel_radius_m: float,
-    wrap_angle_rad: float,
-    end_tension_N: float,
-    rope_radius_m: float | None = None,
-    largest_force_N: float = math.inf,
+    wheels_m: Sequence[Given],
+    wraps_rad: Sequence[Given],
+    end_tensions_N: Sequence[Given],
+    wheel_radius_m: Given,
+    wrap_angle_rad: Given,
+    end_tension_N: Given,
+    rope_radius_m: Given = None,
+    largest_force_N: Given = math.inf,
     n_conditions: int = 12,
     repeats: int = 12,
     criterion: next_tests.Criterion = "v",
@@ -666,16 +796,16 @@ def plan_tests(
     else:
         stored = as_fit(known)
         planned = next_tests.planned_fit(stored)
-        rope_m = stored.only_rope_radius_m() if rope_m is None else rope_m
+        rope_m = _rope(stored, rope_m)
+    wanted = _wheel(wheel_radius_m, rope_m, wrap_angle_rad, end_tension_N)
+    rig = settings(wheel_radius_m=wheels_m, wrap_angle_rad=wraps_rad, end_tension_N=end_tensions_N)
     limits = next_tests.RigLimits(
-        wheel_radius_m=tuple(wheels_m),
-        wrap_angle_rad=tuple(wraps_rad),
-        end_tension_N=tuple(end_tensions_N),
-        rope_radius_m=rope_m,
-        largest_force_N=largest_force_N,
+        **{name: tuple(values.tolist()) for name, values in rig.items()},
+        rope_radius_m=float(wanted.rope_radius_m[0]),
+        largest_force_N=float(in_si(largest_force_N, "N")),
     )
     return next_tests.plan_tests(
-        planned, limits, one_condition(wheel_radius_m, rope_m, wrap_angle_rad, end_tension_N),
+        planned, limits, wanted,
         n_conditions=n_conditions, repeats=repeats, criterion=criterion, level=level, starts=starts, seed=seed,
     )  # fmt: skip
 
@@ -741,6 +871,7 @@ def sweep(
     *axes: str | Axis,
     progress: Callable[[int, int, str], None] | None = None,
     table: PathLike | None = None,
+    executor: Any = None,
 ) -> Sweep:
     """Return the numbers of a scene's answer over a grid of any of its own numbers.
 
@@ -755,6 +886,8 @@ def sweep(
     table : path-like, optional
         A file ending in .csv or .parquet, written block by block. The result then keeps at most a million points
         of the grid, spread evenly, so that memory stays flat.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Solves the points, with the same result to the last bit.
 
     Returns
     -------
@@ -780,10 +913,12 @@ def sweep(
     loaded = _as_scene(scene)
     grid = tuple(parse_axis(loaded, axis) if isinstance(axis, str) else axis for axis in axes)
     if table is None:
-        return sweep_scene(loaded, grid, progress=progress)
+        return sweep_scene(loaded, grid, progress=progress, executor=executor)
     path = Path(table)
     with sweep_table(grid, Folder(path.parent), path.name) as written:
-        return sweep_scene(loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS)
+        return sweep_scene(
+            loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS, executor=executor
+        )
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:

@@ -126,6 +126,10 @@ def _place(problem: Problem) -> dict[str, Any]:
     return {key: getattr(problem, key) for key in ("code", "path", "line", "key", "fix")}
 
 
+class RopefricWarning(UserWarning):
+    """What is allowed but hardly meant, such as a wrap of 400 rad; the message says what and how to fix it."""
+
+
 class InputError(RopefricError, ValueError):
     """An argument has a value outside its valid range, or the wrong unit or shape."""
 

@@ -5,7 +5,7 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import Any, Protocol, TypeVar
 
-from ropefric.errors import UnknownNameError
+from ropefric.errors import InputError, UnknownNameError
 
 
 class Named(Protocol):
@@ -18,6 +18,19 @@ class Named(Protocol):
 
 
 T = TypeVar("T", bound=Named)
+_ADDED: list[tuple[dict[str, Any], str]] = []
+
+
+def count_added() -> int:
+    """Return how many members plugins have added to registries."""
+    return len(_ADDED)
+
+
+def forget_added(after: int = 0) -> None:
+    """Take the members that plugins added out of their registries again, but for the first few."""
+    while len(_ADDED) > after:
+        members, name = _ADDED.pop()
+        del members[name]
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -36,7 +49,7 @@ def declared_in(package: str, modules: Iterable[str], name: str) -> list[Any]:
 
 
 class Registry(Mapping[str, T]):
-    """An ordered, read-only mapping from name to declared object, whose misses say what was meant.
+    """An ordered mapping from name to declared object, whose misses say what was meant; plugins may add to it.
 
     Parameters
     ----------
@@ -79,7 +92,15 @@ class Registry(Mapping[str, T]):
 
     def get(self, name: str, default: Any = None) -> Any:
         """Return a member, or `default`: a mapping that is asked gently does not raise."""
-        return self._members.get(name, default)
+        return self[name] if name in self else default  # noqa: SIM401  (that would be itself)
+
+    def add(self, member: T) -> None:
+        """Take a plugin's member in until `forget_added`; refuse a name that is taken."""
+        if member.name in self:
+            text = f"there is a {self.kind} {member.name!r} already"
+            raise InputError(text, code="RF162", key="name", fix="give it a name of its own")
+        self._members[member.name] = member
+        _ADDED.append((self._members, member.name))
 
     def __contains__(self, name: object) -> bool:
         return name in self._members

@@ -1,13 +1,16 @@
-"""The measured blocks of the README: `python tests/regenerate_readme.py` writes them where their markers are.
+"""What README and docs print, written anew: the measured blocks where their markers are, and the sessions.
 
-The sentences speak of errors and counted work, which are the same everywhere; times are in the pictures only, and
-the machine they were taken on is named beside them.
+`python tests/regenerate_readme.py` measures the blocks; `python tests/regenerate_readme.py sessions [PAGE …]` runs the
+sessions of all pages or of those named. The sentences of the blocks speak of errors and counted work, which are the same
+everywhere; times are in the pictures only, and the machine they were taken on is named beside them.
 """
 
+import contextlib
 import importlib.util
 import math
 import re
 import sys
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -42,7 +45,7 @@ def cost_block(machine: str) -> str:
     parts = []
     for study, sentence in _SENTENCES.items():
         text = sentence()
-        parts.append(f"![{STUDIES[study].title}](data/pictures/cost-{study}.png)\n\n{text}\n")
+        parts.append(f"![{STUDIES[study].title}](../data/pictures/cost-{study}.png)\n\n{text}\n")
     return "\n".join([*parts, f"{MACHINE_LINE}{machine}.\n"])
 
 
@@ -115,15 +118,19 @@ def _power(value: float) -> str:
     return f"1e{round(math.log10(value))}"
 
 
-def hard_cases() -> ModuleType:
-    """Return the script that makes the table of hard cases: its function `table` returns the block."""
-    path = ROOT / "tests" / "hard" / "table.py"
-    spec = importlib.util.spec_from_file_location("hard_cases_table", path)
+def _script(name: str, *parts: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, ROOT.joinpath("tests", *parts))
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # its dataclasses look there
     spec.loader.exec_module(module)
     return module
+
+
+def hard_cases() -> ModuleType:
+    """Return the script that makes the table of hard cases: its function `table` returns the block."""
+    return _script("hard_cases_table", "hard", "table.py")
 
 
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
@@ -148,20 +155,44 @@ def write_pictures(folder: Path, *, quick: bool = False) -> tuple[Path, ...]:
     return tuple(paths)
 
 
-def main() -> None:
-    """Write pictures and blocks, and say what was done."""
-    readme = ROOT / "README.md"
-    text = readme.read_text(encoding="utf-8")
-    wanted = [name for name in ("cost", "hard-cases") if f"<!-- {name} -->" in text]
-    blocks = {}
-    if "cost" in wanted:
-        write_pictures(FOLDER)
-        blocks["cost"] = cost_block(this_machine().line)
-    if "hard-cases" in wanted:
-        blocks["hard-cases"] = hard_cases().table()
-    readme.write_text(with_blocks(text, blocks), encoding="utf-8", newline="\n")
-    sys.stdout.write(f"written to {readme.name}: {', '.join(wanted) or 'nothing, there are no markers'}\n")
+def write_sessions(names: list[str]) -> list[str]:
+    """Run the sessions of the pages whose names end like one of these, of all without; return the pages that changed."""
+    sessions = _script("doc_sessions", "docs", "sessions.py")
+    changed = []
+    for page in sessions.PAGES:
+        name = page.relative_to(ROOT).as_posix()
+        if (names and not name.endswith(tuple(names))) or not sessions.sessions(page):
+            continue
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), sessions.quiet_terminal():
+            sessions.prepare(Path(folder))
+            text = sessions.run_page(page, anew=True)
+        if text != page.read_text(encoding="utf-8"):
+            page.write_text(text, encoding="utf-8", newline="\n")
+            changed.append(name)
+    return changed
+
+
+def write_blocks() -> list[str]:
+    """Measure the blocks whose markers are in a page, write them there, and return their names."""
+    makers = {"cost": lambda: cost_block(this_machine().line), "hard-cases": lambda: hard_cases().table()}
+    written = []
+    for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
+        text = page.read_text(encoding="utf-8")
+        wanted = [name for name in makers if f"<!-- {name} -->" in text]
+        if "cost" in wanted:
+            write_pictures(FOLDER)
+        if wanted:
+            blocks = {name: makers[name]() for name in wanted}
+            page.write_text(with_blocks(text, blocks), encoding="utf-8", newline="\n")
+            written += wanted
+    return written
+
+
+def main(argv: list[str]) -> None:
+    """Write what was asked for, and say what was done."""
+    done = write_sessions(argv[1:]) if argv[:1] == ["sessions"] else write_blocks()
+    sys.stdout.write(f"written anew: {', '.join(done) or 'nothing'}\n")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

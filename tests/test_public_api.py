@@ -24,38 +24,44 @@ SIGNATURES = {
     "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
     "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
     "seed=0)",
-    "compare": "(trials, laws=None, *, progress=None, of='peak')",
+    "compare": "(trials, laws=None, *, progress=None, of='peak', columns=None)",
     "design": "(fit, *, lift_N, solve_for='wrap', wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
     "rope_radius_m=None, probability=0.95)",
-    "diagnose": "(trials, comparison=None, *, touching_turns=None)",
+    "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
-    "find_breakaway": "(trace, *, window_s=None, peak='smoothed', start_s=None, stop_s=None, min_step_N=None, "
-    "ending='sliding', pick_s=None)",
+    "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, peak='smoothed', start_s=None, "
+    "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
-    "n_starts=4, seed=0, intervals='auto', of='peak')",
+    "n_starts=4, seed=0, intervals='auto', of='peak', columns=None)",
+    "friction_table": "(fit, *, wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, rope_radius_m=None)",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
+    "load_plugin": "(source, called='')",
     "load_scene": "(path)",
     "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
     "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
     "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "
     "rope_radius_m=None, largest_force_N=inf, n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, "
     "seed=0)",
-    "predict": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, level=0.95, "
-    "method='linear', linear_density_kg_m=None, speed_m_s=None)",
+    "predict": "(fit, wheels=None, *, wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
+    "rope_radius_m=None, "
+    "level=0.95, method='linear', linear_density_kg_m=None, speed_m_s=None, columns=None)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
     "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False)",
     "save_fit": "(fit, path, *, overwrite=False)",
-    "smooth": "(trace, window_s=None)",
+    "smooth": "(trace, window_s=None, *, columns=None)",
     "solve": "(scene, *, level=0.95, identify=False)",
     "sweep": "(scene, *axes, progress=None, table=None)",
-    "trial_table": "(trials)",
+    "trial_table": "(trials, *, columns=None)",
     "write_scenes": "(folder, names=(), *, overwrite=False)",
 }
+
+
+CLASSES = ["RopefricError", "RopefricWarning"]
 
 
 def bare(function):
@@ -68,20 +74,21 @@ def bare(function):
 
 
 def test_the_public_names_and_signatures_are_these():
-    assert {name: bare(getattr(rf, name)) for name in dir(rf) if name != "__version__"} == SIGNATURES
-    assert rf.__all__ == ["__version__", *SIGNATURES] == dir(rf)
+    assert {name: bare(getattr(rf, name)) for name in dir(rf) if name in SIGNATURES} == SIGNATURES
+    assert rf.__all__ == ["__version__", *CLASSES, *SIGNATURES]
+    assert dir(rf) == sorted(rf.__all__)
 
 
 def test_editors_are_told_the_same_names():
     stub = ast.parse((ROOT / "ropefric" / "__init__.pyi").read_text(encoding="utf-8"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     assert {alias.asname: node.module for node in imports for alias in node.names} == rf._WHERE
-    assert sorted(rf._WHERE) == list(SIGNATURES)
+    assert sorted(rf._WHERE) == [*CLASSES, *SIGNATURES]
 
 
 def test_everything_public_is_documented():
     for name in SIGNATURES:
-        assert inspect.getdoc(getattr(rf, name)).startswith(("Return ", "Write "))
+        assert inspect.getdoc(getattr(rf, name)).startswith(("Load ", "Return ", "Write "))
 
 
 def test_names_load_late_and_unknown_ones_are_attribute_errors():
@@ -235,3 +242,95 @@ def test_tests_are_planned_from_a_fit():
     guessed = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
     with pytest.raises(InputError, match="does not know its rope"):
         rf.plan_tests(guessed, **rig, **wanted)
+
+
+def test_tables_of_any_form_with_names_and_units_of_ones_own():
+    """A frame with a lab's headers, columns by name, an array and quantities all give the same trials."""
+    pint = pytest.importorskip("pint")
+    unit = pint.UnitRegistry()
+    forces = np.array([36.6, 66.1, 121.7])
+    wraps_deg = np.degrees([3.0, 6.0, 9.0])
+    lab = pd.DataFrame(
+        {"D [cm]": 8.0, "d [mm]": 10.0, "Winkel": wraps_deg, "F0": 20.0, "F [kN]": forces / 1e3}
+    )
+    names = {"D [cm]": "wheel_diameter [cm]", "d [mm]": "rope_diameter_mm", "Winkel": "wrap_deg", "F0": "end_tension_N",
+             "F [kN]": "peak_kN"}  # fmt: skip
+    wraps = [f"{one!r} deg" for one in wraps_deg.tolist()]
+    columns = {"wheel_radius": ["4 cm"] * 3, "rope_diameter": "10 mm", "wrap": wraps,
+               "end_tension": 20.0 * unit.newton, "peak": unit.Quantity(forces / 1e3, "kN")}  # fmt: skip
+    array = np.column_stack([np.full(3, 0.04), np.full(3, 0.005), wraps_deg, np.full(3, 20.0), forces])
+    heads = ["wheel_radius_m", "rope_radius_m", "wrap_angle_deg", "end_tension_N", "peak_N"]
+    tables = [
+        rf.trial_table(lab, columns=names),
+        rf.trial_table(columns),
+        rf.trial_table(
+            pd.DataFrame(columns | {"end_tension": "20 N", "peak": [f"{f!r} N" for f in forces.tolist()]})
+        ),
+        rf.trial_table(array, columns=heads),
+    ]
+    for table in tables:
+        for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "peak_N"):
+            np.testing.assert_allclose(getattr(table, name), getattr(tables[-1], name), rtol=1e-14)
+    assert rf.fit(lab, "constant", columns=names)["mu"].value == pytest.approx(
+        rf.fit(array, "constant", columns=heads)["mu"].value, rel=1e-12
+    )
+    with pytest.raises(UnknownNameError, match=r"no column 'F \[KN\]'.*did you mean 'F \[kN\]'"):
+        rf.trial_table(lab, columns={"F [KN]": "peak_kN"})
+    with pytest.raises(InputError, match="cannot be given in N"):
+        rf.trial_table(columns | {"peak": unit.Quantity(forces, "m")})
+    with pytest.raises(InputError, match="this is no table"):
+        rf.trial_table({"wheel_radius_m": [1.0, 2.0], "peak_N": [1.0, 2.0, 3.0]})
+
+
+def test_a_recording_of_any_form_gives_the_same_break_away():
+    time_s = np.arange(2500) / 1000
+    force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
+    found = [
+        rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N)),
+        rf.find_breakaway(time_s, force_N),
+        rf.find_breakaway(time_s.tolist(), force_N.tolist()),
+        rf.find_breakaway({"t_s": time_s, "load [N]": force_N}),
+        rf.find_breakaway(
+            pd.DataFrame({"Zeit": time_s, "F": force_N}), columns={"Zeit": "time_s", "F": "force_N"}
+        ),
+    ]
+    assert {one.peak_N for one in found} == {found[0].peak_N}
+    assert rf.smooth({"time_ms": 1e3 * time_s, "force_N": force_N}, 0.01).window_s == pytest.approx(
+        0.01, rel=0.1
+    )
+    with pytest.raises(InputError, match="0 columns are a force with its unit"):
+        rf.find_breakaway({"time_s": time_s, "kraft_N": force_N})
+    with pytest.raises(InputError, match="1 columns are a time with its unit"):
+        rf.find_breakaway({"time": time_s, "force_N": force_N})
+
+
+def test_settings_of_any_form_and_a_warning_of_degrees_and_millimetres():
+    bare = rf.predict(
+        COUPLED, wheel_radius_m=0.035, wrap_angle_rad=np.radians([400.0, 500.0]), end_tension_N=80.0
+    )
+    united = rf.predict(
+        COUPLED, wheel_radius_m="35 mm", wrap_angle_rad=["400 deg", "500 deg"], end_tension_N="0.08 kN"
+    )
+    framed = rf.predict(COUPLED, pd.DataFrame({"wheel_diameter_mm": 70.0, "wrap_deg": [400.0, 500.0], "F0": 80.0}),
+                        columns={"F0": "end_tension_N"})  # fmt: skip
+    for one in (united, framed):
+        np.testing.assert_allclose(one.lift_force_N, bare.lift_force_N, rtol=1e-13)
+    assert rf.design(
+        COUPLED, lift_N="0.9 kN", wheel_radius_m="4 cm", end_tension_N=80
+    ).value == pytest.approx(
+        rf.design(COUPLED, lift_N=900.0, wheel_radius_m=0.04, end_tension_N=80.0).value, rel=1e-13
+    )
+    with pytest.raises(InputError, match="no value for wrap_angle_rad"):
+        rf.predict(COUPLED, wheel_radius_m=0.035, end_tension_N=80.0)
+    with pytest.raises(InputError, match="does not say its unit"):
+        rf.predict(COUPLED, {"wheel_radius": [35.0], "wrap_deg": [400.0], "end_tension_N": [80.0]})
+    with pytest.warns(
+        rf.RopefricWarning, match=r'wrap_angle_rad: 400 rad is a wrap of 63.7 turns. Fix: .* "400 deg"'
+    ) as said:
+        rf.predict(COUPLED, wheel_radius_m=0.035, wrap_angle_rad=400, end_tension_N=80)
+    assert said[0].filename == __file__
+    with pytest.warns(rf.RopefricWarning, match=r'35 m is a wheel of 70 m diameter. Fix: .* "35 mm"'):
+        rf.predict(COUPLED, wheel_radius_m=35, wrap_angle_rad=7.0, end_tension_N=80)
+    with pytest.warns(rf.RopefricWarning, match="a wrap of 172 turns"):
+        rf.trial_table({"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": [180, 360, 1080.0],
+                        "end_tension_N": 20, "peak_N": [36.6, 66.1, 121.7]})  # fmt: skip

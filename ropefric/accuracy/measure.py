@@ -9,12 +9,13 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import Case, Measured, Setting, Study, StudyResult
+from ropefric.executors import spread
 
 _CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
@@ -117,17 +118,20 @@ def measure_studies(
     quick: bool = False,
     effort: Effort | None = None,
     progress: Progress | None = None,
+    executor: Any = None,
 ) -> tuple[StudyResult, ...]:
-    """Return the error and time of every setting of each study."""
+    """Return the error and time of every setting of each study; errors are found by an executor, times taken here."""
     effort = effort or (QUICK if quick else FULL)
-    planned = [(study, case.name, setting) for study in studies for case in study.cases
-               for setting in case.settings() if setting.quick or not quick]  # fmt: skip
+    planned = [(study, case, place, setting) for study in studies for case in study.cases
+               for place, setting in enumerate(_settings(case)) if setting.quick or not quick]  # fmt: skip
     found: dict[str, list[Measured]] = {study.name: [] for study in studies}
-    for done, (study, case, setting) in enumerate(planned, start=1):
-        point = replace(_assessed(case, setting), **time_call(setting.call, effort)._asdict())
-        found[study.name].append(point)
+    assessed = spread(_assessed_at, [(case, place) for _, case, place, _ in planned], executor)
+    for done, ((study, case, _, setting), point) in enumerate(zip(planned, assessed, strict=True), start=1):
+        found[study.name].append(replace(point, **time_call(setting.call, effort)._asdict()))
         if progress is not None:
-            progress(done, len(planned), f"{study.name}: {case}, {setting.method} {setting.setting}".rstrip())
+            progress(
+                done, len(planned), f"{study.name}: {case.name}, {setting.method} {setting.setting}".rstrip()
+            )
     return tuple(StudyResult(study=study, points=tuple(found[study.name]), quick=quick) for study in studies)
 
 
@@ -146,6 +150,11 @@ def enough(study: str, accuracy: float, case: str = "", *, method: str = "") -> 
 @cache
 def _settings(case: Case) -> tuple[Setting, ...]:
     return case.settings()
+
+
+def _assessed_at(piece: tuple[Case, int]) -> Measured:
+    case, place = piece
+    return _assessed(case.name, _settings(case)[place])
 
 
 @cache  # settings are told apart by their functions, so only those that `_settings` keeps come again

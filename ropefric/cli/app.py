@@ -23,6 +23,7 @@ from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
 
 with on_first_use():
+    from ropefric import plugins
     from ropefric.report import section
 
 INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
@@ -33,6 +34,15 @@ EXIT_CODES = (
 _JSON = Annotated[bool, typer.Option("--json", help="Print the result as JSON, alone on stdout.")]
 _QUIET = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, notes or warnings.")]
 _NO_COLOR = Annotated[bool, typer.Option("--no-color", help="Plain text; so does NO_COLOR=1.")]
+_PLUGIN = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--plugin",
+        metavar="FILE.py",
+        help="A law, reader, outlier rule, protocol or machine of your own: a Python file, or an installed plugin; "
+        "repeatable.",
+    ),
+]
 _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
 _OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
 
@@ -47,10 +57,11 @@ def find_commands() -> Registry[Command]:
 
 
 def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | None = None) -> int:
-    """Run one command line and return its exit code; no exception leaves."""
+    """Run one command line and return its exit code; no exception leaves, and no plugin stays."""
     argv = sys.argv[1:] if argv is None else argv
     try:
-        code = build_app(on_start)(args=list(argv), prog_name="ropefric", standalone_mode=False)
+        with plugins.unloaded_after():
+            code = build_app(on_start)(args=list(argv), prog_name="ropefric", standalone_mode=False)
     except SystemExit as stop:  # typer's answer to a reader of --help that went away
         return 0 if isinstance(stop.__context__, BrokenPipeError) else int(stop.code or 0)
     except BaseException as error:  # noqa: BLE001  (the boundary: everything becomes words and a code)
@@ -89,9 +100,12 @@ def _top(
     json_: _JSON = False,
     quiet: _QUIET = False,
     no_color: _NO_COLOR = False,
+    plugin: _PLUGIN = None,
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
 ) -> None:
     context.obj = Output(json=json_, quiet=quiet, color=not no_color)
+    for source in plugin or ():
+        plugins.load_plugin(source)
     if version:
         text = json_text({"version": __version__}) if json_ else f"ropefric {__version__}"
         context.obj.result(f"{text}\n")
@@ -105,11 +119,14 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
 
     def call(context: typer.Context, **arguments: Any) -> int:
         json_, quiet, no_color = (bool(arguments.pop(name)) for name in _GLOBAL_OPTIONS)
+        sources = arguments.pop("plugin") or ()
         top: Output = context.obj
         out = Output(json=top.json or json_, quiet=top.quiet or quiet, color=top.color and not no_color)
         try:
             if on_start is not None:
                 on_start()
+            for source in sources:
+                plugins.load_plugin(source)
             answer = command.run(out, **arguments)
             out.result(json_text(answer.data) + "\n" if out.json else _shown(answer))
         except KeyboardInterrupt as interrupt:  # typer would end here without a word
@@ -122,6 +139,7 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
         inspect.Parameter("context", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context),
         *(parameter.replace(kind=keyword) for parameter in own),
         *(inspect.Parameter(n, keyword, default=False, annotation=a) for n, a in _GLOBAL_OPTIONS.items()),
+        inspect.Parameter("plugin", keyword, default=None, annotation=_PLUGIN),
     ]
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}

@@ -15,11 +15,11 @@ from ropefric.cli.output import Output
 from ropefric.errors import InputError, RopefricError
 
 with on_first_use():
-    from ropefric import quantities
+    from ropefric import executors, quantities
     from ropefric.files import folder as folders
     from ropefric.fitting import result, store
     from ropefric.report import section
-    from ropefric.trials import table, workers
+    from ropefric.trials import table
 
 T = TypeVar("T")
 
@@ -98,6 +98,12 @@ Force = Annotated[bool, typer.Option("--force", help="Replace files there that r
 Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
 Jobs = Annotated[
     str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
+]
+Cluster = Annotated[
+    str,
+    typer.Option(
+        "--cluster", metavar="local|ADDRESS", help="Work on a dask cluster, tcp://HOST:8786 as a rule."
+    ),
 ]
 Level = Annotated[float, typer.Option(help="Level of the intervals, between 0 and 1.")]
 
@@ -267,4 +273,4 @@ def parse_jobs(text: str, n_items: int) -> int:
     if text == "auto" and n_items < SERIAL_BELOW:
         return 1
     wanted = n_items if text == "auto" else int(text)
-    return max(1, min(wanted, n_items, workers.usable_cores()))
+    return max(1, min(wanted, n_items, executors.usable_cores()))

@@ -20,10 +20,17 @@ _SHARE = 1e-4
 """Part of a standard error that rounding may be as large as."""
 
 
-def significant(value: float, digits: int = MEASURED_DIGITS, *, smallest: float = 0.0) -> float:
-    """Return a number with so many significant digits; zero where it is below `smallest`, the rest of a difference."""
+def significant(
+    value: float, digits: int = MEASURED_DIGITS, *, smallest: float = 0.0, size: float = 0.0
+) -> float:
+    """Return a number with so many significant digits; zero where it is below `smallest`, the rest of a difference.
+
+    Where it is the rest of a difference of numbers of a certain `size`, the digits count from that.
+    """
     if abs(value) < smallest:
         return 0.0
+    if abs(value) < size < math.inf:
+        return round(value, digits - 1 - math.floor(math.log10(size))) + 0.0
     return float(f"{value:.{digits - 1}e}") + 0.0  # never -0.0
 
 

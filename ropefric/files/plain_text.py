@@ -14,6 +14,22 @@ _LONE = re.compile("[\ud800-\udfff]")
 _RUN = re.compile("'*+[=+\\-@\t\r]")
 _WRITTEN = re.compile("'++[=+\\-@\t\r]")
 
+LANGUAGES = ("en", "de")
+"""Whose numbers and dates a report can have: 0.135 and 2026-01-20, or 0,135 and 20.01.2026."""
+
+# Neither versions (1.26.4), nor names of files and trials (run_1.5, 2026-01-20.csv), nor clauses (§8.1).
+_DECIMAL = re.compile(r"(?<![\w.,:/§])([-+−±]?\d++)\.(\d++(?:e[-+−]?\d++)?)(?!\w|\.\w)")
+_DATE = re.compile(r"(?<![\w./-])(\d{4})-(\d\d)-(\d\d)(?![\w-]|\.\w)")
+
+
+def localized(text: str, language: str) -> str:
+    """Return text with its decimal numbers and dates as a language writes them; its words stay.
+
+    >>> localized("F_A = 168.98 N, calibrated 2026-01-20", "de")
+    'F_A = 168,98 N, calibrated 20.01.2026'
+    """
+    return text if language == "en" else _DATE.sub(r"\3.\2.\1", _DECIMAL.sub(r"\1,\2", text))
+
 
 def visible(text: str) -> str:
     r"""Return text with every character that steers instead of showing itself written as its escape.

@@ -5,8 +5,8 @@ searches with it from a few good starts; `statistics` knows scatter, covariance,
 `assemble` makes a `result` of what was found, which holds the words and rules of the verdict too. `intervals` finds
 other intervals, by profile or bootstrap. `store` writes, loads and verifies fits; `lmfit_model` hands a law to lmfit.
 What it is worth: `compare` weighs laws against each other and picks one by how each `standing` on condition means is,
-`diagnose` says why a rope does not obey the capstan equation.
-What it is for: `predict` carries it to a wheel and `design` back; `budgets` states uncertainty after the GUM, of what
-was measured and of a predicted lift force; `next_tests` plans what to measure next, and
-`resolution` says what a list of conditions can tell at all.
+`diagnose` says why a rope does not obey the capstan equation. What it is for: `predict` carries it to a wheel and
+`design` back, `export` to a simulator; `budgets` states uncertainty after the GUM, of what was measured and of a
+predicted lift force; `next_tests` plans what to measure next, and `resolution` says what a list of conditions can tell
+at all.
 """

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 import ropefric
+from ropefric import plugins
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
@@ -159,7 +160,13 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         advice=tuple(text for _, text in findings),
         notes=(*notes, *found.notes),
         common_errors=tuple(
-            item._replace(change=tuple(significant(value, GIVEN_DIGITS) for value in column))
+            # Of two parameters that are traded for each other a change may cancel: digits count from the error.
+            item._replace(
+                change=tuple(
+                    significant(value, GIVEN_DIGITS, size=sqrt(variance))
+                    for value, variance in zip(column, np.diag(full).tolist(), strict=True)
+                )
+            )
             for item, column in zip(found.common, common.T.tolist(), strict=True)
             if any(column)
         ),
@@ -267,7 +274,8 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
     how = asdict(settings)
     if settings.of == "peak":  # what older versions can read
         del how["of"]
-    return {"input": source, "settings": how, "versions": versions}
+    used = {"plugins": found} if (found := plugins.provenance()) else {}
+    return {"input": source, "settings": how, "versions": versions, **used}
 
 
 # ---- what keeps a fit from being trusted, and the experiment that would help ----

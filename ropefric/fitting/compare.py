@@ -33,6 +33,7 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
+from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
 
 Unit = Literal["conditions", "trials"]
@@ -78,7 +79,7 @@ class ComparisonEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Comparison:
+class Comparison(Shown):
     """Laws on one trial table, best first.
 
     Attributes
@@ -100,6 +101,9 @@ class Comparison:
     wild : tuple of str
         Trials that lie so far off all the others that they decide the ranking.
     """
+
+    _said = ("best.law", "n", "unit", "n_trials", "scatter_within", "notes")
+    _framed = "ranking"
 
     ranking: tuple[ComparisonEntry, ...]
     tests: tuple[FTest, ...]

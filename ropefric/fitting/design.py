@@ -20,6 +20,7 @@ from ropefric.fitting.predict import half_width, new_rope_std, outside_range
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, as_floats
 from ropefric.friction.law import LiftModel
+from ropefric.shown import Shown
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
 
@@ -51,7 +52,7 @@ class DesignStatus(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Design:
+class Design(Shown):
     """Designs that lift a load; NaN where there is none.
 
     Attributes
@@ -78,6 +79,27 @@ class Design:
     extrapolated : ndarray of bool, shape (n,)
         Whether the design lies outside what was tested.
     """
+
+    _said = (
+        "solve_for",
+        "value",
+        "required_N",
+        "lift_force_N",
+        "lower_bound_N",
+        "probability",
+        "extrapolated",
+    )
+    _framed = (
+        "wheel_radius_m",
+        "rope_radius_m",
+        "wrap_angle_rad",
+        "end_tension_N",
+        "required_N",
+        "lift_force_N",
+        "lower_bound_N",
+        "reached",
+        "extrapolated",
+    )
 
     solve_for: SolveFor
     value: FloatArray

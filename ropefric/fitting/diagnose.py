@@ -24,6 +24,7 @@ from ropefric.fitting.statistics import ConditionMeans, aicc, condition_means, s
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
+from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
 
 Supported = Literal["yes", "no", "cannot-tell"]
@@ -86,7 +87,7 @@ class Cause:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Diagnosis:
+class Diagnosis(Shown):
     """Why a rope does not obey the capstan equation, or that it does.
 
     Attributes
@@ -99,6 +100,9 @@ class Diagnosis:
     verdict : Verdict
         On the best law of the comparison behind it.
     """
+
+    _said = ("summary", "verdict=verdict.word")
+    _framed = "causes"
 
     causes: tuple[Cause, ...]
     summary: str

@@ -5,8 +5,9 @@ once: along a grid, further where needed, then to the root. A bootstrap refits t
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, isfinite
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ from scipy.stats import f as f_distribution
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError, UnknownNameError
+from ropefric.executors import spread
 from ropefric.files.digits import to_share
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import MANY, FitProblem, Rows, pooled, reduced
@@ -59,6 +61,7 @@ _WORTH_A_NOTE = 0.025
 # √Δχ² at the ends of an interval from the covariance, over what a parabola has there: χ² bears the interval out.
 _STRAIGHT = (0.8, 1.25)
 _MOST_RESAMPLES = 1_000_000
+_BLOCK = 500
 # With fewer conditions than this, drawing whole conditions gives intervals that are too narrow.
 _ENOUGH_TO_DRAW = 20
 
@@ -265,8 +268,9 @@ def bootstrap(
     n: int = 2000,
     seed: int | np.random.Generator = 0,
     scatter: tuple[float, float] | None = None,
+    executor: Any = None,
 ) -> BootstrapResult:
-    """Return the spread of a fit over resampled data sets, all refitted in one batch.
+    """Return the spread of a fit over resampled data sets, refitted here or by an executor.
 
     "parametric" draws scatter about the law, at two levels; "clustered" draws whole conditions.
     """
@@ -285,13 +289,13 @@ def bootstrap(
         lift = law.log_lift(best, problem.conditions)
         shared = rng.standard_normal((n, k))[:, group]
         own = rng.standard_normal((n, lift.size))
-        fits = batched_fit(problem, lift + between * shared + within * share * own, best)
-        good = fits.converged
+        drawn = lift + between * shared + within * share * own
+        fitted, _, good = _refits(problem, best, executor, log_lift=drawn)
     else:
         counts = rng.multinomial(k, np.full(k, 1.0 / k), size=n)
-        fits = batched_fit(problem, None, best, multiplicity=counts[:, group])
-        good = fits.converged & ((counts > 0).sum(axis=1) >= problem.n_varying)
-    refits = fits.theta[good]
+        fitted, _, good = _refits(problem, best, executor, multiplicity=counts[:, group])
+        good &= (counts > 0).sum(axis=1) >= problem.n_varying
+    refits = fitted[good]
     failed = n - len(refits)
     if len(refits) < 2:
         text = f"{law.name}: only {len(refits)} of {n} resamples could be refitted"
@@ -310,6 +314,24 @@ def bootstrap(
     return BootstrapResult(theta=refits, notes=tuple(notes))
 
 
+def _refits(
+    problem: FitProblem, best: FloatArray, executor: Any, **drawn: npt.NDArray[Any]
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return parameters, χ² and whether they were found for data sets drawn; by blocks, whoever fits them."""
+    (draws,) = drawn.values()
+    blocks = ({name: block} for name in drawn for block in np.split(draws, range(_BLOCK, len(draws), _BLOCK)))
+    found = spread(partial(_refit, problem, best), blocks, executor)
+    theta, chi2, converged = map(np.concatenate, zip(*found, strict=True))
+    return theta, chi2, converged
+
+
+def _refit(
+    problem: FitProblem, best: FloatArray, drawn: dict[str, Any]
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    fits = batched_fit(problem, starts=best, **drawn)
+    return fits.theta, fits.chi2, fits.converged
+
+
 def bootstrap_t(
     problem: FitProblem,
     theta: npt.ArrayLike,
@@ -318,6 +340,7 @@ def bootstrap_t(
     level: float = 0.95,
     n: int = 2000,
     seed: int = 0,
+    executor: Any = None,
 ) -> FloatArray:
     """Return the bootstrap-t interval of every parameter, and of ln F_A at c conditions, shape (p + c, 2).
 
@@ -348,8 +371,9 @@ def bootstrap_t(
     left = decomposed(means.jacobian(best)[:, problem.vary]).root()[1]
     residual = residual / np.sqrt(np.maximum(1.0 - (left**2).sum(axis=1), 1e-3))
     drawn = residual[np.random.default_rng(seed).integers(k, size=(n, k))]
-    fits = batched_fit(means, law.log_lift(best, means.conditions) - means.std * drawn, best)
-    found, errors = answers(fits.theta[fits.converged], fits.chi2[fits.converged])
+    again = law.log_lift(best, means.conditions) - means.std * drawn
+    theta_drawn, chi2, good = _refits(means, best, executor, log_lift=again)
+    found, errors = answers(theta_drawn[good], chi2[good])
     with np.errstate(divide="ignore", invalid="ignore"):
         away = (found - own) / errors
     away = np.where(np.isfinite(away), away, 0.0)
@@ -362,7 +386,9 @@ def bootstrap_t(
     return np.asarray(ends)
 
 
-def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0) -> FitResult:
+def with_intervals(
+    fit: FitResult, method: str, *, n: int = 2000, seed: int = 0, executor: Any = None
+) -> FitResult:
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
@@ -386,12 +412,13 @@ def with_intervals(fit: FitResult, method: str, *, n: int = 2000, seed: int = 0)
         on_bound = any(item.at_bound for item in fit.parameters)
         ends, notes = found.ci, (*found.notes, *((_BESIDE_A_BOUND,) if on_bound else ()))
     elif method == "bootstrap-t":
-        ends, notes = bootstrap_t(problem, fit.theta, n=n, seed=seed), ()
+        ends, notes = bootstrap_t(problem, fit.theta, n=n, seed=seed, executor=executor), ()
         how |= {"n": n, "seed": seed}
     else:
         enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
         whole = enough <= fit.statistics.n_conditions < fit.statistics.n
-        drawn = bootstrap(problem, fit.theta, kind="clustered" if whole else "parametric", n=n, seed=seed)
+        kind: BootstrapKind = "clustered" if whole else "parametric"
+        drawn = bootstrap(problem, fit.theta, kind=kind, n=n, seed=seed, executor=executor)
         ends, notes = drawn.interval(), drawn.notes
         how |= {"n": n, "seed": seed}
     parameters = tuple(

@@ -24,6 +24,7 @@ from ropefric.fitting.statistics import decomposed, plain_covariance
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.registry import did_you_mean
+from ropefric.shown import Shown
 from ropefric.uncertainty.quantity import quantile
 
 SCHEMA = "ropefric.test-plan/1"
@@ -429,7 +430,7 @@ class Outlook:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LabPlan:
+class LabPlan(Shown):
     """Conditions to test, and what they are expected to give.
 
     Attributes
@@ -466,6 +467,9 @@ class LabPlan:
     notes : tuple of str
         What to know about it.
     """
+
+    _said = ("conditions.wrap_angle_rad", "conditions.end_tension_N", "repeats", "improvement", "notes")
+    _framed = "rows"
 
     planned: PlannedLaw
     conditions: Conditions

@@ -18,6 +18,7 @@ from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, far_ap
 from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
+from ropefric.shown import Shown
 from ropefric.uncertainty.quantity import check_level, joint_draws, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
@@ -83,7 +84,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Prediction:
+class Prediction(Shown):
     """Lift forces of a fitted law for n conditions, with what is known about them.
 
     Attributes
@@ -130,6 +131,27 @@ class Prediction:
     of : {"peak", "kinetic"}
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     """
+
+    _said = (
+        "law",
+        "lift_force_N ± std_N",
+        "interval_N",
+        "prediction_interval_N",
+        "level",
+        "extrapolated",
+        "verdict=judged.word",
+    )
+    _framed = (
+        "conditions.wheel_radius_m",
+        "conditions.rope_radius_m",
+        "conditions.wrap_angle_rad",
+        "conditions.end_tension_N",
+        "lift_force_N",
+        "std_N",
+        "interval_N",
+        "prediction_interval_N",
+        "extrapolated",
+    )
 
     law: str
     conditions: Conditions

@@ -24,7 +24,7 @@ supported
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from math import inf, isfinite, nan
@@ -40,6 +40,7 @@ from ropefric.fitting.statistics import FitStatistics, Identifiability
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
+from ropefric.shown import Shown, in_words
 
 
 class FitStatus(StrEnum):
@@ -209,7 +210,7 @@ class CommonError(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FitResult:
+class FitResult(Shown):
     """A fitted friction law.
 
     Attributes
@@ -246,6 +247,17 @@ class FitResult:
     problem : FitProblem, optional
         What was fitted; None after loading from a file.
     """
+
+    _said = ("law", "status", "verdict=verdict.word", "statistics.n", "statistics.n_conditions")
+    _framed = "parameters"
+
+    def _more_said(self) -> Iterator[tuple[str, str]]:
+        for item, declared in zip(self.parameters, self.friction_law.parameters, strict=True):
+            unit = "" if declared.unit == "-" else declared.unit
+            yield (
+                item.name,
+                in_words(item.value, unit, item.std) + (" (on its bound)" if item.at_bound else ""),
+            )
 
     law: str
     parameters: tuple[FittedParameter, ...]

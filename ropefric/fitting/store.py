@@ -3,13 +3,14 @@
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ropefric import plugins
 from ropefric.errors import DataError, RopefricError
 from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file, kind_of_file, read_file
@@ -136,6 +137,10 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
         fault = f"the field {error} is missing" if isinstance(error, KeyError) else str(error)
     if fault:
         raise DataError(f"the fit is damaged: {fault}", code="RF431", path=shown, fix=_AGAIN) from None
+    declared = _declared_by(tree, fit.law)
+    if declared is not None and declared[1] not in {one.sha256 for one in plugins.loaded()}:
+        text = f"the plugin {declared[0]} has changed since this fit was made: fit again, or use it as it was"
+        return replace(fit, notes=(text, *fit.notes))
     return fit
 
 
@@ -160,13 +165,29 @@ def _check_tree(tree: Any, shown: str) -> None:
         raise refuse(message, "schema", "give a file that save_fit or `ropefric fit` wrote")
     law = tree.get("law")
     if not isinstance(law, str) or law not in ALL_LAWS:
-        message = f"the friction law {str(law)[:60]!r} is not known"
-        raise refuse(message, "law", did_you_mean(str(law), ALL_LAWS))
+        message, fix = f"the friction law {str(law)[:60]!r} is not known", did_you_mean(str(law), ALL_LAWS)
+        if declared := _declared_by(tree, str(law)):
+            file, sha256 = declared
+            message = f"the friction law {str(law)[:60]!r} is declared by the plugin {file}"
+            message += f" (SHA-256 {sha256:.12}…), which is not loaded"
+            fix = f"name it: --plugin {file} (in Python, rf.load_plugin)"
+        raise refuse(message, "law", fix)
     for kind, (word, names) in _FIELDS.items():
         for name in names:
             if not isinstance(tree.get(name), kind):
                 what = f"no {word}" if name in tree else "missing"
                 raise refuse(f"the field is {what}", name, _AGAIN, "RF431")
+
+
+def _declared_by(tree: Mapping[str, Any], law: str) -> tuple[str, str] | None:
+    """Return file and hash of the plugin that declared a law when it was fitted, as the fit's file says."""
+    provenance = tree.get("provenance")
+    named = provenance.get("plugins") if isinstance(provenance, Mapping) else None
+    wanted = {f"LAW {law}", f"LAW {law.removesuffix('-from-zero')}"}
+    for one in named if isinstance(named, list) else []:
+        if isinstance(one, dict) and wanted.intersection(map(str, one.get("declares") or ())):
+            return str(one.get("file")), str(one.get("sha256"))
+    return None
 
 
 def _fault(fit: FitResult) -> str:

@@ -4,7 +4,7 @@ import json
 import math
 import os
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -22,7 +22,7 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
-from ropefric.pipeline.run import CampaignRun
+from ropefric.pipeline.run import CampaignAnswer, CampaignRun
 from ropefric.trials.outliers import RULES
 from ropefric.uncertainty.budget import LinearBudget, Statement, linear_budget, state_uncertainty
 
@@ -57,9 +57,11 @@ class Evidence:
     missing: tuple[str, ...] = ()
 
 
-def gather_evidence(run: CampaignRun) -> Evidence:
-    """Return what a report shows beyond the answer of a campaign."""
+def gather_evidence(run: CampaignRun | CampaignAnswer) -> Evidence:
+    """Return what a report shows beyond the answer of a campaign, or of a trial table."""
     missing: list[str] = []
+    campaign = run if isinstance(run, CampaignRun) else None
+    answer = run if isinstance(run, CampaignAnswer) else run.answer
 
     def attempt(name: str, make: Callable[[], T]) -> T | None:
         try:
@@ -68,23 +70,25 @@ def gather_evidence(run: CampaignRun) -> Evidence:
             missing.append(f"no {name}: {error.problem.message}")
             return None
 
-    measured = attempt("budgets of the measured forces", lambda: _measured(run)) or ()
+    measured = attempt("budgets of the measured forces", lambda: _measured(answer, campaign)) or ()
     typical, number = None, 0
     if measured:
         middle = sorted(measured, key=lambda item: item[1].relative)[len(measured) // 2][0]
         model, notes, number = budgets.force_model(middle.measured), middle.notes, middle.number
         typical = attempt("budget of a typical force", lambda: state_uncertainty(model, notes=notes))
-    prediction, design = run.answer.prediction, dict[str, Any]()
+    prediction, design = answer.prediction, dict[str, Any]()
     if prediction is not None:
-        fit, wheel, wished = run.answer.fit, prediction.conditions, prediction
+        fit, wheel, wished = answer.fit, prediction.conditions, prediction
         design = {
             "lift": attempt("uncertainty budget of the lift force", lambda: state_design(fit, wheel)),
             "swings": attempt("sensitivities", lambda: swings_of_design(fit, wished)) or (),
             "chart": attempt("design chart", lambda: chart_of_design(fit, wheel)),
-            "plan": attempt("plan of further tests", lambda: plan_for_design(run, wheel)),
+            "plan": attempt("plan of further tests", lambda: plan_for_design(answer, campaign, wheel)),
             "hand": attempt("hand calculation", lambda: fit.friction_law.calculation(fit.theta, wheel)) or (),
         }
-    design["rejection"] = attempt("result without the outlier rule", lambda: rejection_words(run)) or ()
+    if campaign is not None:
+        words = attempt("result without the outlier rule", lambda: rejection_words(campaign))
+        design["rejection"] = words or ()
     return Evidence(
         measured=measured, typical=typical, typical_number=number, **design, missing=tuple(missing)
     )
@@ -118,9 +122,14 @@ def rejection_words(run: CampaignRun) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _measured(run: CampaignRun) -> Measured:
-    tolerance = run.campaign.weights_tolerance
-    conditions = budgets.conditions_of_extraction(run.extraction, weights_tolerance=tolerance)
+def _measured(answer: CampaignAnswer, run: CampaignRun | None) -> Measured:
+    conditions = (
+        budgets.conditions_of_table(answer.table)
+        if run is None
+        else budgets.conditions_of_extraction(
+            run.extraction, weights_tolerance=run.campaign.weights_tolerance
+        )
+    )
     return tuple((item, linear_budget(budgets.force_model(item.measured))) for item in conditions)
 
 
@@ -189,17 +198,17 @@ def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95
     )
 
 
-def plan_for_design(run: CampaignRun, wheel: Conditions) -> next_tests.LabPlan:
+def plan_for_design(answer: CampaignAnswer, run: CampaignRun | None, wheel: Conditions) -> next_tests.LabPlan:
     """Return the tests, within what the campaign's rig has done, that make the lift force of a wheel most certain.
 
     Wheels are those that were used; wraps and end tensions lie between the smallest and the largest that were; the
     largest force is that of the campaign's largest cell, or the largest measured where it names none.
     """
-    fit, table = run.answer.fit, run.answer.table
+    fit, table = answer.fit, answer.table
     used = table.used
     wraps_deg = [float(f"{math.degrees(end):.12g}") for end in fit.validity["wrap_angle_rad"]]
     low_N, high_N = fit.validity["end_tension_N"]
-    cells_N = [cell.full_scale_N for cell in run.campaign.cells.values()]
+    cells_N = [] if run is None else [cell.full_scale_N for cell in run.campaign.cells.values()]
     limits = next_tests.RigLimits(
         wheel_radius_m=tuple(distinct(table.wheel_radius_m[used]).tolist()),
         wrap_angle_rad=tuple(math.radians(x) for x in _between(wraps_deg[0], wraps_deg[1], step=45.0)),
@@ -207,7 +216,11 @@ def plan_for_design(run: CampaignRun, wheel: Conditions) -> next_tests.LabPlan:
         rope_radius_m=float(wheel.rope_radius_m[0]),
         largest_force_N=max(cells_N, default=float(np.max(table.peak_N[used]))),
     )
-    repeats = sorted(summary.n_recorded for summary in run.extraction.conditions)
+    repeats = (
+        np.sort(np.bincount(table.group())).tolist()
+        if run is None
+        else sorted(summary.n_recorded for summary in run.extraction.conditions)
+    )
     return next_tests.plan_tests(
         next_tests.planned_fit(fit), limits, wheel, n_conditions=_PLANNED, repeats=repeats[len(repeats) // 2]
     )
@@ -224,7 +237,7 @@ def _between(low: float, high: float, step: float | None = None) -> tuple[float,
     )
 
 
-SCHEMA = "ropefric.run/1"
+SCHEMA, TABLE_SCHEMA = "ropefric.run/1", "ropefric.table/1"
 MOST_BYTES = 256 * 2**20
 """The manifest of a million recordings is smaller."""
 MANIFEST = "manifest.json"
@@ -240,9 +253,41 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
     The inputs are the campaign, the trial list and the recordings, each with its path relative to the campaign's
     folder and the SHA-256 of its bytes, "" if it was not read.
     """
-    campaign, fit, prediction = run.campaign, run.answer.fit, run.answer.prediction
-    law = fit.law if run.answer.winner.forced else ""
+    campaign, law = run.campaign, run.answer.forced_law
     words = ["ropefric", "run", campaign.path.name, "--out", "out", *(("--law", law) if law else ())]
+    recordings: dict[str, str] = {}
+    for trial in run.extraction.trials:
+        recordings.setdefault(trial.file, trial.sha256)
+    inputs = {
+        campaign.path.name: hash_file(campaign.path),
+        campaign.relative(campaign.trial_list): hash_file(campaign.trial_list),
+    } | recordings
+    settings = {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS}
+    return {"schema": SCHEMA, **_traced(run.answer, evidence, words, inputs), "settings": settings}
+
+
+def trace_table(answer: CampaignAnswer, evidence: Evidence, inputs: Sequence[Path]) -> dict[str, Any]:
+    """Return the same for the answer to a trial table: the first input; a second one says more about it."""
+    words = ["ropefric", "report", inputs[0].name, "--out", "out"]
+    for option, values in (
+        ("--about", [path.name for path in inputs[1:]]),
+        ("--law", filter(None, [answer.forced_law])),
+    ):
+        words += [word for value in values for word in (option, value)]
+    at = None if answer.prediction is None else answer.prediction.conditions
+    design = {} if at is None else {name: float(getattr(at, name)[0]) for name in REGRESSORS}
+    hashes = {path.name: hash_file(path) for path in inputs}
+    return {
+        "schema": TABLE_SCHEMA,
+        **_traced(answer, evidence, words, hashes),
+        "settings": {"design": design},
+    }
+
+
+def _traced(
+    answer: CampaignAnswer, evidence: Evidence, words: Sequence[str], inputs: Mapping[str, str]
+) -> dict[str, Any]:
+    fit, prediction = answer.fit, answer.prediction
     seeds = {"fit": fit.provenance.get("settings", {}).get("seed", 0)}
     if prediction is not None:
         seeds["prediction"] = prediction.seed
@@ -250,22 +295,12 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
         seeds["uncertainty budget"] = evidence.lift.drawn.seed
     if evidence.plan is not None:
         seeds["plan of tests"] = evidence.plan.seed
-    recordings: dict[str, str] = {}
-    for trial in run.extraction.trials:
-        recordings.setdefault(trial.file, trial.sha256)
-    inputs = [
-        (campaign.path.name, hash_file(campaign.path)),
-        (campaign.relative(campaign.trial_list), hash_file(campaign.trial_list)),
-        *recordings.items(),
-    ]
     return {
-        "schema": SCHEMA,
         "command": shlex.join(words),
-        "law": law,
-        "inputs": [{"path": path, "sha256": sha256} for path, sha256 in inputs],
+        "law": answer.forced_law,
+        "inputs": [{"path": path, "sha256": sha256} for path, sha256 in inputs.items()],
         "versions": fit.provenance.get("versions", {}) | {name: version(name) for name in _DRAWN_WITH},
         "seeds": seeds,
-        "settings": {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS},
     }
 
 

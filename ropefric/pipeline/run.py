@@ -1,7 +1,7 @@
 """A campaign from its recordings to the lift force of a wheel, with everything written that others can check."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.store import fit_text
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.shown import Shown
 from ropefric.trials.campaign_model import Campaign, DesignWheel
 from ropefric.trials.conditions import set_aside_impossible
 from ropefric.trials.extract import extract_campaign
@@ -31,16 +32,16 @@ _RANKING = (
 )
 _EXTRACTED = (
     *("trials.csv", "conditions.csv", "problems.csv"),
-    *("figures/Rw*deg_F*.png", "figures/Rw*deg_F*.csv"),
+    *(f"figures/Rw*deg_F*.{end}" for end in ("csv", "png", "svg", "pdf")),
 )
 _FIGURES = (
-    *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder"),
-    *("tornado", "design_chart", "budget_"),
+    *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder", "corner"),
+    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_"),
 )
 _ANSWERED = (
     *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),
-    *("report.html", "summary.txt"),
-    *(f"figures/{stem}*.csv" for stem in _FIGURES),
+    *("report.html", "report.pdf", "summary.txt"),
+    *(f"figures/{stem}*.{end}" for stem in _FIGURES for end in ("csv", "png", "svg", "pdf")),
 )
 
 
@@ -64,6 +65,11 @@ class CampaignAnswer:
     def verdict(self) -> Verdict:
         """Return the verdict: on the lift force where there is one, which holds that on the law, else on the law."""
         return self.winner.verdict if self.prediction is None else self.prediction.verdict()
+
+    @property
+    def forced_law(self) -> str:
+        """Return the law that was asked for by its name, "" where the best is used."""
+        return self.fit.law if self.winner.forced else ""
 
     @property
     def fits(self) -> tuple[FitResult, ...]:
@@ -118,7 +124,7 @@ def answer_trials(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CampaignRun:
+class CampaignRun(Shown):
     """A campaign's result.
 
     Attributes
@@ -132,6 +138,9 @@ class CampaignRun:
     written : tuple of Path
         The files, in the order they were written.
     """
+
+    _said = ("name=campaign.name", "law=answer.fit.law", "verdict=answer.verdict.word", "written")
+    _framed = "extraction.trials"
 
     campaign: Campaign
     extraction: Extraction
@@ -153,6 +162,7 @@ def run_campaign(
     law: str = "",
     jobs: int = 1,
     cache_dir: Path | None = None,
+    executor: Any = None,
     extract_progress: Callable[[int, int, str], None] | None = None,
     fit_progress: Progress | None = None,
     on_extracted: Callable[[Extraction], None] | None = None,
@@ -160,9 +170,12 @@ def run_campaign(
     """Return the result of a campaign, and write its tables, fits, comparison and prediction into a folder.
 
     Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
-    prediction.json; the same campaign gives the same bytes, whatever `jobs` and the cache.
+    prediction.json; the same campaign gives the same bytes, whatever `jobs`, the executor that
+    reads in their stead, and the cache.
     """
-    found = extract_campaign(campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress)
+    found = extract_campaign(
+        campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress, executor=executor
+    )
     extraction = set_aside_impossible(found, campaign)
     target = as_folder(folder)
     tables = write_tables(extraction, target)
@@ -210,11 +223,10 @@ def campaign_folder(
     force: bool = False,
 ) -> OutputFolder:
     """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`."""
-    names = (*_ANSWERED, *(f"fits/{law}.json" for law in ALL_LAWS)) if answers else ()
     return OutputFolder(
         folder,
         family="campaign",
-        names=(*_EXTRACTED, *names),
+        names=(*_EXTRACTED, *(_answered() if answers else ())),
         inputs=(
             campaign.path,
             campaign.trial_list,
@@ -223,3 +235,14 @@ def campaign_folder(
         basis="trials.csv",
         force=force,
     )
+
+
+def table_folder(
+    inputs: Iterable[Path], folder: str | os.PathLike[str], *, force: bool = False
+) -> OutputFolder:
+    """Return the folder of the answer to a trial table, likewise."""
+    return OutputFolder(folder, family="trial table", names=_answered(), inputs=inputs, force=force)
+
+
+def _answered() -> tuple[str, ...]:
+    return (*_ANSWERED, *(f"fits/{law}.json" for law in ALL_LAWS))

@@ -76,10 +76,9 @@ def _draw_entry(axes: "Axes", row: int, entry: ComparisonEntry) -> None:
         axes.text(0.04, row, f"  {note[:95]}", transform=beside, va="center", fontsize=8, color=style.GREY)
         return
     best = entry.delta_aicc == 0.0
-    axes.plot([0.0, entry.delta_aicc], [row, row], color=style.BLUE, linewidth=1.4)
-    axes.plot(
-        [entry.delta_aicc], [row], "D" if best else "o", color=style.INK if best else style.BLUE, markersize=8
-    )
+    color = style.law_look(entry.law)["color"]
+    axes.plot([0.0, entry.delta_aicc], [row, row], color=color, linewidth=1.4)
+    axes.plot([entry.delta_aicc], [row], "D" if best else "o", color=color, markersize=8)
     weight = "–" if math.isnan(entry.weight) else f"{entry.weight:.3f}"
     error = f"{100 * entry.loco_error:.2g} %" if math.isfinite(entry.loco_error) else "–"
     for x, text in ((1.02, weight), (1.12, error)):

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -20,11 +21,19 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
 from ropefric.files.folder import Folder, as_folder
-from ropefric.files.plain_text import csv_cell, csv_text
+from ropefric.files.plain_text import csv_cell, csv_text, localized
 from ropefric.glossary import counted
 from ropefric.plotting.style import figure_text, house_style, plain_text
 
 T = TypeVar("T")
+
+# Without date and matplotlib's version, which would change an unchanged figure.
+FORMATS = {
+    "png": ("Software",),
+    "svg": ("Date", "Creator"),
+    "pdf": ("CreationDate", "Creator", "Producer"),
+}
+"""What a figure can be written as, and what is not to be said in it."""
 
 _PARSERS: dict[str, Any] = {}
 
@@ -120,6 +129,22 @@ def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
                     named.update({place: rewrite(word) for place, word in named.items()})
 
 
+def localize(figure: Figure, language: str) -> None:
+    """Set the numbers of a figure as a language writes them, in its words and at its axes."""
+    if language == "en":
+        return
+    rewrite_words(figure, lambda text: localized(text, language))
+    for axes in figure.axes:
+        for part in (axes, *axes.child_axes):
+            for axis in (part.xaxis, part.yaxis):
+                for formatter in (axis.get_major_formatter(), axis.get_minor_formatter()):
+                    formatter.format_ticks = partial(_local_ticks, formatter.format_ticks, language)  # type: ignore[method-assign]
+
+
+def _local_ticks(format_ticks: Callable[[Any], list[str]], language: str, values: Any) -> list[str]:
+    return [localized(text, language) for text in format_ticks(values)]
+
+
 def _texts(artist: Artist) -> Iterator[Text]:
     """Give every text but those of ticks, which are made in drawing and cost as much as all else."""
     for child in artist.get_children():
@@ -167,14 +192,14 @@ def save_figure(
     return as_folder(folder).write(figure_files(figure, stem))
 
 
-def figure_files(figure: FigureWithData, stem: str, *, picture: bool = True) -> dict[str, bytes]:
-    """Return what `save_figure` writes, by file name: the same input gives the same bytes."""
+def figure_files(figure: FigureWithData, stem: str, *, formats: Iterable[str] = ("png",)) -> dict[str, bytes]:
+    """Return a figure in some formats and the CSV of its data, by file name: the same input gives the same bytes."""
     contents: dict[str, bytes] = {}
-    if picture:
+    for form in formats:
         stream = io.BytesIO()
-        with house_style():  # without matplotlib's version, which would change an unchanged figure
-            figure.figure.savefig(stream, format="png", metadata={"Software": None})
-        contents[f"{stem}.png"] = stream.getvalue()
+        with house_style():
+            figure.figure.savefig(stream, format=form, metadata=dict.fromkeys(FORMATS[form]))
+        contents[f"{stem}.{form}"] = stream.getvalue()
     for table in figure.tables:
         rows = zip(*(_cells(_listed(column)) for column in table.columns.values()), strict=True)
         text = csv_text([table.header, *rows])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.ticker import LogFormatter
 from scipy.special import ndtri
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
@@ -168,9 +169,9 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             if over == "end_tension_N":
                 _plain_log(axes, "x")
             factor = REGRESSORS[over][2]
-            for place, fit in enumerate(fits):
+            for fit in fits:
                 x, values = _average_mu(fit, settings, over)
-                axes.plot(factor * x, values, linewidth=1.6, label=fit.law, **style.line_look(place))
+                axes.plot(factor * x, values, linewidth=1.6, label=fit.law, **style.law_look(fit.law))
                 rows += [(over, fit.law, *pair) for pair in zip(x.tolist(), values.tolist(), strict=True)]
             if not mu.size:
                 style.say_instead(axes, _NO_TRIALS)
@@ -237,13 +238,9 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
             curves[fit.law] = lift[0] - along.log_end_tension
     with drawing(10.0, 5.6) as figure:
         axes = figure.subplots()
-        for place, (law, curve) in enumerate(curves.items(), start=1 - ("straight line" in curves)):
+        for law, curve in curves.items():
             straight = law == "straight line"
-            look = (
-                {"color": style.INK, "linewidth": 1.2}
-                if straight
-                else style.line_look(place) | {"linewidth": 1.8}
-            )
+            look = style.law_look("constant" if straight else law) | {"linewidth": 1.2 if straight else 1.8}
             label = f"straight line, μ = {slope:.3g}" if straight else law
             axes.plot(np.degrees(grid), curve, label=label, **look)
         if rise.size:
@@ -289,12 +286,13 @@ def _draw_wheels(axes: "Axes", points: ConditionPoints) -> None:
         _draw_means(axes, x[mask], rise[mask], std[mask], **look | edge)
 
 
-def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWithData:
+def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool = False) -> FigureWithData:
     """Return F_A of a fitted law over one quantity with confidence and prediction band, extrapolation hatched.
 
     The upper panel has the forces on a logarithmic axis, the lower one the same off the mean law, in per cent. The
     inner band holds the mean law, the outer one a single pull with a new rope. Points are the means of the measured
-    conditions that have the settings drawn, crosses their trials where the fit still has them.
+    conditions that have the settings drawn, crosses their trials where the fit still has them. Where it is to be
+    `narrow`, the upper panel stands alone.
     """
     settings = _settings_of(fit, over)
     x, columns = _band(fit, settings, over)
@@ -303,33 +301,42 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWith
     chosen = _have(points.conditions, settings)
     n = int(points.n[chosen].sum())
     title, unit, factor = REGRESSORS[over]
-    with drawing(10.0, 7.0) as figure:
-        axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    with drawing(*((5.2, 4.3) if narrow else (10.0, 7.0))) as figure:
+        rows: dict[str, Any] = {"nrows": 1} if narrow else {"nrows": 2, "height_ratios": (3, 2)}
+        panels = figure.subplots(**rows, sharex=True, squeeze=False)[:, 0]
+        axes, last = panels[0], panels[-1]
         hatch: dict[str, Any] = {
             "facecolor": "none",
             "edgecolor": "#9A9A9A",
             "hatch": "///",
             "linewidth": 0.0,
         }
-        for panel in (axes, below):
-            lines = 100.0 * (columns / columns[0] - 1.0) if panel is below else columns
-            _draw_band(panel, factor * x, lines)
+        for panel in panels:
+            off = panel is not axes
+            _draw_band(panel, factor * x, 100.0 * (columns / columns[0] - 1.0) if off else columns, fit.law)
             for start, stop in ((x[0], low), (high, x[-1])):
                 if stop > start:
                     ends, label = (factor * start, factor * stop), "not tested: extrapolated"
                     panel.axvspan(*ends, **hatch, zorder=0.5, label=label)
-            _draw_measured(panel, fit, points, settings, over, off=panel is below)
+            _draw_measured(panel, fit, points, settings, over, off=off)
         axes.set_ylabel(style.figure_label("lift_force_N"))
         _plain_log(axes, "y")
-        axes.yaxis.set_minor_formatter("")
-        below.set(xlabel=style.regressor_label(over), ylabel="Off the mean law [%]")
+        last.set_xlabel(style.regressor_label(over))
         if over == "end_tension_N":
-            _plain_log(below, "x")
+            _plain_log(last, "x")
         axes.set_xlim(factor * x[0], factor * x[-1])
         held = ",  ".join(style.shown_regressor(name, value) for name, value in settings.items())
         shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
-        axes.set_title(style.typeset(f"Law {fit.law} at {held};  {shown_trials}"))
-        style.legend_of_figure(figure)
+        if narrow:
+            # A span of less than a decade has one number or none at the decades.
+            axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2.0, 0.6)))
+            axes.set_title(style.typeset(held), fontsize=9)
+            style.legend_of_figure(figure, columns=2)
+        else:
+            axes.yaxis.set_minor_formatter("")
+            last.set_ylabel("Off the mean law [%]")
+            axes.set_title(style.typeset(f"Law {fit.law} at {held};  {shown_trials}"))
+            style.legend_of_figure(figure)
     outside = (x < low * (1 - 1e-9)) | (x > high * (1 + 1e-9))
     law = {over: x} | dict(zip(_BAND, columns, strict=True)) | {"extrapolated": outside}
     measured = {
@@ -363,14 +370,14 @@ def _band(fit: FitResult, settings: Mapping[str, float], over: str) -> tuple[Flo
     return x, _evaluated(fit, _swept(settings, over, x), law, len(_BAND))
 
 
-def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray) -> None:
+def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, law: str) -> None:
     line, low, high, wide_low, wide_high = columns
-    edge: dict[str, Any] = {"edgecolor": style.ORANGE, "linestyle": "--", "linewidth": 1.0}
-    axes.fill_between(
-        x, wide_low, wide_high, facecolor=(style.ORANGE, 0.15), label="95 % of new pulls", **edge
-    )
-    axes.fill_between(x, low, high, facecolor=(style.BLUE, 0.4), linewidth=0, label="95 % for the mean law")
-    axes.plot(x, line, "-", color=style.BLUE, linewidth=1.4, label="mean law")
+    look = style.law_look(law)
+    ink = look["color"]
+    edge: dict[str, Any] = {"edgecolor": ink, "linestyle": "--", "linewidth": 1.0}
+    axes.fill_between(x, wide_low, wide_high, facecolor=(ink, 0.13), label="95 % of new pulls", **edge)
+    axes.fill_between(x, low, high, facecolor=(ink, 0.4), linewidth=0, label="95 % for the mean law")
+    axes.plot(x, line, label="mean law", linewidth=1.4, **look)
 
 
 def _draw_measured(
@@ -425,14 +432,14 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
         panels = figure.subplots(1, 3 if by_trial else 2, sharey=True)
         panels[0].set(xlabel=style.figure_label("lift_force_N").replace(" [", ", fitted ["), xscale="log")
         panels[0].xaxis.set_major_formatter("{x:g}")
-        _scatter(panels[0], np.exp(fitted), z)
+        _scatter(panels[0], np.exp(fitted), z, fit.law)
         if by_trial:
             panels[1].set_xlabel("Trial, in the order of the table")
-            _scatter(panels[1], order, z)
+            _scatter(panels[1], order, z, fit.law)
         panels[-1].set_xlabel("Normal quantile [-]")
         ends = float(np.abs(quantile).max(initial=1.0)) * np.array([-1.0, 1.0])
         panels[-1].plot(ends, ends, "--", color=style.INK, linewidth=1.0, label="normal law")
-        _scatter(panels[-1], quantile, z)
+        _scatter(panels[-1], quantile, z, fit.law)
         panels[0].set_ylabel("Residual of ln F, standardised [-]")
         share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
         figure.suptitle(f"Law {fit.law}: {what}, {share}")
@@ -467,7 +474,7 @@ def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:
     return fitted[usable], residual[usable], std[usable]
 
 
-def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray) -> None:
+def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray, law: str) -> None:
     axes.axhline(0.0, color=style.INK, linewidth=0.8)
     for limit in (-_LIMIT, _LIMIT):
         axes.axhline(limit, color=style.INK, linewidth=1.0, linestyle=":", label="±2 standard deviations")
@@ -475,5 +482,77 @@ def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray) -> None:
         style.say_instead(axes, "nothing to show")
         return
     far = np.abs(z) > _LIMIT
-    axes.plot(x[~far], z[~far], "o", color=style.BLUE, markersize=3.5, alpha=0.7, label="within ±2")
-    axes.plot(x[far], z[far], "X", color=style.ORANGE, markersize=6, label="beyond ±2")
+    color = style.law_look(law)["color"]
+    axes.plot(x[~far], z[~far], "o", color=color, markersize=3.5, alpha=0.7, label="within ±2")
+    axes.plot(x[far], z[far], "X", color=style.DARK_ORANGE, markersize=6, label="beyond ±2")
+
+
+_CORNER = ((1.0, 0.35), (2.0, 0.15))
+"""Standard errors that an ellipse of a corner plot reaches to, and how deep its ink is."""
+
+
+def draw_corner(fit: FitResult) -> FigureWithData:
+    """Return the parameters of a fit against each other, by their covariance: ellipses of 1 and 2 standard errors.
+
+    The projection of an ellipse on an axis is the value ± 1 or 2 standard errors, at which the axes have their
+    numbers; how far it leans shows how far two parameters go together. On the diagonal stands the density of each.
+    """
+    place = np.flatnonzero(fit.shown)
+    names = [fit.parameters[i].name for i in place]
+    theta, covariance = fit.theta[place], fit.covariance[np.ix_(place, place)]
+    std = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(std, std)
+    n, color = place.size, style.law_look(fit.law)["color"]
+    round_angle = np.linspace(0.0, 2.0 * np.pi, 73)
+    bell = np.linspace(-3.2, 3.2, 81)
+    with drawing(*(2 * [1.4 + 1.45 * n])) as figure:
+        panels = figure.subplots(n, n, squeeze=False)
+        for (row, column), axes in np.ndenumerate(panels):
+            if column > row:
+                axes.set_visible(False)
+                continue
+            axes.grid(visible=False)
+            for axis, i in ((axes.xaxis, column), (axes.yaxis, row)):
+                if axis is axes.yaxis and row == column:
+                    axes.set_yticks([])
+                    continue
+                # In standard errors, so that ellipses are round; the numbers are those of the parameter.
+                ends = [f"{theta[i] + side * std[i]:.3g}" for side in (-2.0, 0.0, 2.0)]
+                outer = row == n - 1 if axis is axes.xaxis else column == 0
+                axis.set_ticks([-2.0, 0.0, 2.0], ends if outer else [""] * 3, fontsize=8)
+            axes.set_xlim(-3.2, 3.2)
+            if row == column:
+                axes.fill_between(bell, np.exp(-0.5 * bell**2), color=(color, 0.25), linewidth=0)
+                axes.plot(bell, np.exp(-0.5 * bell**2), color=color, linewidth=1.2)
+                axes.set_title(names[row], fontsize=9)
+                axes.set_ylim(0.0, 1.15)
+            else:
+                lean = float(correlation[row, column])
+                rest = math.sqrt(max(1.0 - lean**2, 0.0))
+                for reach, depth in _CORNER:
+                    x, y = reach * np.cos(round_angle), reach * np.sin(round_angle)
+                    axes.fill(
+                        x, lean * x + rest * y, facecolor=(color, depth), edgecolor=color, linewidth=0.8
+                    )
+                axes.set_ylim(-3.2, 3.2)
+                style.note_at(axes, f"{lean:+.2f}", (3.0, 2.7), ha="right", va="top", fontsize=7)
+            if row == n - 1:
+                axes.set_xlabel(_with_unit(fit, names[column]), fontsize=9)
+            if column == 0 and row:
+                axes.set_ylabel(_with_unit(fit, names[row]), fontsize=9)
+    rows = [
+        (names[i], names[j], float(theta[i]), float(std[i]), float(correlation[i, j]))
+        for i in range(n)
+        for j in range(n)
+    ]
+    closest = max((row for row in rows if row[0] != row[1]), key=lambda row: abs(row[4]), default=None)
+    alt = f"Parameters of the law {fit.law} against each other: {', '.join(names)}."
+    if closest is not None:
+        alt += f" {closest[0]} and {closest[1]} go together most, with a correlation of {closest[4]:.3g}."
+    header = ("parameter", "other", "value", "std", "correlation")
+    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, rows),), alt=alt)
+
+
+def _with_unit(fit: FitResult, name: str) -> str:
+    unit = next(item.unit for item in fit.friction_law.parameters if item.name == name)
+    return f"{name} [{unit}]"

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from ropefric.files.plain_text import visible
 from ropefric.fitting.predict import REGRESSORS
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import axis_label
 
 # Okabe and Ito's palette, chosen so that the three also differ in lightness; the darker orange is for words.
@@ -24,6 +25,7 @@ DARK_ORANGE = "#A34700"
 GREY = "#6E6E6E"
 INK = "#1A1A1A"
 _COLORS = (BLUE, ORANGE, INK, "#009E73", "#AA4499")
+_LAW_COLORS = (INK, ORANGE, "#009E73", "#AA4499", "#8A6D00", "#3D8FC4", BLUE)
 LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (8, 3)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 """What tells lines and points apart where colour does not: on grey paper and for colour-blind eyes."""
@@ -74,6 +76,16 @@ def house_style() -> Iterator[None]:
 def line_look(place: int) -> dict[str, Any]:
     """Return colour and line style of the nth line of a figure; no two of the first seven share a style."""
     return {"color": _COLORS[place % len(_COLORS)], "linestyle": LINE_STYLES[place % len(LINE_STYLES)]}
+
+
+def law_look(law: str) -> dict[str, Any]:
+    """Return colour and line style of a law, the same in every figure; the capstan equation is a plain black line."""
+    place = list(ALL_LAWS).index(law.removesuffix("-from-zero"))
+    n = len(_LAW_COLORS)
+    return {
+        "color": _LAW_COLORS[place % n],
+        "linestyle": LINE_STYLES[(place + place // n) % len(LINE_STYLES)],
+    }
 
 
 def shades(n: int) -> list[tuple[float, ...]]:

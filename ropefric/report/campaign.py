@@ -1,4 +1,4 @@
-"""A campaign's result for people: the summary, the report, and both as files beside what they rest on."""
+"""A result for people: the summary and the report of a campaign or a trial table, as files beside what they rest on."""
 
 import math
 import os
@@ -8,16 +8,29 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.files.folder import Folder, as_folder
+from ropefric.files.plain_text import json_document
 from ropefric.glossary import counted
-from ropefric.pipeline.evidence import Evidence, evidence_files, gather_evidence, manifest, trace_provenance
-from ropefric.pipeline.run import CampaignRun
+from ropefric.pipeline.evidence import (
+    MANIFEST,
+    Evidence,
+    evidence_files,
+    gather_evidence,
+    manifest,
+    trace_provenance,
+    trace_table,
+)
+from ropefric.pipeline.run import CampaignAnswer, CampaignRun
 from ropefric.report import parts
-from ropefric.report.page import Alert, Block, Chapter, Fact, Fold, Picture, Report, as_html
-from ropefric.report.section import Section, as_text, interval, percent, plain
+from ropefric.report.front import USUAL, Subject, Wish, front_blocks, measured_rows
+from ropefric.report.page import Alert, Block, Chapter, Fold, Picture, Report, as_html
+from ropefric.report.pdf import pdf_of
+from ropefric.report.section import Section, as_text, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import result
+from ropefric.trials.campaign_model import ReportWords
 from ropefric.trials.outliers import RULES
 
+Progress = Callable[[int, int, str], None]
 Pictures = Mapping[str, Sequence[Picture]]
 """Pictures by the chapter they belong to, in order."""
 
@@ -26,9 +39,10 @@ _NAMED = 8
 _SAID = 3
 """Problems of one kind that are said in full."""
 _CHAPTERS = {
-    "warnings": "What to know first",
     "result": "The result",
+    "warnings": "What to know of the measurements",
     "trials": "What was measured",
+    "recordings": "Every recording and its pick",
     "friction": "Does it obey the capstan equation?",
     "law": "How good the law is",
     "uncertainty": "What makes up the uncertainty",
@@ -36,6 +50,7 @@ _CHAPTERS = {
     "next": "What to measure next",
     "provenance": "Settings and provenance",
 }
+_OF_LAW = ("ladder", "bands", "residuals", "corner")
 _NONE = (math.nan, math.nan, 0)
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
@@ -46,38 +61,74 @@ _WHERE = (
 def write_report(
     run: CampaignRun,
     folder: Folder | str | os.PathLike[str],
+    wish: Wish = USUAL,
     *,
-    figures: bool = True,
     executor: Executor | None = None,
-    progress: Callable[[int, int, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Path, ...]:
     """Write summary.txt, report.html with the numbers of its figures, and what they rest on; return the paths.
 
     The page needs nothing else. Beside it stand figures/*.csv, uncertainty.json and next_tests.csv where there is a
-    design, and manifest.json. The same campaign gives the same bytes. The figures are drawn by the executor, if any.
+    design, manifest.json and, if wished, report.pdf. The same campaign gives the same bytes. The figures are drawn by
+    the executor, if any.
     """
-    target = as_folder(folder)
-    evidence = gather_evidence(run)
-    provenance = trace_provenance(run, evidence)
+    target, campaign, evidence = as_folder(folder), run.campaign, gather_evidence(run)
+    provenance, tally = trace_provenance(run, evidence), _tally(run.extraction)
+    told = (campaign.report, measured_rows(run), run, wish)
+    subject = Subject(campaign.name, tally, run.answer, evidence, provenance, *told)
+    texts = manifest(provenance, campaign.path, target.path)
+    texts["summary.txt"] = as_text(summary_sections(run))
+    return _write(subject, target, texts, executor=executor, progress=progress)
+
+
+def write_table_report(
+    answer: CampaignAnswer,
+    inputs: Sequence[Path],
+    folder: Folder,
+    *,
+    words: ReportWords,
+    wish: Wish = USUAL,
+    progress: Progress | None = None,
+) -> tuple[Path, ...]:
+    """Write the same for the answer to a trial table, for those who have forces and no recordings.
+
+    The inputs are the table and, where there is one, the file that says more about it, from where `words` are.
+    """
+    evidence, tally, table = gather_evidence(answer), table_tally(answer), inputs[0]
+    provenance = trace_table(answer, evidence, inputs)
+    measured = [("Trial table", table.name)]
+    subject = Subject(table.stem, tally, answer, evidence, provenance, words, measured, wish=wish)
+    texts = {MANIFEST: json_document(provenance)}
+    texts["summary.txt"] = as_text((Section(lines=[f"{table.name}: {tally}"]), *answer_sections(answer)))
+    return _write(subject, folder, texts, executor=None, progress=progress)
+
+
+def _write(
+    subject: Subject,
+    folder: Folder,
+    texts: Mapping[str, str],
+    *,
+    executor: Executor | None,
+    progress: Progress | None,
+) -> tuple[Path, ...]:
     pictures: Pictures = {}
-    if figures:
+    if subject.wish.figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 
-        pictures = draw_pictures(run, evidence, target, executor=executor, progress=progress)
+        pictures = draw_pictures(subject, folder, executor=executor, progress=progress)
     numbers = [
-        target.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
+        folder.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
-    texts = evidence_files(evidence) | manifest(provenance, run.campaign.path, target.path)
-    texts |= {
-        "summary.txt": as_text(summary_sections(run)),
-        "report.html": as_html(campaign_report(run, evidence, provenance, pictures)),
-    }
-    return (*numbers, *target.write(texts))
+    page = as_html(_report(subject, pictures))
+    files: dict[str, str | bytes] = {**texts, **evidence_files(subject.evidence), "report.html": page}
+    if subject.wish.pdf:
+        files["report.pdf"] = pdf_of(page)
+    return (*numbers, *folder.write(files))
 
 
 def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
-    """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""
-    answer, counts = run.answer, result.count_trials(run.extraction)
+    """Return what was recorded, the law that is used, how it won, what is doubtful, and the lift force of the design."""
+    counts = result.count_trials(run.extraction)
     lines = [f"{run.campaign.name}: {_tally(run.extraction)}"]
     if counts["n_rejected"]:
         lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
@@ -88,18 +139,29 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
         for name, cell in run.campaign.cells.items()
         if cell.assumed
     ]
+    sections = (Section(lines=lines), *answer_sections(run.answer))
+    nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
+    return sections if run.campaign.design is not None else (*sections, nowhere)
+
+
+def answer_sections(answer: CampaignAnswer) -> tuple[Section, ...]:
+    """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""
     sections = (
-        Section(lines=lines),
         parts.verdict_section(answer.verdict, "The verdict"),
-        _law_section(run),
+        parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}"),
         parts.comparison_section(answer.comparison),
         parts.diagnosis_section(answer.diagnosis),
         Section("Doubts", notes=answer.doubts or ("nothing was found",)),
     )
-    if answer.prediction is not None:
-        return (*sections, parts.prediction_section(answer.prediction))
-    nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
-    return sections if run.campaign.design is not None else (*sections, nowhere)
+    lift = answer.prediction
+    return sections if lift is None else (*sections, parts.prediction_section(lift))
+
+
+def table_tally(answer: CampaignAnswer) -> str:
+    """Return how many trials of a table count."""
+    found = answer.fit.statistics
+    trials, used = counted(len(answer.table.trial), "trial"), found.n
+    return f"{trials} of {counted(found.n_conditions, 'condition')}: {used} fitted"
 
 
 def _tally(extraction: result.Extraction) -> str:
@@ -108,32 +170,28 @@ def _tally(extraction: result.Extraction) -> str:
     return f"{trials} of {conditions}: {result.outcome_words(counts)}"
 
 
-def _law_section(run: CampaignRun) -> Section:
-    return parts.fit_section(run.answer.fit, f"The law: {run.answer.fit.law}, {run.answer.winner.how}")
-
-
-def campaign_report(
-    run: CampaignRun, evidence: Evidence, provenance: Mapping[str, Any], pictures: Pictures
-) -> Report:
-    """Return a campaign's report: what to know first, the result, the evidence, settings and provenance."""
-    answer, extraction, plan = run.answer, run.extraction, evidence.plan
+def _report(subject: Subject, pictures: Pictures) -> Report:
+    """Return a report: the result on the first pages, then what to know, the evidence, settings and provenance."""
+    answer, evidence, run = subject.answer, subject.evidence, subject.run
     by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
     undecided = [
         f"{cause.cause}: {cause.experiment}"
         for cause in answer.diagnosis.causes
         if cause.supported == "cannot-tell"
     ]
+    of_answer = [*_alerts_of_answer(answer, evidence, asked=run is None or run.campaign.design is not None)]
+    of_trials = [alert for alert in of_answer if alert.grade == "note"]
+    if run is not None:
+        of_trials += [*_alerts_of_trials(run.extraction), *_alerts_of_problems(run.extraction)]
+    of_trials.sort(key=lambda alert: alert.grade)
+    if not pictures:
+        text = "This report was made without figures; `ropefric report` adds them."
+        of_trials.append(Alert("note", "No figures", text))
     blocks: dict[str, Iterable[Block]] = {
-        "warnings": [_alerts(run, evidence, with_figures=bool(pictures))],
-        "result": [_facts(run, evidence), _law_section(run), *([by_hand] if evidence.hand else [])],
-        "trials": [
-            _measured_section(run),
-            *pictures.get("trials", ())[:1],
-            *_trial_sections(extraction, evidence),
-            *_decided_section(extraction),
-            *_sliding_section(extraction),
-            *pictures.get("trials", ())[1:],
-        ],
+        "result": front_blocks(subject, of_answer, pictures.get("front", ())),
+        "warnings": [of_trials] if of_trials else [],
+        "trials": [*(_trial_sections(run, evidence) if run else ()), *pictures.get("trials", ())],
+        "recordings": pictures.get("recordings", ()),
         "friction": [
             parts.diagnosis_section(answer.diagnosis)._replace(title=""),
             *pictures.get("friction", ()),
@@ -141,22 +199,22 @@ def campaign_report(
         ],
         "law": [
             parts.comparison_section(answer.comparison),
-            *pictures.get("ladder", ()),
-            *pictures.get("bands", ()),
-            Section("Tested range: beyond it the law is extrapolated", notes=parts.tested_ranges(answer.fit)),
-            *pictures.get("residuals", ()),
+            *(drawn for key in _OF_LAW for drawn in pictures.get(key, ())),
             *parts.notes_sections(answer.fit),
         ],
         "uncertainty": _uncertainty(evidence, pictures),
-        "design": pictures.get("design", ()),
-        "next": () if plan is None else [Section(lines=(_WHERE,)), *parts.plan_sections(plan)],
-        "provenance": _provenance(provenance),
+        "design": [*pictures.get("design", ()), *([by_hand] if evidence.hand else [])],
+        "next": ()
+        if evidence.plan is None
+        else [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)],
+        "provenance": _provenance(subject.provenance, 2 if run else 1),
     }
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
     return Report(
-        title=run.campaign.name,
-        lead=f"{_tally(extraction)}; the friction law they ask for, how good it is, and the lift force it gives.",
+        title=subject.title,
+        lead=f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives.",
         chapters=tuple(chapter for chapter in chapters if chapter.blocks),
+        language=subject.language,
     )
 
 
@@ -176,34 +234,19 @@ def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
             yield from pictures.get("tornado", ()) if stated is evidence.lift else ()
 
 
-def _alerts(run: CampaignRun, evidence: Evidence, *, with_figures: bool) -> list[Alert]:
-    """Return what stands against a result, or ought to be kept in mind; gravest first."""
-    found = [
-        *_alerts_of_answer(run, evidence),
-        *_alerts_of_trials(run.extraction),
-        *_alerts_of_problems(run.extraction),
-    ]
-    found.sort(key=lambda alert: ("stop", "doubt", "note").index(alert.grade))
-    if not found:
-        found.append(Alert("note", "Nothing was found", "No check stands against the result."))
-    if not with_figures:
-        text = "This report was made without figures; `ropefric report` adds them."
-        found.append(Alert("note", "No figures", text))
-    return found
-
-
-def _alerts_of_answer(run: CampaignRun, evidence: Evidence) -> Iterator[Alert]:
-    verdict, prediction = run.answer.verdict, run.answer.prediction
+def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool) -> Iterator[Alert]:
+    """Give what stands against a law and its lift force, or ought to be kept in mind; whether one was `asked` for."""
+    verdict, prediction = answer.verdict, answer.prediction
     if not verdict.supported:
-        yield Alert("stop", f"The law {run.answer.fit.law} is {verdict.word}", verdict.reason)
-    for doubt in run.answer.doubts:
+        yield Alert("stop", f"The law {answer.fit.law} is {verdict.word}", verdict.reason)
+    for doubt in answer.doubts:
         if doubt not in verdict.reasons:
             yield Alert("doubt", "About the law", doubt)
     if prediction is not None:
         outside = Alert("doubt", "The design lies outside what was tested", "")
         about = outside if prediction.extrapolated[0] else Alert("note", "About the lift force", "")
         yield from (about._replace(text=note) for note in prediction.notes())
-    elif run.campaign.design is None:
+    elif not asked:
         keys = "wheel_radius, wrap_angle and end_tension"
         yield Alert("note", "No lift force", f"The campaign names no wheel: add [design] with {keys} to it.")
     for stated, what in ((evidence.lift, "the lift force"), (evidence.typical, "a typical measured force")):
@@ -259,71 +302,12 @@ def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
         yield Alert("doubt" if grave else "note", f"About the recordings ({code})", text)
 
 
-def _facts(run: CampaignRun, evidence: Evidence) -> list[Fact]:
-    """Return the numbers a reader looks for first."""
-    facts = []
-    fit, found = run.answer.fit, run.answer.prediction
-    if found is not None:
-        at = found.conditions
-        cells = parts.setting_cells(at.wheel_radius_m[0], at.wrap_angle_rad[0], at.end_tension_N[0])
-        (wheel, wrap, tension), rope = cells, plain(2e3 * at.rope_radius_m[0])
-        where = f"on average, for R_w = {wheel} mm, φ = {wrap} deg, F_B = {tension} N, rope of {rope} mm"
-        facts.append(Fact("Lift force of the design", f"{plain(found.lift_force_N[0], '.5g')} N", where))
-        level, one = f"{100 * found.level:g} %", found.prediction_interval_N[0]
-        mean = f"where the average of many ropes lies; standard error {plain(found.std_N[0], '.2g')} N"
-        facts.append(Fact(f"{level} confidence interval", f"{interval(found.interval_N[0])} N", mean))
-        if not math.isnan(float(one[0])):
-            pull = "where one pull with a new rope lies"
-            facts.append(Fact(f"{level} prediction interval", f"{interval(one)} N", pull))
-    facts.append(Fact("Law", f"{fit.law}, {run.answer.verdict.word}", run.answer.verdict.reason))
-    unseen, scatter = run.answer.winner.entry.loco_error, fit.statistics.scatter_within
-    if math.isfinite(unseen):
-        remark = "root mean square over conditions left out one by one"
-        facts.append(Fact("Error at unseen conditions", percent(unseen), remark))
-    if math.isfinite(scatter):
-        facts.append(Fact("Scatter between repeats", percent(scatter), "standard deviation of one pull"))
-    if evidence.lift is not None:
-        first, name = evidence.lift.budget.lines[0], f"What dominates the {evidence.lift.model.name}"
-        facts.append(Fact(name, first.label, f"{percent(first.share, '.0f')} of its variance"))
-    if (plan := evidence.plan) is not None:
-        value = f"{counted(len(plan), 'condition')}, {counted(len(plan) * plan.repeats, 'pull')}"
-        better = f"for a mean law {plain(plan.improvement, '.2g')} times as certain"
-        facts.append(Fact("What to measure next", value, better))
-    return facts
-
-
-def _measured_section(run: CampaignRun) -> Section:
-    """Return with what was measured, and over which range."""
-    campaign, rope = run.campaign, run.campaign.rope
-    density = rope.linear_density_kg_m
-    weight = "" if density is None else f"{plain(1e3 * density)} g/m"
-    of_rope = (f"rope: {plain(2e3 * rope.radius_m)} mm in diameter", weight, rope.material)
-    wheels = [
-        f"{name} R_w = {plain(1e3 * wheel.radius_m)} mm" + (f" ({wheel.material})" if wheel.material else "")
-        for name, wheel in campaign.wheels.items()
-    ]
-    cells = [
-        f"{name} to {plain(cell.full_scale_N)} N"
-        + (f" ({', '.join(cell.assumed)} assumed, not stated)" if cell.assumed else "")
-        for name, cell in campaign.cells.items()
-    ]
-    window_s = campaign.smoothing.window_s
-    smoothing = campaign.smoothing.mode + (f", {plain(1e3 * window_s)} ms" if window_s else "")
-    notes = (
-        ", ".join(filter(None, of_rope)),
-        f"wheels: {', '.join(wheels)}" if wheels else "",
-        f"force cells: {', '.join(cells)}" if cells else "",
-        f"tested: {', '.join(parts.tested_ranges(run.answer.fit))}",
-        f"protocol {campaign.protocol.name}; smoothing {smoothing}; outliers by {campaign.rejection}",
-    )
-    return Section(notes=tuple(filter(None, notes)))
-
-
-def _trial_sections(extraction: result.Extraction, evidence: Evidence) -> tuple[Section, Section]:
-    """Return all trials that do not count, with what became of them and why; and all conditions.
+def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
+    """Give all trials that do not count, with what became of them and why; all conditions, and what people decided.
 
     Of a condition: how many trials, their mean force, scatter and uncertainty, and which do not count.
     """
+    extraction = run.extraction
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
     place = {name: summary for summary in extraction.conditions for name in summary.trials}
@@ -362,7 +346,10 @@ def _trial_sections(extraction: result.Extraction, evidence: Evidence) -> tuple[
         f"mean {measured} and s: of the trials kept; u_c: standard uncertainty of that mean, repeats and measuring "
         "chain; every trial stands in trials.csv"
     )
-    return aside, Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
+    yield aside
+    yield Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
+    yield from _decided_section(extraction)
+    yield from _sliding_section(extraction)
 
 
 def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
@@ -413,17 +400,18 @@ def _why(trial: result.TrialResult, summary: result.ConditionSummary | None) -> 
     return f"{rule}; mean of all {plain(summary.mean_all_N)} N, s = {plain(summary.std_all_N, '.2g')} N"
 
 
-def _provenance(provenance: Mapping[str, Any]) -> tuple[Block, ...]:
+def _provenance(provenance: Mapping[str, Any], n_lists: int) -> tuple[Block, ...]:
     """Return command, versions, seeds and inputs with their hashes; settings and recordings folded away."""
     seeds = ", ".join(f"{name} {seed}" for name, seed in provenance["seeds"].items())
     made = ", ".join(f"{name} {number}" for name, number in sorted(provenance["versions"].items()))
     notes = (provenance["command"], f"versions: {made}", f"seeds: {seeds}")
     settings = Section(headings=("setting", "value "), rows=[*_flat(provenance["settings"])])
-    lists, recordings = provenance["inputs"][:2], provenance["inputs"][2:]
+    lists, recordings = provenance["inputs"][:n_lists], provenance["inputs"][n_lists:]
+    of_recordings = Fold(f"SHA-256 of the {counted(len(recordings), 'recording')}", _hashes(recordings))
     return (
-        Section("How to make it again", ("in the campaign's folder:",), notes=notes),
+        Section("How to make it again", ("in the folder of the inputs:",), notes=notes),
         _hashes(lists, "Inputs"),
-        Fold(f"SHA-256 of the {len(recordings)} recordings", _hashes(recordings)),
+        *([of_recordings] if recordings else []),
         Fold("All settings, defaults filled in, in SI", settings),
     )
 

@@ -4,11 +4,12 @@ import re
 from functools import cache
 from typing import Literal, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, pass_context
+from jinja2.runtime import Context
 from markupsafe import Markup, escape
 
 from ropefric import __version__
-from ropefric.files.plain_text import visible
+from ropefric.files.plain_text import localized, visible
 from ropefric.report.section import Section
 
 _SYMBOL = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")
@@ -37,6 +38,19 @@ class Picture(NamedTuple):
     svg: str
     caption: str
     files: tuple[str, ...] = ()
+    narrow: bool = False
+
+
+class Particulars(NamedTuple):
+    """What a report is about, as names and values."""
+
+    rows: tuple[tuple[str, str], ...]
+
+
+class Formula(NamedTuple):
+    """Statements of an equation, each as MathML."""
+
+    statements: tuple[str, ...]
 
 
 class Fold(NamedTuple):
@@ -46,7 +60,7 @@ class Fold(NamedTuple):
     section: Section
 
 
-Block = Section | Picture | Fold | list[Fact] | list[Alert]
+Block = Section | Picture | Particulars | Formula | Fold | list[Fact] | list[Alert]
 
 
 class Chapter(NamedTuple):
@@ -58,11 +72,15 @@ class Chapter(NamedTuple):
 
 
 class Report(NamedTuple):
-    """A whole report; its chapter `result` is what a reader may skip to."""
+    """A whole report; its chapter `result` is what a reader may skip to.
+
+    `language` is that of its numbers and dates.
+    """
 
     title: str
     lead: str
     chapters: tuple[Chapter, ...]
+    language: str = "en"
 
 
 def as_html(report: Report) -> str:
@@ -93,7 +111,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"kind": _kind, "svg": Markup, "symbols": _symbols}
+    environment.filters |= {"kind": _kind, "markup": Markup, "symbols": _symbols}
     return environment
 
 
@@ -102,6 +120,8 @@ def _kind(block: Block) -> str:
     return type(block[0] if isinstance(block, list) else block).__name__.lower()
 
 
-def _symbols(text: str) -> Markup:
-    """Return text with the index of each symbol set low, everything else escaped."""
-    return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(text))))  # noqa: S704  (escaped just now)
+@pass_context
+def _symbols(context: Context, text: str) -> Markup:
+    """Return text with the index of each symbol set low and numbers in the report's language, all else escaped."""
+    shown = escape(localized(text, context["report"].language))
+    return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(shown)))  # noqa: S704  (escaped just now)

@@ -74,15 +74,18 @@ def verdict_section(verdict: Verdict, title: str) -> Section:
 
 def comparison_section(comparison: Comparison) -> Section:
     """Return the laws by AICc; a dash where a law has no such number."""
-    rows, left_out = [], []
+    rows: list[tuple[str, ...]] = []
+    left_out: dict[str, list[str]] = {}
     for entry in comparison.ranking:
         numbers = (
             (plain(entry.delta_aicc, ".1f"), plain(entry.weight, ".3f")) if entry.counted else ("–", "–")
         )
         rows.append((entry.law, *numbers, percent(entry.loco_error), entry.status))
-        left_out += [f"{entry.law} is not counted: {entry.note}"] if entry.note else []
+        if entry.note:
+            left_out.setdefault(entry.note, []).append(entry.law)
     headings = ("law", "ΔAICc", "weight", "error at unseen conditions", "status ")
-    return Section("Comparison", headings=headings, rows=rows, notes=(*comparison.notes, *left_out))
+    why = [f"{', '.join(laws)}: not counted: {note}" for note, laws in left_out.items()]
+    return Section("Comparison", headings=headings, rows=rows, notes=(*comparison.notes, *why))
 
 
 def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:

@@ -1,26 +1,28 @@
 """The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Executor
 from functools import partial
 
 from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
+from ropefric.fitting.result import FitResult
 from ropefric.pipeline.evidence import Evidence
-from ropefric.pipeline.run import CampaignAnswer, CampaignRun
+from ropefric.pipeline.run import CampaignAnswer
 from ropefric.plotting.campaign import conditions_of, draw_condition, draw_overview
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
-from ropefric.plotting.figure import FigureWithData, begin, figure_files
-from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets, draw_residuals
+from ropefric.plotting.figure import FigureWithData, begin, figure_files, localize
+from ropefric.plotting.fits import draw_capstan, draw_corner, draw_fit_band, draw_mu_facets, draw_residuals
+from ropefric.plotting.recordings import draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.svg import svg_text
+from ropefric.report.front import Subject
 from ropefric.report.page import Picture
-from ropefric.trials.result import Extraction
+from ropefric.trials.result import Extraction, TrialResult
 
 FOLDER = "figures"
 """Where the numbers of the figures are written, beside the page."""
 
 _LAWS = 4
-_FLAGGED = 4
 _SWEPT = ("wrap_angle_rad", "end_tension_N", "wheel_radius_m")
 
 Draw = Callable[[], FigureWithData]
@@ -29,18 +31,24 @@ Drawings = Iterator[tuple[str, str, str, Draw]]
 
 
 def draw_pictures(
-    run: CampaignRun,
-    evidence: Evidence,
+    subject: Subject,
     folder: Folder,
     *,
     executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> dict[str, list[Picture]]:
-    """Return the figures of a report by chapter, and write the CSV files of their numbers into a folder."""
-    drawings = [*_of_trials(run.extraction), *_of_laws(run.answer), *_of_design(evidence)]
-    drawn = begin({stem: partial(_drawn, stem, draw) for _, stem, _, draw in drawings}, executor)
+    """Return the figures of a report by chapter; write the CSV files of their numbers, and pictures in other formats."""
+    answer, evidence = subject.answer, subject.evidence
+    extraction = subject.run.extraction if subject.run else None
+    drawings = [*_of_front(answer, extraction, evidence)]
+    drawings += [] if extraction is None else _of_trials(extraction)
+    drawings += [*_of_laws(answer), *_of_design(evidence)]
+    jobs = {
+        stem: partial(_drawn, stem, draw, subject.language, subject.wish.formats)
+        for _, stem, _, draw in drawings
+    }
     made: dict[str, tuple[str, tuple[str, ...]]] = {}
-    for done, (stem, (svg, files)) in enumerate(drawn(), start=1):
+    for done, (stem, (svg, files)) in enumerate(begin(jobs, executor)(), start=1):
         # Workers draw, and this process alone writes.
         made[stem] = svg, tuple(f"{FOLDER}/{path.name}" for path in folder.write(files))
         if progress is not None:
@@ -48,20 +56,63 @@ def draw_pictures(
     found: dict[str, list[Picture]] = {}
     for chapter, stem, caption, _ in drawings:
         svg, names = made[stem]
-        found.setdefault(chapter, []).append(Picture(stem, svg, caption, names))
+        found.setdefault(chapter, []).append(Picture(stem, svg, caption, names, narrow=chapter == "front"))
     return found
 
 
-def _drawn(stem: str, draw: Draw) -> tuple[str, dict[str, bytes]]:
+def _drawn(stem: str, draw: Draw, language: str, formats: Collection[str]) -> tuple[str, dict[str, bytes]]:
     figure = draw()
-    files = figure_files(figure, f"{FOLDER}/{stem}", picture=False)
+    localize(figure.figure, language)
+    files = figure_files(figure, f"{FOLDER}/{stem}", formats=formats)
     return svg_text(figure, stem=stem), files
 
 
+def _of_front(answer: CampaignAnswer, extraction: Extraction | None, evidence: Evidence) -> Drawings:
+    """Give a typical recording, where there are any, and the law with its data."""
+    if extraction is not None and (trial := typical_trial(extraction, evidence.typical_number)) is not None:
+        caption = f"A typical recording, {trial.trial}, with the force picked from it."
+        yield "front", "typical_recording", caption, partial(draw_recording, trial)
+    caption = (
+        "The law and what was measured: the inner band holds the mean law, the outer one a pull with a new rope; "
+        "hatched: outside what was tested."
+    )
+    over = (*_swept(answer), _SWEPT[0])[0]
+    yield "front", "law", caption, partial(draw_fit_band, answer.fit, over=over, narrow=True)
+
+
+def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
+    """Return the kept trial of a condition, or of the first that has one, whose force is closest to their mean."""
+    by_name = {trial.trial: trial for trial in extraction.trials}
+    for item in (*extraction.conditions[max(number - 1, 0) : number], *extraction.conditions):
+        kept = [by_name[name] for name in item.trials if by_name[name].kept and by_name[name].outline]
+        if kept:
+            return min(kept, key=lambda trial: abs(trial.measured_N - item.mean_kept_N))
+    return None
+
+
+def _swept(answer: CampaignAnswer) -> list[str]:
+    """Return the regressors that the trials change."""
+    validity = answer.fit.validity
+    return [name for name in _SWEPT if validity[name][1] > validity[name][0]]
+
+
 def _of_trials(extraction: Extraction) -> Drawings:
-    """Give the overview of a campaign, and the repeatability of the conditions that are worth a look."""
-    caption = "Every trial against every check: where a column has a mark, the recording wants a look."
-    yield "trials", "overview", caption, partial(draw_overview, extraction)
+    """Give every recording, the overview where a trial does not count, and the conditions that are worth a look."""
+    pages = [*pages_of_recordings(extraction.trials)]
+    shown = sum(map(len, pages))
+    for number, page in enumerate(pages, start=1):
+        first, last = page[0].trial, page[-1].trial
+        caption = (
+            f"Recordings {first} to {last}, each with its pick, its lowest and highest force, and its length."
+        )
+        if shown < len(extraction.trials):
+            caption += (
+                f" {shown} of {len(extraction.trials)} are drawn, those that do not count before all others."
+            )
+        yield "recordings", f"recordings_{number}", caption, partial(draw_recordings, page)
+    if any(not trial.kept or trial.problems for trial in extraction.trials):
+        caption = "Every trial against every check: where a column has a mark, the recording wants a look."
+        yield "trials", "overview", caption, partial(draw_overview, extraction)
     conditions = list(conditions_of(extraction).items())
     for place, why in chosen_conditions(extraction):
         stem, item = conditions[place]
@@ -72,24 +123,21 @@ def _of_trials(extraction: Extraction) -> Drawings:
 def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
     """Return the conditions whose repeatability is worth a figure: their place from 0, and why.
 
-    Those with the most trials flagged or set aside, then the one that scatters least and the one that scatters most.
+    That with the most trials flagged or set aside, and the one that scatters most.
     """
     conditions = extraction.conditions
     gone = [item.n_recorded - item.n_kept for item in conditions]
-    worst = sorted(range(len(conditions)), key=lambda place: -gone[place])[:_FLAGGED]
-    found = {
-        place: f"{gone[place]} of {conditions[place].n_recorded} trials not kept"
-        for place in worst
-        if gone[place]
-    }
-    scatter = sorted(
-        (item.std_kept_N / item.mean_kept_N, place)
+    found = {}
+    if any(gone):
+        worst = gone.index(max(gone))
+        found[worst] = f"{gone[worst]} of {conditions[worst].n_recorded} trials not kept"
+    scatter = [
+        (item.std_kept_N / item.mean_kept_N, -place)
         for place, item in enumerate(conditions)
         if item.n_kept > 1
-    )
+    ]
     if scatter:
-        found.setdefault(scatter[0][1], "the smallest scatter of all")
-        found.setdefault(scatter[-1][1], "the largest scatter of all")
+        found.setdefault(-max(scatter)[1], "the largest scatter of all")
     return tuple(found.items())
 
 
@@ -99,6 +147,31 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
     others = [other for other in answer.fits if other.law not in {fit.law, "constant"}]
     euler = [other for other in answer.fits if other.law == "constant" != fit.law]
     fits = [fit, *others[: _LAWS - 2], *euler]
+    if fit.statistics.n_conditions > 1:
+        yield from _of_many(fits)
+    for name in _swept(answer):
+        title = REGRESSORS[name][0]
+        caption = f"The law over the {title}, and off it."
+        stem = f"fit_over_{title.replace(' ', '_')}"
+        yield "bands", stem, caption, partial(draw_fit_band, fit, over=name)
+    caption = (
+        "Residuals over their standard deviation. If all is right they have no trend, one in twenty lies beyond ±2, "
+        "and they follow the line of the normal quantiles."
+    )
+    yield "residuals", "residuals", caption, partial(draw_residuals, fit)
+    if fit.shown.sum() > 1:
+        caption = (
+            "The parameters against each other: ellipses of one and two standard errors, with their correlation. A "
+            "slim ellipse that leans is a pair that the data see only together."
+        )
+        yield "corner", "corner", caption, partial(draw_corner, fit)
+    if answer.comparison.conclusive:
+        caption = "All laws by AICc, with their weight and their error at conditions they have not seen."
+        yield "ladder", "ladder", caption, partial(draw_ladder, answer.comparison)
+
+
+def _of_many(fits: list[FitResult]) -> Drawings:
+    """Give what shows, over several conditions, whether the trials obey the capstan equation."""
     caption = (
         "Average coefficient of friction of every condition against end tension, wrap and wheel radius. By the capstan "
         "equation there would be one level line."
@@ -109,20 +182,6 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
         "origin."
     )
     yield "friction", "capstan", caption, partial(draw_capstan, fits)
-    for name in [name for name in _SWEPT if fit.validity[name][1] > fit.validity[name][0]] or _SWEPT[:1]:
-        title = REGRESSORS[name][0]
-        caption = (
-            f"The law over the {title}: the inner band holds the mean law, the outer one a pull with a new rope; "
-            "hatched: outside what was tested."
-        )
-        yield "bands", f"fit_over_{title.replace(' ', '_')}", caption, partial(draw_fit_band, fit, over=name)
-    caption = (
-        "Residuals over their standard deviation. If all is right they have no trend, one in twenty lies beyond ±2, "
-        "and they follow the line of the normal quantiles."
-    )
-    yield "residuals", "residuals", caption, partial(draw_residuals, fit)
-    caption = "All laws by AICc, with their weight and their error at conditions they have not seen."
-    yield "ladder", "ladder", caption, partial(draw_ladder, answer.comparison)
 
 
 def _of_design(evidence: Evidence) -> Drawings:
@@ -137,6 +196,7 @@ def _of_design(evidence: Evidence) -> Drawings:
             rows = [(line.name, line.contribution) for line in budget.lines if line.contribution > 0.0]
             draw = partial(draw_budget, rows, unit=model.unit, title=model.symbol, combined=budget.combined)
             yield stem, stem, f"What makes up the standard uncertainty of {what}, largest first.", draw
+            break  # one picture; of the other the table says the same
     if evidence.swings:
         caption = (
             "What the lift force of the design does when one input changes: settings by 5 % of themselves, law and rope "

@@ -1,7 +1,7 @@
 """Review of picks in the browser: a person looks at recordings and decides, the campaign's own list keeps it.
 
 In: a campaign, and the cache that its extraction left. `session` holds its trials, decides and computes anew what
-that changes; `shown` is what a page shows of it; `decisions` puts a decision into the bytes of the trial list; `server`
+that changes; `view` is what a page shows of it; `decisions` puts a decision into the bytes of the trial list; `server`
 lets one browser on this machine see and do it, with the page `page.html`.
 Out: cells of the trial list; everything else follows from it the next time the campaign is run.
 

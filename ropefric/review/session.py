@@ -16,7 +16,7 @@ from ropefric.files.read import read_file
 from ropefric.files.text import GZIP_MAGIC
 from ropefric.files.write import write_file
 from ropefric.pipeline.run import answer_trials
-from ropefric.review import shown
+from ropefric.review import view
 from ropefric.review.decisions import with_decision
 from ropefric.traces.breakaway import Status
 from ropefric.traces.readers.excel import READER as EXCEL
@@ -62,7 +62,7 @@ class _State:
     def rows(self) -> dict[str, dict[str, Any]]:
         """Return what the list of trials shows of each."""
         names = {name: self._name_of(one) for one in self.extraction.conditions for name in one.trials}
-        return {trial.trial: shown.row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
+        return {trial.trial: view.row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
 
     def _name_of(self, one: ConditionSummary) -> str:
         """Return the settings of a condition in words."""
@@ -118,7 +118,7 @@ class Review:
         self._cache_dir, self._jobs = cache_dir, jobs
         self.lock = threading.RLock()
         self.n_written = 0
-        self._curves: dict[tuple[object, ...], shown.Curves] = {}
+        self._curves: dict[tuple[object, ...], view.Curves] = {}
         self._undo: deque[tuple[bytes, bytes, str]] = deque(maxlen=MOST_UNDONE)
         self._state = self._load(None, progress=progress)
         self._change: dict[str, Any] | None = None
@@ -387,7 +387,7 @@ class Review:
         with self.lock:
             spec, result = self._spec(trial), self._result(trial)
             condition = self._state.condition(trial)
-        return shown.facts_of(spec, result) | {"trial": trial, "condition": condition}
+        return view.facts_of(spec, result) | {"trial": trial, "condition": condition}
 
     def preview(self, trial: str, pick_s: float) -> dict[str, Any]:
         """Return the force that a trial would have with its break-away at a time; nothing is written."""
@@ -401,7 +401,7 @@ class Review:
         found = result.breakaway
         if found.status is not Status.OK:
             raise DataError(found.detail, code="RF244", key="pick_s", fix="choose another place")
-        return shown.pick_of(result)
+        return view.pick_of(result)
 
     def curve(self, trial: str, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
         """Return a stretch of a recording as it is drawn; a time that is no number stands for the recording's end."""
@@ -409,13 +409,13 @@ class Review:
             campaign, spec, result = self._state.campaign, self._spec(trial), self._result(trial)
         self._refuse_unread(result)
         key = (trial, result.sha256, campaign.settings_fingerprint(), result.breakaway.window_s)
-        curves = self._curves.get(key) or shown.curves_of(campaign, spec, result)
+        curves = self._curves.get(key) or view.curves_of(campaign, spec, result)
         with self.lock:
             self._curves.pop(key, None)
             self._curves[key] = curves  # the last one is the newest
             for old in [*self._curves][:-HELD_CURVES]:
                 del self._curves[old]
-        return shown.decimated(curves, start_s, stop_s, columns)
+        return view.decimated(curves, start_s, stop_s, columns)
 
     def _refuse_unread(self, result: TrialResult) -> None:
         if not _is_readable(result):
@@ -430,7 +430,7 @@ def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) ->
         raise without
     rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
     answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
-    return shown.answer_of(answer)
+    return view.answer_of(answer)
 
 
 def _needed(text: str, otherwise: str) -> str:

@@ -13,6 +13,7 @@ from typing import Any, Literal, NamedTuple, TypeVar
 from ropefric.errors import InputError, RopefricError
 from ropefric.scenes.kind import finite
 from ropefric.scenes.scene import Scene, placed
+from ropefric.shown import Shown
 from ropefric.systems.effect import Effect, Method, System, assemble
 
 P = TypeVar("P")
@@ -177,7 +178,7 @@ _LONG_S = 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Explanation:
+class Explanation(Shown):
     """A plan, with what its effects are and what they are worth.
 
     Attributes
@@ -191,6 +192,17 @@ class Explanation:
     difference : float
         Relative difference of the planned answer to that with all effects; NaN where it was not measured.
     """
+
+    _said = (
+        "system",
+        "plan.simulated",
+        "plan.left_out",
+        "plan.error_bound",
+        "planned_s",
+        "all_s",
+        "difference",
+    )
+    _framed = "plan.decisions"
 
     system: str
     plan: Plan

@@ -19,9 +19,11 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind, SceneTable, given
 from ropefric.scenes.kinds import KINDS
+from ropefric.shown import Shown
 from ropefric.systems.friction import ScaleTo, WrapFriction
 
 _HALF_A_TURN = math.pi
@@ -97,7 +99,7 @@ def _amid(fit: FitResult) -> Conditions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scene:
+class Scene(Shown):
     """A scene, read and understood.
 
     Attributes
@@ -115,6 +117,8 @@ class Scene:
     folder : Path
         Where the file is.
     """
+
+    _said = ("system=kind.name", "accuracy", "effects", "folder")
 
     kind: Kind
     document: TomlDocument
@@ -175,6 +179,7 @@ def check_scene(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
 
 def read_scene(document: TomlDocument, folder: Path) -> Scene:
     """Return the scene of a TOML tree."""
+    raise_problems(load_named(document))
     kind = _kind(document)
     table, problems = validate_document(kind.schema, document)
     raise_problems(sorted((*problems, *_unknown_effects(kind, document)), key=lambda one: one.line or 0))

@@ -1,7 +1,7 @@
 """A scene solved: the answer, its uncertainty, and what was simulated for it."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -12,9 +12,12 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.predict import REGRESSORS, outside_range
 from ropefric.friction.condition import Conditions
+from ropefric.plugins import provenance
+from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.kind import Quantity, finite
 from ropefric.scenes.plan import Plan, make_plan, method_tree
 from ropefric.scenes.scene import FrictionSource, Scene, placed
+from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
 from ropefric.uncertainty.quantity import directions, quantile
@@ -33,7 +36,7 @@ class Uncertain(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Solution:
+class Solution(Shown):
     """The answer to a scene.
 
     Attributes
@@ -55,6 +58,26 @@ class Solution:
     tree : dict
         What the machine's kind adds to the JSON shape.
     """
+
+    _said = ("system=scene.kind.name", "stands", "plan.simulated", "plan.left_out", "warnings")
+    _framed = "_numbers"
+
+    def _numbers(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "quantity": one.name,
+                "value": float(one.value[0]),
+                "std": float(one.std[0]),
+                "low": float(one.interval[0, 0]),
+                "high": float(one.interval[0, 1]),
+            }
+            for one in self.quantities
+        ]
+
+    def _more_said(self) -> Iterator[tuple[str, str]]:
+        for row in self._numbers():
+            name, unit = split_unit_suffix(row["quantity"])
+            yield name.replace("_", " "), in_words(row["value"], unit, row["std"])
 
     scene: Scene
     plan: Plan
@@ -105,6 +128,7 @@ class Solution:
             "friction": None if source is None else source.origin,
             "failures": list(self.failures),
             "warnings": list(self.warnings),
+            **({"plugins": used} if (used := provenance("KIND", "LAW")) else {}),
         }
 
 

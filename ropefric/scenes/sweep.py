@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import chain, islice, tee
 from math import prod
 from typing import Any, NamedTuple
 
@@ -17,11 +18,13 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError, UnknownNameError
+from ropefric.executors import spread
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Failure, Quantity
 from ropefric.scenes.plan import make_plan, room_for_effects, worth_asking
 from ropefric.scenes.scene import Scene, read_scene, source_of
+from ropefric.shown import Shown
 from ropefric.systems.effect import Effect, assemble
 
 MOST_POINTS = 10_000_000
@@ -133,6 +136,8 @@ def _replaced(tree: Any, key: str, value: Any) -> Any:
 
 
 _BLOCK = 50_000
+_ONE_BY_ONE = 20
+"""Points of a piece of work that are solved one after another."""
 _LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
 """Values of each axis at which the box of a sweep is looked at, by how many axes there are; more have two."""
 _BETWEEN = 2.0
@@ -150,7 +155,7 @@ Write = Callable[[Mapping[str, FloatArray], int], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sweep:
+class Sweep(Shown):
     """The answers over a grid.
 
     Attributes
@@ -178,6 +183,13 @@ class Sweep:
     ranges : mapping of str to tuple of float
         The least and the largest of each number over all points.
     """
+
+    _said = ("shape", "simulated", "error_bound", "failed", "warnings")
+    _framed = "_all_columns"
+
+    def _all_columns(self) -> dict[str, FloatArray]:
+        grid = np.meshgrid(*(axis.values for axis in self.kept), indexing="ij")
+        return {axis.key: each.ravel() for axis, each in zip(self.kept, grid, strict=True)} | self.columns
 
     axes: tuple[Axis, ...]
     columns: dict[str, FloatArray]
@@ -227,11 +239,12 @@ def sweep_scene(
     progress: Progress | None = None,
     write: Write | None = None,
     keep: int = MOST_POINTS,
+    executor: Any = None,
 ) -> Sweep:
     """Return the numbers of a scene's answer over the grid of all axes.
 
-    They are solved block by block, so that memory stays flat: each is handed on to be written, and in
-    the result are at most some `keep` points, spread evenly.
+    They are solved block by block, here or by an executor, so that memory stays flat: each is handed on to be written,
+    and in the result are at most some `keep` points, spread evenly.
     """
     keys = [axis.key for axis in axes]
     if not keys or len(set(keys)) < len(keys):
@@ -249,10 +262,11 @@ def sweep_scene(
     simulated: set[str] = set()
     failures, left_out = Counter[str](), Counter[str]()
     run = _Run(scene, axes, total)
+    outcomes = run.spread(progress, executor)
     for start in range(0, total, _BLOCK):
         stop = min(start + _BLOCK, total)
         block: dict[str, FloatArray] = {}
-        for places, found in run.outcomes(start, stop, progress):
+        for places, found in chain.from_iterable(islice(outcomes, len(run.pieces(start, stop)))):
             if isinstance(found, RopefricError):
                 failed += places.size
                 first_failure = first_failure or found.problem.message
@@ -360,7 +374,7 @@ class _Run:
         self.size = min(_BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
         self.gone: frozenset[str] = frozenset()
         self.spent = 0.0
-        self.each: list[Effect[Any, Any]] = []
+        self.bounded: tuple[str, ...] = ()
         self.room = room_for_effects(scene.accuracy)
         if scene.effects == "auto" and self.by_array:
             self._plan(total)
@@ -391,11 +405,11 @@ class _Run:
             # Where the box ends at a machine that has no answer, nothing is known of what lies before it.
             if everywhere and possible.all():
                 self._leave_out(box, applicable, sorted(everywhere, key=lambda one: -one.cost))
-            self.each = [one for one in worth_asking(applicable, total) if one.each is not None]
-            if self.each and not (self._bounds(box)[possible] <= self.room).any():
-                self.each = []
+            self.bounded = tuple(one.name for one in worth_asking(applicable, total) if one.each is not None)
+            if self.bounded and not (self._bounds(box)[possible] <= self.room).any():
+                self.bounded = ()
         except RopefricError:  # the box has a point without an answer; the sweep will say which
-            self.each = []
+            self.bounded = ()
 
     def _leave_out(
         self, box: Any, applicable: list[Effect[Any, Any]], candidates: list[Effect[Any, Any]]
@@ -413,9 +427,9 @@ class _Run:
 
     def _bounds(self, problem: Any) -> FloatArray:
         """Return what leaving out all that may go changes at most, shape (n,)."""
-        return np.asarray(
-            self.spent + sum((one.each(problem) for one in self.each if one.each), np.zeros(problem.n))
-        )
+        effects = (self.kind.system.effects[name] for name in self.bounded)
+        each = (one.each(problem) for one in effects if one.each)
+        return np.asarray(self.spent + sum(each, np.zeros(problem.n)))
 
     def _solved(self, problem: Any, simulated: frozenset[str]) -> _Found:
         system, kind = self.kind.system, self.kind
@@ -427,32 +441,51 @@ class _Run:
             kind.quantities(answer, problem), kind.failures(answer, problem), simulated, gone, method.error
         )
 
-    def outcomes(self, start: int, stop: int, progress: Progress | None) -> Iterator[Outcome]:
-        """Yield what the points of a block give; point by point where a key does not go in one call."""
-        total, kind = prod(self.shape), self.kind
-        for first in range(start, stop, self.size):
-            places = np.arange(first, min(first + self.size, stop))
-            grid = np.unravel_index(places, self.shape)
-            values = [axis.values[place] for axis, place in zip(self.axes, grid, strict=True)]
-            problem = self.build(values) if self.by_array else None
-            possible = np.ones(1, dtype=np.bool_) if problem is None else kind.answerable(problem)
-            if possible.all():
-                yield from self._points(places, values, problem)
-            else:
-                # Of the points that cannot have an answer one is solved, to hear why not.
-                hopeless = np.flatnonzero(~possible)
-                for some in (hopeless[:1], np.flatnonzero(possible)):
-                    if some.size:
-                        yield from self._points(places[some], [value[some] for value in values])
-                if hopeless.size > 1:
-                    yield places[hopeless[1:]], InputError("there is no answer")
+    def pieces(self, start: int, stop: int) -> list[tuple[int, int]]:
+        """Return the first point of each piece of a block, and the one after its last."""
+        size = self.size if self.by_array else _ONE_BY_ONE
+        return [(first, min(first + size, stop)) for first in range(start, stop, size)]
+
+    def spread(self, progress: Progress | None, executor: Any) -> Iterator[list[Outcome]]:
+        """Yield what the points of all pieces of all blocks give."""
+        total = prod(self.shape)
+        blocks = ((start, min(start + _BLOCK, total)) for start in range(0, total, _BLOCK))
+        one, other = tee(piece for block in blocks for piece in self.pieces(*block))
+        for (_, stop), found in zip(one, spread(self.outcomes, other, executor), strict=True):
             if progress is not None:
-                progress(int(places[-1]) + 1, total, "points")
+                progress(stop, total, "points")
+            yield found
+
+    def outcomes(self, piece: tuple[int, int]) -> list[Outcome]:
+        """Return what the points of a piece give; point by point where a key does not go in one call."""
+        step = self.size if self.by_array else 1
+        return [
+            found
+            for first in range(*piece, step)
+            for found in self._outcomes(first, min(first + step, piece[1]))
+        ]
+
+    def _outcomes(self, start: int, stop: int) -> Iterator[Outcome]:
+        places = np.arange(start, stop)
+        grid = np.unravel_index(places, self.shape)
+        values = [axis.values[place] for axis, place in zip(self.axes, grid, strict=True)]
+        problem = self.build(values) if self.by_array else None
+        possible = np.ones(1, dtype=np.bool_) if problem is None else self.kind.answerable(problem)
+        if possible.all():
+            yield from self._points(places, values, problem)
+            return
+        # Of the points that cannot have an answer one is solved, to hear why not.
+        hopeless = np.flatnonzero(~possible)
+        for some in (hopeless[:1], np.flatnonzero(possible)):
+            if some.size:
+                yield from self._points(places[some], [value[some] for value in values])
+        if hopeless.size > 1:
+            yield places[hopeless[1:]], InputError("there is no answer")
 
     def _points(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, with less than everything where that may be."""
         rest = np.ones(places.size, dtype=np.bool_)
-        if self.each or self.gone:
+        if self.bounded or self.gone:
             for some, found in self._lessened(self.build(values) if problem is None else problem, values):
                 rest[some] = False
                 yield places[some], found
@@ -469,8 +502,8 @@ class _Run:
         ):  # what has no answer, or none without some effect, is left to everything
             bounds = self._bounds(problem)
             few = bounds <= self.room
-            groups = [(few, self.gone | {one.name for one in self.each}, bounds)]
-            if self.gone and self.each:
+            groups = [(few, self.gone | {*self.bounded}, bounds)]
+            if self.gone and self.bounded:
                 groups.append((~few, self.gone, np.full(few.size, self.spent)))
             for group, without, bound in groups:
                 if not group.any():

@@ -6,6 +6,7 @@ from math import nan
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.registry import did_you_mean
+from ropefric.shown import Shown
 
 PEAKS = ("smoothed", "two-line")
 ENDINGS = ("sliding", "separation")
@@ -84,7 +85,7 @@ class ForceEvent:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Breakaway:
+class Breakaway(Shown):
     """The break-away force of one trial and what supports it; NaN where there is no such number.
 
     Attributes
@@ -140,6 +141,17 @@ class Breakaway:
     >>> Breakaway(status=Status.NO_PEAK).advice[:16]
     'The rope slides,'
     """
+
+    _said = (
+        "status",
+        "peak_N ± peak_std_N",
+        "peak_time_s",
+        "kinetic_N ± kinetic_std_N",
+        "window_s",
+        "noise_std_N",
+        "loading_rate_N_s",
+        "detail",
+    )
 
     status: Status
     detail: str = ""

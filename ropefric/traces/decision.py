@@ -24,9 +24,7 @@ from ropefric.traces.events import (
     flat_top,
     half_climb,
     is_bump,
-    is_sudden,
     loading_rate,
-    pulls_of,
 )
 from ropefric.traces.evidence import (
     LEAST_DROP,
@@ -41,7 +39,6 @@ from ropefric.traces.evidence import (
     swings,
 )
 from ropefric.traces.hidden import hidden
-from ropefric.traces.noise import drift_N
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     MIN_SAMPLES,
@@ -56,8 +53,8 @@ from ropefric.traces.segments import (
 from ropefric.traces.slips import (
     FEW_BLOCKS,
     TALL,
-    TINY,
     Candidate,
+    found_pulls,
     least_fall_N,
     macroscopic,
     rate_of,
@@ -65,6 +62,7 @@ from ropefric.traces.slips import (
     typical_drop_N,
 )
 from ropefric.traces.trace import ForceTrace
+from ropefric.traces.zero import with_its_zero
 
 FLAT_BLOCKS = 8
 LEAST_SHARE = 0.55
@@ -76,8 +74,6 @@ LASTS = 0.25
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
-SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
-"""Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
 MUCH = 1.5
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
@@ -147,7 +143,7 @@ def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSett
 def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
     """Find the static peak of a recording that goes on to slide."""
     force_N = prepared.blocks.force_N
-    pulls = pulls_of(force_N, least_fall_N(prepared, settings))
+    pulls = found_pulls(prepared, settings)
     tall_N = TALL * max(pull.top_N - pull.base_N for pull in pulls)
     pulls = [pull for pull in pulls if pull.top_N - pull.base_N >= tall_N]
     found: Breakaway | None = None
@@ -171,70 +167,7 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     if found is None:  # pragma: no cover - the highest pull is always among those looked at
         return _levels_off(prepared, force_N)
     found = replace(found, events=(*bumps, *found.events)) if bumps else found
-    return _with_its_zero(trace, prepared, found, settings)
-
-
-def _with_its_zero(
-    trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
-) -> Breakaway:
-    """Return a result with what the rope at rest says of the zero: its drift, and a level that is none.
-
-    A recording in newtons that was not tared may begin at a pretension, which belongs to F_A, or at an error of the
-    zero, which does not.
-    """
-    n = prepared.blocks.n_rest
-    if result.status is not Status.OK or not n or result.peak_N <= 0.0:
-        return result
-    time_s, rest_N = prepared.time_s[:n], prepared.force_N[:n]
-    zero_N = float(rest_N.mean())
-    drift_std_N, walk_std_N = drift_N(time_s, rest_N, result.peak_time_s)
-    std_N = float(np.hypot(np.hypot(result.peak_std_N, drift_std_N), walk_std_N))
-    result = replace(result, peak_std_N=std_N)
-    event = ForceEvent(
-        kind="break-away",
-        time_s=result.peak_time_s,
-        force_N=result.peak_N,
-        drop_N=result.drop_N,
-        fall_s=0.0,
-        evidence="as read",
-    )
-    if drift_std_N > SMALL_ZERO * result.peak_N:
-        why = f"the zero drifts by about {drift_std_N:.2g} N between the rope at rest and the peak"
-        return _without_decision(prepared, result, f"{result.peak_N:.4g} N: {why}", (event,))
-    if trace.calibration is not None or settings.rest == "pretension":
-        return result
-    if settings.rest == "zero":
-        said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
-        return replace(
-            result,
-            peak_N=result.peak_N - zero_N,
-            peak_raw_N=result.peak_raw_N - zero_N,
-            two_line_N=result.two_line_N - zero_N,
-            kinetic_N=result.kinetic_N - zero_N,
-            notes=(*result.notes, said),
-        )
-    if not SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
-        return result
-    why = (
-        f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
-        '[protocol] rest = "zero") or a pretension (rest = "pretension")'
-    )
-    tared = replace(event, force_N=result.peak_N - zero_N, evidence="from the level at rest")
-    return _without_decision(
-        prepared, result, f"{result.peak_N:.4g} N or {tared.force_N:.4g} N: {why}", (event, tared)
-    )
-
-
-def _without_decision(
-    prepared: Prepared, result: Breakaway, detail: str, candidates: tuple[ForceEvent, ...]
-) -> Breakaway:
-    """Return a result that was found, as one that is doubtful."""
-    return replace(
-        without_force(Status.DOUBTFUL, detail, prepared, candidates=candidates),
-        events=result.events,
-        notes=result.notes,
-        phases=result.phases,
-    )
+    return with_its_zero(trace, prepared, found, settings)
 
 
 def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> ForceEvent:
@@ -297,16 +230,17 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     """Return what the first macroscopic fall of a pull is: a break-away, a load that is let down, or not clear."""
     blocks = prepared.blocks
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
-    height_N = fall.top_N - pull.base_N
-    share = (fall.level_N - pull.base_N) / max(height_N, TINY)
-    from_N, at_s = fall.top_N, float(blocks.time_s[fall.top])
-    sudden = is_sudden(force_N, fall, blocks.noise_N)
-    if not fall.reloads and (not fall.has_settled or share < UNLOADED):
+    from_N, at_s, much = (
+        fall.top_N,
+        float(blocks.time_s[fall.top]),
+        fall.drop_N >= LEAST_DROP * candidate.height_N,
+    )
+    if not fall.reloads and (not fall.has_settled or candidate.share < UNLOADED):
         return _fell_away(prepared, settings, candidate, later)
     sliding = sliding_after(blocks, fall, pull.base_N)
     lasts = 0 if sliding is None else sliding.stop - sliding.first
     # A snag or an impact rises faster than the motor loads, and is over before anything slides, or is far too low.
-    slower = [p for p in later if FAST * rate_of(force_N, p) < candidate.rate]
+    slower = _slower(force_N, candidate, later)
     if any(p.top_N >= MUCH * pull.top_N for p in slower) or (
         lasts < fall.top - fall.start and any(p.top_N >= 0.5 * pull.top_N for p in slower)
     ):
@@ -322,15 +256,17 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     above_N = from_N - sliding.onset_N
     if settings.min_step_N is not None and max(above_N, fall.drop_N) < settings.min_step_N:
         return _no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
-    low = not sudden and fall.drop_N < LEAST_PEAK * height_N
+    low = not fall.sudden and fall.drop_N < LEAST_PEAK * candidate.height_N
     if low or not stands_out(blocks.noise_N, force_N, candidate, sliding):
-        return _no_peak(prepared, candidate, sliding, "no static peak stands out")
-    if sudden:
+        held = not fall.slips and is_quiet(prepared, candidate, sliding)
+        why = "no static peak stands out"
+        return _held(prepared, sliding) if held else _no_peak(prepared, candidate, sliding, why)
+    if fall.sudden:
         return measured(prepared, settings, candidate, sliding)
-    if fall.drop_N >= LEAST_DROP * height_N and swings(prepared, fall, sliding):
+    if much and swings(prepared, fall, sliding):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on, or a slip"
         return _doubtful(prepared, [candidate], why)
-    if fall.drop_N >= LEAST_DROP * height_N and loads_again(force_N, candidate):
+    if much and loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
@@ -340,9 +276,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
 ) -> Breakaway:
     """Return what a fall is that a motor may have made: by its top, its shape and what follows."""
     blocks = prepared.blocks
-    force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
-    height_N = fall.top_N - pull.base_N
-    share = (fall.level_N - pull.base_N) / max(height_N, TINY)
+    force_N, pull, fall, share = blocks.force_N, candidate.pull, candidate.fall, candidate.share
     long = fall_blocks(force_N, fall)
     fall_s = long * float(blocks.time_s[-1] - blocks.time_s[0]) / (blocks.time_s.size - 1)
     seen = (
@@ -358,11 +292,10 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
-    if fall.drop_N < LEAST_DROP * height_N and quiet:
+    if fall.drop_N < LEAST_DROP * candidate.height_N and quiet:
         if flat == "rounded" and not short:
             return _doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
-        held = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
-        return without_force(Status.NO_BREAKAWAY, held, prepared)
+        return _held(prepared, sliding)
     if short:
         return _doubtful(prepared, [candidate], f"{seen} for a moment only")
     if lively and share >= UNLOADED:
@@ -386,23 +319,19 @@ def _fell_away(
     """Return what a fall is after which the force stands on no level: motor off, mostly."""
     blocks = prepared.blocks
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
-    height_N = fall.top_N - pull.base_N
-    sudden = is_sudden(force_N, fall, blocks.noise_N)
-    to_the_end = pull.stop == force_N.size
-    if to_the_end and not sudden and fall.drop_N < LEAST_DROP * height_N:
+    height_N, to_the_end = candidate.height_N, pull.stop == force_N.size
+    if to_the_end and not fall.sudden and fall.drop_N < LEAST_DROP * height_N:
         return _levels_off(prepared, force_N[pull.start :])
     up = force_N[pull.start : fall.top + 1]
     before = _levels_off(prepared, up)
     stood = np.count_nonzero(up >= fall.top_N - 0.1 * height_N) >= LEVEL * up.size
-    if stood and (before.status is Status.NO_PEAK or not sudden):
+    if stood and (before.status is Status.NO_PEAK or not fall.sudden):
         return before
-    remains = (fall.level_N - pull.base_N) / max(height_N, TINY)
-    if to_the_end and remains >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
+    if to_the_end and candidate.share >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
-    again = [p for p in later if p.unloads and p.falls and is_sudden(force_N, p.falls[-1], blocks.noise_N)]
+    again = [p for p in later if p.unloads and p.falls and p.falls[-1].sudden]
     train = [p for p in again if abs(p.top_N - pull.top_N) <= GROWTH * height_N]
-    slower = [p for p in later if FAST * rate_of(force_N, p) < candidate.rate]
-    if sudden and len(train) >= 2 and not slower:
+    if fall.sudden and len(train) >= 2 and not _slower(force_N, candidate, later):
         return measured(prepared, settings, candidate, None)
     at_s = float(blocks.time_s[fall.top])
     detail = (
@@ -410,6 +339,11 @@ def _fell_away(
         'rope off. If these recordings end in a pull-off, set [protocol] ending = "separation".'
     )
     return without_force(Status.NO_BREAKAWAY, detail, prepared)
+
+
+def _slower(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -> list[Pull]:
+    """Return the later pulls that the motor loads far more slowly."""
+    return [pull for pull in later if FAST * rate_of(force_N, pull) < candidate.rate]
 
 
 def measured(
@@ -426,13 +360,9 @@ def measured(
         sliding=sliding,
         phases=phases_of(prepared, fall.top, sliding),
     )
-    if sliding is None or not (fall.reloads or is_sudden(blocks.force_N, fall, blocks.noise_N)):
+    if sliding is None or not fall.slips:
         return result
-    later = [
-        g
-        for g in candidate.pull.falls
-        if fall.top < g.top < sliding.stop and (g.reloads or is_sudden(blocks.force_N, g, blocks.noise_N))
-    ]
+    later = [g for g in candidate.pull.falls if fall.top < g.top < sliding.stop and g.slips]
     least_N = TOOTH * typical_drop_N(later)
     teeth = [fall, *(g for g in later if g.drop_N >= least_N)]
     apart_s = np.diff([float(blocks.time_s[tooth.top]) for tooth in teeth])
@@ -441,18 +371,13 @@ def measured(
     )
 
 
+def _held(prepared: Prepared, sliding: Sliding) -> Breakaway:
+    held = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
+    return without_force(Status.NO_BREAKAWAY, held, prepared)
+
+
 def _no_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding, why: str) -> Breakaway:
     top_N = candidate.fall.top_N
-    force_N, noise_N = prepared.blocks.force_N, prepared.blocks.noise_N
-    if (
-        why.startswith("no static")
-        and not (candidate.fall.reloads or is_sudden(force_N, candidate.fall, noise_N))
-        and is_quiet(prepared, candidate, sliding)
-    ):
-        detail = (
-            f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
-        )
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
     kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
     return without_force(
         Status.NO_PEAK,
@@ -475,8 +400,7 @@ def _levels_off(prepared: Prepared, force_N: FloatArray) -> Breakaway:
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     level = flat[flat.size // 3 :]
     rough_N = roughness_N(level)
-    start = int(force_N.size and 0)
-    if rough_N <= quiet_N(prepared, start, int(np.argmax(blocks.force_N))):
+    if rough_N <= quiet_N(prepared, 0, int(np.argmax(blocks.force_N))):
         detail = f"the force stays at a quiet {np.median(level):.4g} N without a drop: held, not slipping"
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     detail = (

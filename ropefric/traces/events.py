@@ -53,11 +53,17 @@ class Fall(NamedTuple):
     bottom_N: float
     has_settled: bool
     reloads: bool
+    sudden: bool = False
 
     @property
     def drop_N(self) -> float:
         """Return how far it falls [N]."""
         return self.top_N - self.level_N
+
+    @property
+    def slips(self) -> bool:
+        """Return whether the rope is loaded again after it, or it is as sudden as only a slip is."""
+        return self.reloads or self.sudden
 
 
 class Pull(NamedTuple):
@@ -98,7 +104,7 @@ def turning_points(force_N: FloatArray, least_N: float) -> list[int]:
     return turns
 
 
-def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
+def pulls_of(force_N: FloatArray, least_N: float, noise_N: float) -> list[Pull]:
     """Return every pull of a recording with its falls of at least `least_N`."""
     turns = turning_points(force_N, least_N)
     sums = np.concatenate([[0.0], np.cumsum(force_N - force_N[0])])
@@ -126,9 +132,12 @@ def pulls_of(force_N: FloatArray, least_N: float) -> list[Pull]:
         unloads = last + 1 < len(lows)
         stop = lows[last + 1] + 1 if unloads and last + 1 < len(highs) else force_N.size
         falls = [
-            _fall(force_N, sums, (lows[k], highs[k], lows[k + 1]), stop, least_N, reloads=k < last)
+            fall._replace(sudden=_is_sudden(force_N, fall, noise_N))
             for k in range(first, last + 1)
             if k + 1 < len(lows)
+            for fall in [
+                _fall(force_N, sums, (lows[k], highs[k], lows[k + 1]), stop, least_N, reloads=k < last)
+            ]
         ]
         pulls.append(Pull(lows[first], stop, base_N, top_N, unloads, falls))
         first = last + 1
@@ -204,6 +213,11 @@ def loading_rate(force_N: FloatArray, start: int, top: int) -> float:
     return float(rise[int(np.searchsorted(up, 0.5 * up[-1]))]) / length
 
 
+def as_loaded(rise_N: float, rate: float, n_blocks: int) -> bool:
+    """Return whether a force rises as the machine loads: neither as slowly as a rope that slides nor faster."""
+    return STICKS * rate * n_blocks <= rise_N <= FAST * rate * n_blocks
+
+
 def half_climb(force_N: FloatArray, start: int, top: int) -> int:
     """Return the first block of the upper half of a climb."""
     before = force_N[start : top + 1]
@@ -243,7 +257,7 @@ def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
     )
 
 
-def is_sudden(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
+def _is_sudden(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:
     """Return whether most of a fall, far beyond the noise, happens within two blocks."""
     if fall.drop_N < SLIP_SIGMAS * noise_N:
         return False

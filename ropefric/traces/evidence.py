@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.traces.events import FAST, SAME_KIND, STICKS, Fall, is_sudden
+from ropefric.traces.events import SAME_KIND, Fall, as_loaded
 from ropefric.traces.noise import noise_std
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
 from ropefric.traces.slips import FEWEST_TEETH, SMALL_GROWTH, TINY, Candidate
@@ -34,8 +34,8 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
     if above_N > RESOLVED_SIGMAS * max(sliding.scatter_N, noise_N):
         return True
     # In stick-slip the scatter is that of the teeth: they are slips themselves, and the first one counts.
-    height_N = fall.top_N - candidate.pull.base_N
-    if is_sudden(force_N, fall, noise_N):
+    height_N = candidate.height_N
+    if fall.sudden:
         return fall.drop_N > LEAST_PEAK * height_N
     teeth = [g for g in candidate.later if g.reloads]
     before = [g for g in candidate.pull.falls if g.top < fall.top and g.top_N > 0.9 * fall.top_N]
@@ -77,17 +77,16 @@ def loads_again(force_N: FloatArray, candidate: Candidate) -> bool:
     later = next((g for g in candidate.later if g.drop_N >= TOOTH * fall.drop_N), None)
     again = slice(fall.bottom, candidate.pull.stop if later is None else later.top + 1)
     top = fall.bottom + int(np.argmax(force_N[again]))
-    rise_N, lasting = float(force_N[top]) - fall.bottom_N, candidate.rate * (top - fall.bottom)
-    return fall.reloads and (
-        STICKS * lasting <= rise_N <= FAST * lasting and rise_N >= 0.15 * (fall.top_N - fall.bottom_N)
-    )
+    rise_N = float(force_N[top]) - fall.bottom_N
+    much = rise_N >= 0.15 * (fall.top_N - fall.bottom_N)
+    return fall.reloads and much and as_loaded(rise_N, candidate.rate, top - fall.bottom)
 
 
 def comes_on(prepared: Prepared, candidate: Candidate) -> bool:
     """Return whether a fall is that of a load that comes on and swings, before the motor loads on to a higher force."""
-    fall, noise_N = candidate.fall, prepared.blocks.noise_N
+    fall = candidate.fall
     higher = any(g.top_N > (1.0 + SMALL_GROWTH) * fall.top_N for g in candidate.later)
-    if not higher or is_sudden(prepared.blocks.force_N, fall, noise_N):
+    if not higher or fall.sudden:
         return False
     sliding = sliding_after(prepared.blocks, fall, candidate.pull.base_N)
     return sliding is not None and swings(prepared, fall, sliding)

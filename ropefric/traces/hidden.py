@@ -28,8 +28,8 @@ def hidden(
         return Status.SATURATED, saturated
     clipped = _clipped_detail(prepared, block)
     # Noise finer than the converter's steps touches the limit again and again; a force that sticks keeps still once.
-    touches = runs_of(prepared.force_N == prepared.force_N.max()).shape[0] > 1
-    if clipped and touches and prepared.blocks.resolution_N < prepared.noise_N:
+    noisy = prepared.blocks.resolution_N < prepared.noise_N
+    if clipped and noisy and runs_of(prepared.force_N == prepared.force_N.max()).shape[0] > 1:
         return Status.SATURATED, clipped
     if block is not None and (stuck := _stuck_detail(prepared, block, fallen)):
         return Status.NO_PEAK, stuck

@@ -15,6 +15,9 @@ SPIKE_SIGMAS = 8.0
 REJOINS = 0.4
 """A spike comes back to within this part of its height: it may fall into the very moment of a slip."""
 NEIGHBOURS = 5
+CUT_OFF = 0.75
+LONG_RUN = 8
+"""Where less than this part of a signal lies below its largest value, which lasts so long, it stands at a limit."""
 
 # Of stretches in which the converter stuck:
 # As many as a dropout that is mended.
@@ -37,10 +40,6 @@ _CHANCE = 1e-6
 _LONGER = 3.0
 _JUMP_SIGMAS = 4.0
 _JUMP_STEPS = 2.0
-
-# Of the zero's drift:
-_PIECES = 8
-_DRIFT_SIGMAS = 4.0
 
 
 def _second_differences(values: FloatArray) -> FloatArray:
@@ -73,10 +72,16 @@ def noise_std(values: FloatArray, step: float | None = None) -> float:
 
     From the median of the absolute second differences, which straight lines do not touch and a few corners, slips
     and spikes do not move: σ = 1.4826 median|x_{i-1} − 2 x_i + x_{i+1}| / √6. A coarse converter hides noise
-    smaller than its step (`resolution`, unless it is given), so the result is never below step/√12.
+    smaller than its step (`resolution`, unless it is given), so the result is never below step/√12. Where much of
+    it is cut off, the rest tells.
     """
     if values.size < 4:
         return 0.0
+    highest = float(values.max())
+    below = values < highest - 1e-12 * (highest - float(values.min()))
+    n_below, n_runs = np.count_nonzero(below), np.count_nonzero(below[:-1] & ~below[1:])
+    if 4 <= n_below < CUT_OFF * values.size and values.size - n_below >= LONG_RUN * n_runs:
+        values = values[below]
     step = resolution(values) if step is None else step
     sigma = 1.4826 * median(np.abs(_second_differences(values))) / np.sqrt(6.0)
     return float(max(sigma, step / np.sqrt(12.0)))
@@ -260,32 +265,6 @@ def _rests_noisily(changes: FloatArray, step: float) -> bool:
         if is_wide and _turns(steps) >= _TURNS:
             return True
     return False
-
-
-def drift_N(time_s: FloatArray, rest_N: FloatArray, at_s: float) -> tuple[float, float]:
-    """Return how far the zero may have drifted, and wandered, from a stretch at rest until some time [N].
-
-    Its slope goes on where it stands out of the noise, and so does its random walk: the means of eight pieces differ by
-    more than white noise lets them.
-    """
-    # The last of it may be the beginning of a soft start.
-    rest_N, time_s = rest_N[: 2 * rest_N.size // 3], time_s[: 2 * rest_N.size // 3]
-    n = rest_N.size // _PIECES
-    if n < _LEAST:
-        return 0.0, 0.0
-    pieces = rest_N[: n * _PIECES].reshape(_PIECES, n)
-    means, at = pieces.mean(axis=1), time_s[: n * _PIECES].reshape(_PIECES, n).mean(axis=1)
-    white_N = float(np.median(pieces.std(axis=1))) / np.sqrt(n)
-    x = at - at.mean()
-    slope = float(x @ means) / float(x @ x)
-    left = means - means.mean() - slope * x
-    goes_on_N = abs(slope) * float(at_s - at.mean()) / np.sqrt(3.0)
-    if abs(slope) * float(np.sqrt(x @ x)) < _DRIFT_SIGMAS * max(white_N, float(left.std())):
-        goes_on_N = 0.0
-    walk_N2 = float(np.mean(np.diff(means) ** 2)) - 2.0 * white_N**2
-    if walk_N2 < _DRIFT_SIGMAS * white_N**2:
-        walk_N2 = 0.0
-    return goes_on_N, float(np.sqrt(walk_N2 * max(at_s - at[-1], 0.0) / float(at[1] - at[0])))
 
 
 def runs_of(mask: BoolArray) -> IntArray:

@@ -19,12 +19,13 @@ from ropefric.traces.decision import (
     too_short,
     without_force,
 )
+from ropefric.traces.events import SAME_KIND
 from ropefric.traces.segments import Prepared, prepare
 from ropefric.traces.slips import FEWEST_TEETH, slips_of, typical_drop_N
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.two_way import pick_two_way
 
-SAME_KIND = 0.15
+CREEP = 0.15
 """A fall smaller than this part of the typical slip is no tooth but the creep of one."""
 
 LOADED = 0.5
@@ -74,7 +75,7 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     if first.status is not Status.OK and len(found) < FEWEST_TEETH:
         return (first,)
     typical_N = typical_drop_N([tooth.fall for tooth in found])
-    least_N = SAME_KIND * typical_N if settings.min_step_N is None else settings.min_step_N
+    least_N = CREEP * typical_N if settings.min_step_N is None else settings.min_step_N
     begins_s = first.peak_time_s if first.status is Status.OK else -inf
     block_s = 2 * float(np.median(np.diff(prepared.blocks.time_s)))
     teeth = [first] if first.status is Status.OK else []
@@ -83,7 +84,7 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
         after_s = float(prepared.blocks.time_s[fall.top]) - begins_s
         # Before what looks like the break-away only a full slip is a tooth: weights that come on swing, too.
         if (after_s > block_s and fall.drop_N >= least_N) or (
-            after_s < -block_s and fall.drop_N >= max(least_N, 0.5 * typical_N)
+            after_s < -block_s and fall.drop_N >= max(least_N, SAME_KIND * typical_N)
         ):
             teeth.append(measured(prepared, settings, tooth, None))
     teeth.sort(key=lambda tooth: tooth.peak_time_s)

@@ -25,8 +25,9 @@ DROP_SIGMAS = 6.0
 """A drop of fewer noise standard deviations is noise."""
 SHORTEST_BLOCKS = 4
 SHORTEST_IDLE = 12
-AT_REST = 0.3
 """Fewer blocks at rest do not show how much the force wanders."""
+AT_REST = 0.3
+"""A recording that begins above this part of its range does not begin at rest."""
 FEW_PIECES = 4
 PIECE_BLOCKS = 25
 """A tenth of a second at three kilohertz: drift is slow against it."""
@@ -145,7 +146,6 @@ def _block_means(time_s: FloatArray, force_N: FloatArray, step_N: float) -> Bloc
     away = np.abs(means - median(means[:SHORTEST_IDLE])) > DROP_SIGMAS * noise_N
     away[:-2] &= away[1:-1] & away[2:]
     idle = int(np.argmax(away)) if away.any() else 0
-    # A recording that begins while the rope slides does not begin at rest.
     low_N = float(means.min() + AT_REST * (means.max() - means.min()))
     n_rest = max(0, idle - 2) * size if idle >= SHORTEST_IDLE and median(means[:idle]) < low_N else 0
     if n_rest:

@@ -15,7 +15,7 @@ from ropefric.traces.events import (
     UNLOADED,
     Fall,
     Pull,
-    is_sudden,
+    as_loaded,
     loading_rate,
     pulls_of,
 )
@@ -29,7 +29,7 @@ FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
 FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
-AGAIN, LITTLE, STILL = 0.05, 0.1, 0.015
+AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
 SMALL_GROWTH = 0.03
@@ -47,6 +47,16 @@ class Candidate(NamedTuple):
     rate: float
     later: list[Fall]
 
+    @property
+    def height_N(self) -> float:
+        """Return by how much the pull was loaded [N]."""
+        return self.fall.top_N - self.pull.base_N
+
+    @property
+    def share(self) -> float:
+        """Return which part of that stays after the fall."""
+        return (self.fall.level_N - self.pull.base_N) / max(self.height_N, TINY)
+
 
 def smallest_drop_N(prepared: Prepared, settings: PickSettings) -> float:
     """Return the smallest drop of the block means that may be more than noise [N]."""
@@ -58,9 +68,7 @@ def least_fall_N(prepared: Prepared, settings: PickSettings) -> float:
     force_N = prepared.blocks.force_N
     # So far apart are the largest and the smallest of many values that are noise alone.
     noise_N = (2.0 * np.sqrt(2.0 * np.log(force_N.size)) + 1.0) * prepared.blocks.noise_N
-    return max(
-        smallest_drop_N(prepared, settings), float(noise_N), _RANGE * float(force_N.max() - force_N.min())
-    )
+    return max(TINY, smallest_drop_N(prepared, settings), float(noise_N), _RANGE * float(np.ptp(force_N)))
 
 
 def rate_of(force_N: FloatArray, pull: Pull) -> float:
@@ -72,79 +80,91 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
     """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are."""
     whole = rate_of(force_N, pull)
     for i, fall in enumerate(falls):
-        if fall.top_N - pull.base_N < TALL * (pull.top_N - pull.base_N):
+        height_N = fall.top_N - pull.base_N
+        if height_N < TALL * (pull.top_N - pull.base_N):
             continue
         # Weights hung on at first are loaded faster than by the motor.
-        climb_N, rate = fall.top_N - float(force_N[fall.start]), whole
-        if climb_N > LITTLE * (fall.top_N - pull.base_N):
-            rate = min(rate, loading_rate(force_N, fall.start, fall.top))
-        higher = next((j for j in range(i + 1, len(falls)) if falls[j].top_N > fall.top_N), None)
-        rivals = _rivals(force_N, pull, _Place(falls, i, higher), rate)
+        own = loading_rate(force_N, fall.start, fall.top)
+        rate = min(whole, own) if fall.top_N - float(force_N[fall.start]) > LITTLE * height_N else whole
+        rivals = _rivals(force_N, pull, fall, falls[i + 1 :], (rate, own))
         if rivals is not None:
-            return [Candidate(pull, falls[j], rate, falls[j + 1 :]) for j in (i, *rivals)]
+            first = Candidate(pull, fall, rate, falls[i + 1 :])
+            return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
     return []
 
 
 class _Place(NamedTuple):
-    """A fall among the falls of its pull, and the next one from a higher force."""
+    """A fall of a pull and those after it: all, those before the next from a higher force, that one and all after it.
 
-    falls: list[Fall]
-    i: int
-    higher: int | None
+    And where the force is highest then, by how much, and the rates at which the machine and this rise loaded.
+    """
+
+    pull: Pull
+    fall: Fall
+    later: list[Fall]
+    between: list[Fall]
+    higher: list[Fall]
+    top: int
+    growth: float
+    rate: float
+    own_rate: float
 
 
-def _rivals(force_N: FloatArray, pull: Pull, place: _Place, rate: float) -> list[int] | None:
-    """Return which later falls may be the break-away instead of this one; None where it is a partial slip."""
-    falls, i, higher = place
-    fall, last = falls[i], pull.falls[-1].bottom
-    top = falls[higher].top if higher is not None else last + int(np.argmax(force_N[last : pull.stop]))
+def _rivals(
+    force_N: FloatArray, pull: Pull, fall: Fall, later: list[Fall], rates: tuple[float, float]
+) -> list[Fall] | None:
+    """Return the falls from the one that may be the break-away instead of this one; None for a partial slip."""
+    rate, height_N = rates[0], fall.top_N - pull.base_N
+    n_lower = next((j for j, g in enumerate(later) if g.top_N > fall.top_N), len(later))
+    higher, last = later[n_lower:], pull.falls[-1].bottom
+    top = higher[0].top if higher else last + int(np.argmax(force_N[last : pull.stop]))
     above_N = float(force_N[top]) - fall.top_N
     if above_N <= 0.0:
-        return None if i + 1 < len(falls) and _is_partial(pull, fall, falls[i + 1], rate) else []
-    growth = above_N / max(fall.top_N - pull.base_N, 1e-12 * above_N, TINY)
-    if _is_passed(force_N, pull, place, (top, growth, rate)):
+        return None if later and _is_partial(pull, fall, later[0], rate) else []
+    growth = above_N / max(height_N, 1e-12 * above_N, TINY)
+    between = [g for g in later[:n_lower] if g.drop_N >= AGAIN * fall.drop_N]
+    if _is_passed(force_N, _Place(pull, fall, later, between, higher, top, growth, *rates)):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
     passed = top - int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1]) - fall.top
     hardens = passed > FEW_BLOCKS and above_N < SLIDES * rate * passed
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
-    between = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
     alike = [g for g in between if _is_alike(fall, g, pull)]
     weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
-    if hardens or weaker or fall.drop_N > FULL * (fall.top_N - pull.base_N):
+    weaker |= len(later) >= 2 and all(_is_alike(fall, g, pull, ALIKE) for g in later[:2])
+    if hardens or weaker or fall.drop_N > FULL * height_N:
         return []
-    if growth > GROWTH or higher is None:
+    if growth > GROWTH or not higher:
         return None
     # It is not loaded again as a rope that sticks.
     if float(force_N[top]) - fall.bottom_N < STICKS * rate * (top - fall.bottom):
         return []
-    against = _against_the_higher(pull, fall, falls[higher:], growth)
-    return [higher] if against else None if against is None else []
+    against = _against_the_higher(pull, fall, higher, growth)
+    return higher if against else None if against is None else []
 
 
-def _is_alike(fall: Fall, other: Fall, pull: Pull) -> bool:
+def _is_alike(fall: Fall, other: Fall, pull: Pull, apart: float = AGAIN) -> bool:
     """Return whether two falls are teeth of one train: much the same, from much the same force."""
-    near = abs(other.top_N - fall.top_N) <= AGAIN * (fall.top_N - pull.base_N)
+    near = abs(other.top_N - fall.top_N) <= apart * (fall.top_N - pull.base_N)
     return near and SAME_KIND <= other.drop_N / max(fall.drop_N, TINY) <= 1.0 / SAME_KIND
 
 
-def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, float, float]) -> bool:
+def _is_passed(force_N: FloatArray, place: _Place) -> bool:
     """Return whether the loading clearly goes on after a fall: a bump, a swing of the weights, a partial slip."""
-    falls, i, higher = place
-    fall, (top, growth, rate) = falls[i], seen
+    pull, fall, later, between, higher, top, growth, rate, own_rate = place
+    height_N = fall.top_N - pull.base_N
     # A snag or an impact rises faster than the motor loads later on, and comes back.
     low = fall.top + int(np.argmin(force_N[fall.top : top + 1]))
-    comes_back = float(force_N[low]) - pull.base_N < BACK * (fall.top_N - pull.base_N)
-    if comes_back and loading_rate(force_N, fall.start, fall.top) > FAST * loading_rate(force_N, low, top):
+    comes_back = float(force_N[low]) - pull.base_N < BACK * height_N
+    if comes_back and own_rate > FAST * loading_rate(force_N, low, top):
         return True
-    if _is_before_the_ramp(force_N, fall, falls[i + 1 :]):
+    if _is_before_the_ramp(force_N, fall, later, own_rate):
         return True
     if _goes_on(force_N[fall.top : pull.stop], fall, pull.base_N, rate):
         return True
     # Hung weights bounce and come to rest, and later the motor loads on.
-    swings = [g for g in falls[i + 1 : higher] if g.drop_N >= AGAIN * fall.drop_N]
-    ends = higher is None and growth > SMALL_GROWTH  # while it still climbs
-    few = (growth > LITTLE or ends) and len(swings) <= SWINGS
+    ends = not higher and growth > SMALL_GROWTH  # while it still climbs
+    few = (growth > LITTLE or ends) and len(between) <= SWINGS
     if few and any(
         _rests(force_N[start:top], fall, pull, ends=ends) for start in (fall.settled, fall.bottom)
     ):
@@ -152,10 +172,10 @@ def _is_passed(force_N: FloatArray, pull: Pull, place: _Place, seen: tuple[int, 
     # Or without a rest, to a slip that is larger.
     return (
         growth > GROWTH
-        and higher is not None
-        and _slides_or_reloads(pull, falls[higher])
-        and falls[higher].drop_N >= fall.drop_N
-        and fall.drop_N <= FULL * (fall.top_N - pull.base_N)
+        and bool(higher)
+        and _slides_or_reloads(pull, higher[0])
+        and higher[0].drop_N >= fall.drop_N
+        and fall.drop_N <= FULL * height_N
     )
 
 
@@ -183,14 +203,13 @@ def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: floa
     return True
 
 
-def _is_before_the_ramp(force_N: FloatArray, fall: Fall, later: list[Fall]) -> bool:
+def _is_before_the_ramp(force_N: FloatArray, fall: Fall, later: list[Fall], own_rate: float) -> bool:
     """Return whether a motor that loads far more slowly leads to a higher force, from which it falls as far."""
     highest = max(later, key=lambda g: g.top_N, default=fall)
     if highest.top_N <= (1.0 + SMALL_GROWTH) * fall.top_N or highest.drop_N < ABOUT * fall.drop_N:
         return False
     low = fall.top + int(np.argmin(force_N[fall.top : highest.top + 1]))
-    ramp = loading_rate(force_N, low, highest.top)
-    return loading_rate(force_N, fall.start, fall.top) > FAR_FASTER * ramp
+    return own_rate > FAR_FASTER * loading_rate(force_N, low, highest.top)
 
 
 def _is_small_for(fall: Fall, train: list[Fall]) -> bool:
@@ -207,6 +226,10 @@ def _rests(force_N: FloatArray, fall: Fall, pull: Pull, *, ends: bool) -> bool:
     """Return whether the force stands still for a while after a fall, as under hung weights, and then climbs."""
     band_N = STILL * (fall.top_N - pull.base_N)
     settled_N = float(np.median(force_N[: max(1, force_N.size // 4)]))
+    # A rope that stands where it slides later on slides.
+    slid = (g for g in pull.falls if g.top > fall.top and g.drop_N >= fall.drop_N and g.has_settled)
+    if not ends and any(abs(settled_N - g.level_N) < 2.0 * band_N for g in slid):
+        return False
     still = int(np.count_nonzero(np.abs(force_N - settled_N) < band_N))
     climbs = ends or float(force_N[-1]) > settled_N + 10.0 * band_N
     return climbs and still > max(FEW_BLOCKS, 0.15 * force_N.size)
@@ -234,14 +257,14 @@ def _is_partial(pull: Pull, fall: Fall, after: Fall, rate: float) -> bool:
         fall.drop_N < SAME_KIND * after.drop_N
         and after.top_N - pull.base_N > 0.9 * (fall.top_N - pull.base_N)
         and _slides_or_reloads(pull, after)
-        and is_reload(fall, after, rate)
+        and as_loaded(after.top_N - fall.bottom_N, rate, after.top - fall.bottom)
     )
 
 
-def is_reload(fall: Fall, after: Fall, rate: float) -> bool:
-    """Return whether the force between two falls rises as the machine loads: neither as slowly as sliding nor faster."""
-    rise_N, lasting = after.top_N - fall.bottom_N, rate * (after.top - fall.bottom)
-    return STICKS * lasting <= rise_N <= FAST * lasting
+def found_pulls(prepared: Prepared, settings: PickSettings) -> list[Pull]:
+    """Return every pull of a recording, with the falls that are worth a look."""
+    blocks = prepared.blocks
+    return pulls_of(blocks.force_N, least_fall_N(prepared, settings), blocks.noise_N)
 
 
 def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:
@@ -252,9 +275,9 @@ def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:
     force_N = prepared.blocks.force_N
     found = [
         Candidate(pull, fall, loading_rate(force_N, fall.start, fall.top), [])
-        for pull in pulls_of(force_N, least_fall_N(prepared, settings))
+        for pull in found_pulls(prepared, settings)
         for fall in pull.falls
-        if fall.reloads or is_sudden(force_N, fall, prepared.blocks.noise_N)
+        if fall.slips
     ]
     least_N = SAME_KIND * typical_drop_N([slip.fall for slip in found])
     full = [slip for slip in found if slip.fall.drop_N >= least_N]

@@ -12,6 +12,7 @@ from scipy.ndimage import uniform_filter1d
 
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import InputError
+from ropefric.shown import Shown
 from ropefric.traces.trace import ForceTrace
 
 _LARGEST = 1e290
@@ -22,7 +23,7 @@ _SUCH_AS = 'give a window such as "10 ms"'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SmoothedForce:
+class SmoothedForce(Shown):
     """A smoothed force and how it was smoothed.
 
     Attributes
@@ -34,6 +35,9 @@ class SmoothedForce:
     n_missing : int
         Samples missing in the trace (NaN).
     """
+
+    _said = ("time_s", "force_N", "window_s", "n_missing")
+    _framed = ("time_s", "force_N")
 
     time_s: FloatArray
     force_N: FloatArray

@@ -6,6 +6,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.errors import DataError
+from ropefric.shown import Shown
 from ropefric.traces.calibration import Calibration, Saturation
 
 _LARGEST = 1e100
@@ -13,7 +14,7 @@ _LARGEST = 1e100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ForceTrace:
+class ForceTrace(Shown):
     """One force recording in SI units.
 
     Attributes
@@ -49,6 +50,9 @@ class ForceTrace:
     >>> trace.force_N.dtype, trace.sampling_rate_Hz
     (dtype('float64'), 10.0)
     """
+
+    _said = ("name", "source", "time_s", "force_N", "sampling_rate_Hz", "notes")
+    _framed = ("time_s", "force_N")
 
     time_s: FloatArray
     force_N: FloatArray

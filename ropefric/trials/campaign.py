@@ -15,11 +15,12 @@ from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
 from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
+from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import COUNTS
 from ropefric.traces.breakaway import SIDES
 from ropefric.traces.derived import evaluate_derived
-from ropefric.trials.campaign_model import Campaign, CampaignFile, Protocol, protocol_names
+from ropefric.trials.campaign_model import AboutTable, Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
 
 MISSING_WAYS = ("error", "flag")
@@ -92,6 +93,13 @@ def load_campaign(
     return campaign
 
 
+def load_about(path: str | os.PathLike[str]) -> AboutTable:
+    """Return what a TOML file says beside a trial table: its [design] and [report], as in a campaign."""
+    model, problems = validate_document(AboutTable, read_toml(path, "file"))
+    raise_problems(problems)
+    return model or AboutTable()
+
+
 def check_campaign(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
     """Return everything that is wrong or doubtful: the campaign file's by line, then the trial list's."""
     return _read(path)[1]
@@ -107,6 +115,9 @@ def _read(
     if is_scene(document.data):
         fix = f"use `ropefric solve {document.path}`"
         return None, (document.problem(("system",), "RF121", "this is a scene, not a campaign", fix=fix),)
+    broken = load_named(document)
+    if broken:  # what it declares is not known, so its names would be called wrong
+        return None, broken
     model, wrong = validate_document(CampaignFile, document)
     doubtful = (*_check_document(document), *(_check_model(document, model) if model else ()))
     settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))

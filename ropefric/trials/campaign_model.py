@@ -15,6 +15,7 @@ from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
 from ropefric.errors import InputError, Problem
+from ropefric.files.plain_text import LANGUAGES
 from ropefric.files.stamps import ORDERS
 from ropefric.files.toml_model import (
     StrictTable,
@@ -29,7 +30,9 @@ from ropefric.files.toml_model import (
     text,
     whole_number,
 )
+from ropefric.plugins import provenance
 from ropefric.quantities import si_unit_of
+from ropefric.shown import Shown
 from ropefric.traces.breakaway import ENDINGS, PEAKS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
@@ -182,6 +185,19 @@ class DesignWheel(StrictTable):
     end_tension_N: Annotated[float, PlainValidator(_FORCE)] = Field(alias="end_tension")
 
 
+class ReportWords(StrictTable):
+    """`[report]`: what a report's first page says beside the results; what is not given is left out."""
+
+    lab: Text = ""
+    customer: Text = ""
+    operator: Text = ""
+    number: Text = ""
+    date: Annotated[str, PlainValidator(date_text)] = ""
+    question: Text = ""
+    assumptions: tuple[Text, ...] = ()
+    language: Annotated[str, PlainValidator(choice(lambda: LANGUAGES))] = "en"
+
+
 def _channel(value: object) -> Channel:
     if not isinstance(value, dict):
         return Channel(column=_column(value))
@@ -314,6 +330,7 @@ class CampaignFile(StrictTable):
     schema_name: Annotated[str, PlainValidator(_schema)] = Field(alias="schema")
     trial_list: Text = Field(alias="trials")
     data: Text = "."
+    plugins: tuple[Text, ...] = ()
     wheels: dict[str, Round] = Field(default_factory=dict)
     cells: Annotated[dict[str, Annotated[ForceCell, _CELL]], AfterValidator(_named)] = Field(
         default_factory=dict
@@ -332,8 +349,16 @@ class CampaignFile(StrictTable):
         float, _of_one_key("tolerance", fraction("0.05 %")), Field(alias="weights")
     ] = 0.0
     design: DesignWheel | None = None
+    report: ReportWords = ReportWords()
     profile: Annotated[ImportProfile, _IMPORT, Field(alias="import")] = ImportProfile()
     limits: Annotated[Limits, _LIMITS] = Limits()
+
+
+class AboutTable(StrictTable):
+    """What is said beside a trial table: the wheel to predict, and the words of its report."""
+
+    design: DesignWheel | None = None
+    report: ReportWords = ReportWords()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -382,7 +407,7 @@ class TrialSpec(TrialRow):
         return "".join(f"{name} = {value:g} {unit}" for name, value, unit in given if value is not None)
 
 
-class Campaign(CampaignFile):
+class Campaign(CampaignFile, Shown):
     """A campaign file and its trial list, checked, with every default filled in, in SI.
 
     Attributes
@@ -409,6 +434,8 @@ class Campaign(CampaignFile):
         Limit of error of the end tension, as a fraction of it [-].
     design : DesignWheel, optional
         The wheel to predict.
+    report : ReportWords
+        What the first page of a report says beside the results.
     trials : tuple of TrialSpec
         A row each, in the order of the table.
     limits : Limits
@@ -416,6 +443,9 @@ class Campaign(CampaignFile):
     warnings : tuple of Problem
         What is doubtful, but does not stop the work.
     """
+
+    _said: ClassVar = ("name", "trials", "rope.radius_m", "rejection", "protocol=protocol.name", "warnings")
+    _framed: ClassVar = "trials"
 
     path: Path
     trial_list: Path  # type: ignore[assignment]  # (in the file as text)
@@ -440,17 +470,31 @@ class Campaign(CampaignFile):
             *("weights_tolerance", "profile"),
         )
         settings = {name: _plain(getattr(self, name)) for name in names}
+        if used := provenance("READER", "PROTOCOL"):
+            settings["plugins"] = [one["sha256"] for one in used]
         settings["radius_std_m"] = [one.radius_std_m for one in (self.rope, *self.wheels.values())]
         text = json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()
 
     def resolved(self) -> dict[str, Any]:
         """Return the whole campaign, defaults included, as JSON-able data without absolute paths."""
-        elsewhere = {"path", "trial_list", "folder", "data", "trials", "warnings", "limits", "schema_name"}
+        elsewhere = {
+            "path",
+            "trial_list",
+            "folder",
+            "data",
+            "trials",
+            "warnings",
+            "limits",
+            "schema_name",
+            "plugins",
+        }
         tree: dict[str, Any] = {"schema": self.schema_name, **_plain(self, exclude=elsewhere)}
         tree["smoothing"]["mode"] = self.smoothing.mode
         tree["path"] = self.path.name
         tree["folder"] = self.relative(self.folder)
+        if used := provenance():
+            tree["plugins"] = used
         tree["trials"] = []
         for trial in self.trials:
             row = _plain(trial) | {"file": self.relative(trial.path)}

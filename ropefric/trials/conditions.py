@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from ropefric.errors import InputError, Problem
 from ropefric.friction.condition import condition_groups
+from ropefric.shown import Shown
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.outliers import RULES, OutlierRule, scaled
 from ropefric.trials.result import SUMMARISED, ConditionSummary, Extraction, TrialResult
@@ -27,7 +28,7 @@ class Trimming:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Repeatability:
+class Repeatability(Shown):
     """The repeatability of one condition.
 
     Attributes
@@ -48,6 +49,8 @@ class Repeatability:
     notes : tuple of str
         What rejection does to the scatter, if something was rejected.
     """
+
+    _said = ("rule", "n", "n_kept", "rejected", "mean_kept", "std_kept", "mean_all", "std_all", "warnings")
 
     rule: str
     n: int

@@ -12,11 +12,13 @@ from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 from pydantic import ConfigDict, TypeAdapter
 
 from ropefric import __version__
 from ropefric.errors import DataError, InputError, Problem, RopefricError
+from ropefric.executors import spread
 from ropefric.files.read import InputFile, hash_file, read_file, use_file
 from ropefric.files.write import write_file
 from ropefric.glossary import counted
@@ -25,7 +27,7 @@ from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.conditions import summarised
 from ropefric.trials.recording import blocks_of, extract_recording, tared_trace, unreadable
 from ropefric.trials.result import Extraction, TrialResult
-from ropefric.trials.workers import Lost, guarded
+from ropefric.trials.workers import START_S, Lost, guarded
 
 SCHEMA = "ropefric.extraction-cache/4"
 MADE_BY = ("errors.py", "quantities.py", "registry.py", "files", "traces", "trials")
@@ -115,13 +117,16 @@ def extract_campaign(
     jobs: int = 1,
     cache_dir: Path | None = None,
     progress: Progress | None = None,
+    executor: Any = None,
 ) -> Extraction:
     """Return the break-away forces of all recordings of a campaign, and what the rejection rule keeps.
 
     One bad recording never ends the run: it gives a trial with a status and a problem. Results do not depend on
-    `jobs` or what is in the cache.
+    `jobs`, the executor that reads in their stead, or what is in the cache.
     """
-    by_row, n_reused = extract_rows(campaign, jobs=jobs, cache_dir=cache_dir, progress=progress)
+    by_row, n_reused = extract_rows(
+        campaign, jobs=jobs, cache_dir=cache_dir, progress=progress, executor=executor
+    )
     return summarised(campaign, [trial for _, trial in in_list_order(campaign, by_row)], n_reused=n_reused)
 
 
@@ -135,6 +140,7 @@ def extract_rows(
     jobs: int = 1,
     cache_dir: Path | None = None,
     progress: Progress | None = None,
+    executor: Any = None,
     trusted: bool = False,
 ) -> tuple[ByRow, int]:
     """Return what the recording of every row gives by itself, and how many recordings were in the cache.
@@ -151,21 +157,21 @@ def extract_rows(
     work = _Work(
         campaign=campaign.model_copy(update={"trials": (), "warnings": ()}),
         files=tuple(files),
-        cache=None if cache_dir is None else ResultCache(cache_dir, campaign.settings_fingerprint()),
+        cache=None
+        if cache_dir is None
+        else ResultCache(cache_dir.absolute(), campaign.settings_fingerprint()),
     )
-    running: Generator[tuple[int, _Done | Lost]]
+    running: Generator[tuple[int, _Done]]
     if trusted:
         running = ((place, work(place)) for place in range(len(files)))
     else:
         _preload(work)
-        running = guarded(work, len(files), jobs=jobs, limits=campaign.limits)
+        running = _results(work, jobs, executor)
     with closing(running):  # ends its processes
-        for count, (place, found_or_lost) in enumerate(running, start=1):
-            done[place] = (
-                work.lost(place, found_or_lost) if isinstance(found_or_lost, Lost) else found_or_lost
-            )
+        for count, (place, results) in enumerate(running, start=1):
+            done[place] = results
             if progress is not None:
-                found = [trial for row in done[place][0] for trial in row]
+                found = [trial for row in results[0] for trial in row]
                 worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
                 progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
     by_row = {
@@ -237,6 +243,42 @@ class _Work:
         except DataError:
             sha256 = ""
         return unreadable(self.campaign, rows, error, sha256=sha256), False
+
+
+_PIECE = 16
+"""Files that a worker elsewhere is handed at a time."""
+
+
+def _results(work: _Work, jobs: int, executor: Any = None) -> Generator[tuple[int, _Done]]:
+    """Yield place and results of each file: read by processes of this one, or where an executor says."""
+    if executor is None:
+        for place, done in guarded(work, len(work.files), jobs=jobs, limits=work.campaign.limits):
+            yield place, work.lost(place, done) if isinstance(done, Lost) else done
+        return
+    # Elsewhere another folder is the present one.
+    files = [tuple(replace(row, path=row.path.absolute()) for row in rows) for rows in work.files]
+    starts = range(0, len(files), _PIECE)
+    pieces = (replace(work, files=tuple(files[start : start + _PIECE])) for start in starts)
+    patience_s = _PIECE * work.campaign.limits.time_s + START_S
+    with closing(spread(_all_of, pieces, executor, again=_again, patience_s=patience_s)) as running:
+        for start, found in zip(starts, running, strict=True):
+            yield from enumerate(found, start)
+
+
+def _all_of(work: _Work) -> list[_Done]:
+    """Return the results of all files, read in this process."""
+    for rows in work.files:
+        rows[0].path.stat()
+    return [work(place) for place in range(len(work.files))]
+
+
+def _again(work: _Work, error: BaseException) -> list[_Done]:
+    """Return the results of files that another process did not come to the end of: one of them may be to blame."""
+    if isinstance(error, FileNotFoundError) and Path(path := str(error.filename)).exists():
+        fix = "keep the recordings in a folder that all machines have under the same name"
+        raise DataError("a worker does not find this file", code="RF101", path=path, fix=fix) from None
+    found = dict(_results(work, jobs=1))
+    return [found[place] for place in range(len(found))]
 
 
 def check_recordings(campaign: Campaign) -> tuple[tuple[str, ...], tuple[Problem, ...]]:

@@ -18,6 +18,7 @@ from ropefric.errors import DataError, Problem
 from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text
+from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.trials.campaign_model import TrialRow
@@ -227,7 +228,7 @@ class ConditionSummary:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Extraction:
+class Extraction(Shown):
     """The result of a campaign's recordings.
 
     Attributes
@@ -243,6 +244,9 @@ class Extraction:
     n_reused : int
         Recordings taken from the cache.
     """
+
+    _said = ("name", "trials", "conditions", "problems")
+    _framed = "trials"
 
     name: str
     trials: tuple[TrialResult, ...]

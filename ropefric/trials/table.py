@@ -17,6 +17,7 @@ from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.glossary import counted
 from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
+from ropefric.shown import Shown
 from ropefric.trials import cells
 from ropefric.trials.result import Extraction
 
@@ -43,7 +44,7 @@ _BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
-_QUANTITIES = {
+QUANTITIES = {
     **cells.SETTINGS,
     "peak": ("peak_N", "N", 1.0),
     "breakaway_force": ("peak_N", "N", 1.0),
@@ -90,7 +91,7 @@ _MOST_TOLD = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TrialTable:
+class TrialTable(Shown):
     """Trials with the force each gave.
 
     Attributes
@@ -142,6 +143,18 @@ class TrialTable:
     >>> int(table.used.sum()), table.group().tolist()
     (2, [0, 0])
     """
+
+    _said = (
+        "source",
+        "trial",
+        "used",
+        "peak_N",
+        "end_tension_N",
+        "wrap_angle_rad",
+        "wheel_radius_m",
+        "rope_radius_m",
+        "warnings",
+    )
 
     trial: tuple[str, ...]
     wheel_radius_m: FloatArray
@@ -338,7 +351,7 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     """
     united = {cells.word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
-    columns, others, found = table.bind({**_QUANTITIES, **beside}, _TEXTS)
+    columns, others, found = table.bind({**QUANTITIES, **beside}, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
     texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
     n = len(table.rows)
@@ -394,7 +407,7 @@ def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[s
     for name in others:
         if cells.stem_of(name) in _PASSED_OVER:
             continue
-        near, meant = table.near_miss(name, _QUANTITIES, _TEXTS), _field_like(name)
+        near, meant = table.near_miss(name, QUANTITIES, _TEXTS), _field_like(name)
         if near and meant in _REQUIRED and meant not in there:
             there.add(meant)
             near = [replace(near[0], message="this column is not known", severity="error")]
@@ -408,8 +421,8 @@ def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[s
 
 
 def _field_like(name: str) -> str:
-    close = get_close_matches(cells.stem_of(name), _QUANTITIES, n=1, cutoff=cells.SLIP)
-    return _QUANTITIES[close[0]][0] if close else ""
+    close = get_close_matches(cells.stem_of(name), QUANTITIES, n=1, cutoff=cells.SLIP)
+    return QUANTITIES[close[0]][0] if close else ""
 
 
 def _numbers(

@@ -19,6 +19,8 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ropefric.errors import RopefricError
+from ropefric.executors import usable_cores
+from ropefric.plugins import Plugin, loaded
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -65,13 +67,6 @@ class Lost:
 
     reason: str
     fix: str
-
-
-def usable_cores() -> int:
-    """Return the number of processors this process may use."""
-    if hasattr(os, "sched_getaffinity"):  # a container may own fewer cores than the machine has
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def guarded(
@@ -137,7 +132,8 @@ class _Worker(Generic[T]):
         self.given: deque[int] = deque()
         self.dead = self._ready = False
         forks = context.get_start_method() == "fork"
-        arguments = (work, theirs, limits, [*others, self.ours] if forks else [])
+        # A process that is not forked loads the plugins with its arguments, before what may be made of them.
+        arguments = (loaded(), work, theirs, limits, [*others, self.ours] if forks else [])
         self.process: BaseProcess = context.Process(target=_serve, args=arguments, daemon=True)  # type: ignore[attr-defined]
         try:
             with warnings.catch_warnings(), _signals_held(), nullcontext() if forks else _nobody_is_main():
@@ -235,7 +231,11 @@ def _nobody_is_main() -> Iterator[None]:
 
 
 def _serve(
-    work: Callable[[int], Any], connection: "Connection", limits: Limits, others: "list[Connection]"
+    _plugins: tuple[Plugin, ...],
+    work: Callable[[int], Any],
+    connection: "Connection",
+    limits: Limits,
+    others: "list[Connection]",
 ) -> None:
     """Do what is handed over until nobody is there any more to hand anything over."""
     for other in others:  # else this process would keep the pipes of its sisters open

@@ -5,7 +5,7 @@ uncertainty; its check by draws (JCGM 101); and what would make it smaller.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
@@ -14,6 +14,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.shown import Shown, in_words
 from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, check_level, directions, quantile
 
 SCHEMA = "ropefric.uncertainty/1"
@@ -302,7 +303,7 @@ class Improvement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Statement:
+class Statement(Shown):
     """The uncertainty of one answer.
 
     Attributes
@@ -320,6 +321,13 @@ class Statement:
     notes : tuple of str
         What is not in the budget, and why.
     """
+
+    _said = ("status", "budget.coverage_factor", "budget.level", "drawn.agrees", "notes")
+    _framed = "budget.lines"
+
+    def _more_said(self) -> Iterator[tuple[str, str]]:
+        yield self.model.symbol, in_words(self.budget.estimate, self.model.unit, self.budget.combined)
+        yield "expanded", in_words(self.budget.expanded, self.model.unit)
 
     model: MeasurementModel
     budget: LinearBudget

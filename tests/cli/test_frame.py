@@ -196,8 +196,8 @@ def test_commands_stand_in_the_order_of_work_each_at_a_place_of_its_own():
     assert len(set(orders)) == len(orders)
     assert list(commands) == [
         *("init", "inspect", "check", "simulate", "extract", "run", "report"),
-        *("fit", "show", "compare", "diagnose", "predict", "budget", "design", "plan-tests"),
-        *("solve", "explain", "cost", "verify"),
+        *("fit", "show", "compare", "diagnose", "predict", "budget", "design", "plan-tests", "export"),
+        *("solve", "explain", "cost", "verify", "check-plugin"),
     ]
 
 

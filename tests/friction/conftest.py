@@ -3,10 +3,9 @@
 import importlib.util
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from ropefric.friction.condition import Conditions
+from ropefric.contracts import bench
 
 
 @pytest.fixture(scope="session")
@@ -22,14 +21,4 @@ def reference():
 @pytest.fixture
 def plan():
     """6 wheels x 6 wraps x 6 loads, as on a bench."""
-    wheel, wrap, load = np.meshgrid(
-        [0.02, 0.03, 0.04, 0.06, 0.08, 0.12],
-        np.pi * np.array([0.5, 1, 2, 3, 4, 6]),
-        [2.0, 5.0, 10.0, 20.0, 80.0, 200.0],
-    )
-    return Conditions(
-        wheel_radius_m=wheel.ravel(),
-        rope_radius_m=0.0049,
-        wrap_angle_rad=wrap.ravel(),
-        end_tension_N=load.ravel(),
-    )
+    return bench()

@@ -13,6 +13,7 @@ from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline.run import run_campaign
 from ropefric.report.campaign import write_report
+from ropefric.report.front import Wish
 from ropefric.trials.campaign import load_campaign
 
 LARGEST_BYTES = 3_000_000
@@ -30,7 +31,7 @@ def files(folder):
 def without_figures(run, folder):
     """Write the report of a changed result; return its text."""
     folder.mkdir(exist_ok=True)
-    write_report(run, folder, figures=False)
+    write_report(run, folder, Wish(figures=False))
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
@@ -51,7 +52,7 @@ def test_the_report_is_made_again_without_extracting_again(run, results, tmp_pat
         doubts=tuple(dict.fromkeys((*winner.doubts, *winner.fit.advice, *run.answer.comparison.notes[1:]))),
     )
     with OutputFolder(folder, family="campaign") as target:
-        write_report(replace(run, answer=asked), target, figures=False)
+        write_report(replace(run, answer=asked), target, Wish(figures=False))
         target.publish("answer")
     before = files(folder)
     (folder / "report.html").unlink()
@@ -137,7 +138,7 @@ def test_the_bench_of_432_recordings_makes_a_small_file(tmp_path):
     for name, jobs in (("one", 1), ("two", 2)):
         folder = tmp_path / name
         run = run_campaign(load_campaign(BENCH / "campaign.toml"), folder, jobs=jobs)
-        write_report(run, folder)
+        write_report(run, folder, Wish())
         runs.append(files(folder))
     assert runs[0] == runs[1]
     assert len(runs[0]["report.html"]) < LARGEST_BYTES

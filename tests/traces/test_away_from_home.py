@@ -86,6 +86,53 @@ def test_a_force_in_newtons_that_is_cut_off_gives_no_number():
     assert np.isnan(found.peak_N)
 
 
+@pytest.mark.parametrize(("limit_N", "noise_N"), [(10.0, 0.3), (30.0, 0.3), (60.0, 1.0)])
+def test_a_force_that_stands_at_a_limit_most_of_the_time_is_not_without_noise(limit_N, noise_N):
+    """The noise is that of the rest: taken for none, every wiggle of the climb would be a slip."""
+    found = picked(
+        np.minimum(drawn((0.0, 0.0), (0.5, 0.0), (1.0, 100.0), (4.0, 100.0), noise_N=1.0), limit_N)
+    )
+    assert found.status is Status.SATURATED
+    assert found.noise_std_N == pytest.approx(1.0, rel=0.15)
+    assert np.isnan(found.peak_N)
+
+
+def test_slack_taken_up_while_at_rest_is_no_drift_of_the_zero():
+    plain = picked(drawn(*PULL, noise_N=0.8))
+    stepped = picked(drawn(*PULL, noise_N=0.8) + 1.8 * (TIME_S > 0.4))
+    assert stepped.status is Status.OK, stepped.detail
+    assert stepped.peak_std_N < 1.5 * plain.peak_std_N
+
+
+@pytest.mark.parametrize("snag_N", [0.0, 40.0])
+def test_a_drift_of_the_zero_is_seen_through_a_snag(snag_N):
+    """By 4 N until the peak; a step in between, of weights hung on there, hides none of it."""
+    snag = snag_N * np.sin(np.pi * np.clip((TIME_S - 0.45) / 0.05, 0.0, 1.0))
+    hung = 8.0 * (TIME_S > 0.45) if snag_N == 0.0 else 0.0
+    found = picked(drawn(*PULL) + 1.6 * TIME_S + snag + hung)
+    assert found.status is Status.DOUBTFUL
+    drift_N = float(found.detail.split("by about ")[1].split(" N")[0])
+    assert drift_N == pytest.approx(1.6 * 2.3, rel=0.25)
+
+
+def test_a_rope_that_stands_where_it_slides_later_slid_in_the_first_fall():
+    force = drawn((0, 0), (0.5, 0), (1.5, 100), (1.504, 85), (2.1, 85), (2.7, 125), (2.704, 85), (4, 85))
+    found = picked(force)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+    # Weights come to rest far below the level of sliding.
+    hung = drawn((0, 0), (0.5, 0), (0.504, 24), (0.6, 20), (1.1, 20), (2.7, 125), (2.704, 85), (4, 85))
+    assert picked(hung).peak_N == pytest.approx(125.0, rel=0.01)
+
+
+def test_forces_at_the_end_of_the_floats_are_no_crash():
+    for scale_N in (5e-324, 1e-310, 1e-200):
+        for seed in range(20):
+            force = np.random.default_rng(seed).normal(0.0, 1.0, 50) * scale_N
+            (found,) = pick_breakaway(ForceTrace(time_s=np.arange(50) * 1e-12, force_N=force), AUTO)
+            assert np.isnan(found.peak_N)
+
+
 def test_a_climb_within_a_gap_gives_no_number():
     seen = (TIME_S < 1.6) | (TIME_S > 2.499)
     (found,) = pick_breakaway(ForceTrace(time_s=TIME_S[seen], force_N=drawn(*PULL)[seen]), AUTO)
@@ -129,8 +176,8 @@ def judged(seeds, per_family, tiers):
 def test_recordings_of_other_rigs_are_picked_and_their_uncertainties_cover():
     """Of 360 usable ones of families clean and lab; what is asked for is 97 % and none."""
     counts, pulls = judged((131, 141, 151), 4, ("clean", "lab"))
-    assert counts["right"] > 0.92 * counts["usable"]
-    assert counts["wrong"] <= 0.02 * counts["all"]
+    assert counts["right"] > 0.93 * counts["usable"]
+    assert counts["wrong"] <= 0.01 * counts["all"]
     assert counts["doubtful"] <= 0.03 * counts["usable"]
     assert np.count_nonzero(pulls > 2.0) <= 0.08 * pulls.size
     assert 0.5 < np.median(pulls) < 0.9
@@ -139,8 +186,8 @@ def test_recordings_of_other_rigs_are_picked_and_their_uncertainties_cover():
 @pytest.mark.slow
 def test_nasty_recordings_seldom_give_a_wrong_force():
     counts, pulls = judged((131, 141, 151), 4, ("nasty",))
-    assert counts["right"] > 0.7 * counts["usable"]
-    assert counts["wrong"] <= 0.1 * counts["all"]
+    assert counts["right"] > 0.75 * counts["usable"]
+    assert counts["wrong"] <= 0.05 * counts["all"]
     assert np.count_nonzero(pulls > 2.0) <= 0.1 * pulls.size
 
 

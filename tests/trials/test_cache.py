@@ -5,7 +5,7 @@ import json
 import os
 import re
 import shutil
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -49,7 +49,7 @@ def assert_same(one, other, folder):
     assert tables(one, folder) == tables(other, folder)
     for mine, theirs in zip(one.trials, other.trials, strict=True):
         # NaN is not equal to itself, but is written alike.
-        assert repr(replace(mine, outline=None)) == repr(replace(theirs, outline=None))
+        assert repr(asdict(replace(mine, outline=None))) == repr(asdict(replace(theirs, outline=None)))
         assert (mine.outline is None) == (theirs.outline is None)
         if mine.outline is not None:
             for name in ("time_s", "low_N", "high_N", "smoothed_N"):

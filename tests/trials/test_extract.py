@@ -131,9 +131,9 @@ def test_progress_counts_every_recording_once(small_campaign, jobs):
 def test_nothing_that_was_read_is_changed(lab):
     lab.pulls(a=100.0, b=90.0)
     campaign = lab.load()
-    before, files = repr(campaign), {path: path.read_bytes() for path in lab.folder.iterdir()}
+    before, files = repr(dict(campaign)), {path: path.read_bytes() for path in lab.folder.iterdir()}
     extraction = extract_campaign(campaign)
-    assert repr(campaign) == before
+    assert repr(dict(campaign)) == before
     assert {path: path.read_bytes() for path in lab.folder.iterdir()} == files
     told = extraction.to_dict()
     told["trials"][0]["peak_N"] = 0

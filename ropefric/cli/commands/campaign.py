@@ -10,18 +10,21 @@ from typing import TYPE_CHECKING
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, command, exit_code_of, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, out_folder
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
+    from ropefric import executors, plugins
     from ropefric.files import folder as folders
+    from ropefric.files import plain_text
     from ropefric.friction import laws
     from ropefric.pipeline import evidence
     from ropefric.pipeline import run as pipeline
     from ropefric.report import campaign as pages
-    from ropefric.report import parts, section
+    from ropefric.report import front, parts, section
+    from ropefric.report import pdf as printing
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, result, workers
@@ -46,6 +49,7 @@ def extract(
     *,
     folder: Path = out_folder("Where tables and figures go.", Path("out")),
     jobs: options.Jobs = "auto",
+    cluster: options.Cluster = "",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
     cache: options.Cache = True,
     force: Force = False,
@@ -63,9 +67,9 @@ def extract(
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
-        with Progress(out, "extract") as progress:
+        with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
             extraction = extracting.extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update
+                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
             )
         result.write_tables(extraction, target)
         target.publish("tables")
@@ -99,7 +103,7 @@ def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack)
     if n_jobs == 1 or len(extraction.conditions) < SERIAL_FIGURES:
         return None
     # Ctrl-C reaches the workers too, but only this process is to answer it; and none is to outlive it.
-    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly)
+    executor = ProcessPoolExecutor(n_jobs, initializer=_work_quietly, initargs=(plugins.loaded(),))
     stack.callback(executor.shutdown, cancel_futures=True)
     return executor
 
@@ -120,7 +124,7 @@ def start_figures(
     return finish
 
 
-def _work_quietly() -> None:
+def _work_quietly(_plugins: object) -> None:
     workers.become_expendable()
     # What matplotlib tells of its fonts and folders is for no reader of ours.
     logging.getLogger().addHandler(logging.NullHandler())
@@ -201,6 +205,7 @@ def run(
     folder: Path = out_folder("Where everything is written.", Path("out")),
     law: str = Option("", help="Use this law, whichever wins."),
     jobs: options.Jobs = "auto",
+    cluster: options.Cluster = "",
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
@@ -218,7 +223,15 @@ def run(
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"conditions", "report"}) if figures else frozenset()
     return work_through(
-        out, loaded, folder, law=law, n_jobs=n_jobs, cache=cache, drawing=drawing, force=force
+        out,
+        loaded,
+        folder,
+        law=law,
+        n_jobs=n_jobs,
+        cluster=cluster,
+        cache=cache,
+        drawing=drawing,
+        force=force,
     )
 
 
@@ -229,8 +242,10 @@ def work_through(
     *,
     law: str = "",
     n_jobs: int = 1,
+    cluster: str = "",
     cache: bool = True,
     drawing: frozenset[str] = frozenset({"report"}),
+    wish: "front.Wish | None" = None,
     force: bool = False,
 ) -> Answer:
     """Return the answer to a campaign, and write everything into a folder.
@@ -256,13 +271,18 @@ def work_through(
 
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:
-            with Progress(out, "extract") as extracting, Progress(out, "fit") as fitting:
+            with (
+                executors.cluster(cluster, n_jobs) as executor,
+                Progress(out, "extract") as extracting,
+                Progress(out, "fit") as fitting,
+            ):
                 done = pipeline.run_campaign(
                     campaign,
                     target,
                     law=law,
                     jobs=n_jobs,
                     cache_dir=cache_dir,
+                    executor=executor,
                     extract_progress=extracting.update,
                     fit_progress=lambda name, done, total: fitting.update(done, total, name),
                     on_extracted=draw,
@@ -272,10 +292,8 @@ def work_through(
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            report_figures, progress = "report" in drawing, reporting.update
-            written = pages.write_report(
-                done, target, figures=report_figures, executor=pool[0], progress=progress
-            )
+            wanted = wish or front.Wish(figures="report" in drawing)
+            written = pages.write_report(done, target, wanted, executor=pool[0], progress=reporting.update)
         target.publish("answer")
         for finish in to_finish:
             finish()
@@ -287,26 +305,48 @@ def work_through(
     )
 
 
-@command("ropefric report out", order=70)
+@command("ropefric report out --pdf", order=70)
 def report(
     out: Output,
     source: Path = Argument(
         ...,
-        metavar="OUT_DIR|CAMPAIGN.toml",
-        help="A folder that `run` wrote, or a campaign: its file or its folder.",
+        metavar="OUT_DIR|CAMPAIGN.toml|TRIALS.csv",
+        help="A folder that `run` wrote; a campaign, its file or its folder; or a table of forces, as .csv or .xlsx.",
     ),
     *,
-    folder: Path | None = out_folder("Of a campaign: where its results are, or are to be written [out]."),
+    folder: Path | None = out_folder("Of a campaign or a table: where its results are to be [out]."),
     law: str = Option("", help="Use this law, whichever wins; by default as in the run before."),
+    pdf: bool = flag("--pdf", "Print it as report.pdf too; needs Chromium, Chrome or Edge."),
+    locale: str = Option("", metavar="en|de", help="Of numbers and dates; by default as [report] says."),
+    figure_files: Words = listed("svg|pdf|png", "Write the report's figures as such files too"),
+    about: Path | None = Option(
+        None, metavar="FILE.toml", help="Of a table: a file with [design] and [report], as in a campaign."
+    ),
     jobs: options.Jobs = "auto",
     figures: bool = Option(True, "--figures/--no-figures", help="Draw the figures of the report."),
     force: Force = False,
 ) -> Answer:
-    """Make report.html again, without extracting again what the cache holds.
+    """Make report.html again, without extracting again what the cache holds; or make one of a table of forces.
 
     The tables, fits and numbers beside it are brought up to date with it; pictures of single conditions are left as
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
+    formats = tuple(name.strip() for text in figure_files or () for name in text.split(","))
+    for option, known, words in (
+        ("--locale", plain_text.LANGUAGES, (locale,) if locale else ()),
+        ("--figure-files", ("svg", "pdf", "png"), formats),
+    ):
+        if unknown := [word for word in words if word not in known]:
+            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=option)
+    wish = front.Wish(locale, pdf, figures, formats)
+    if pdf:
+        printing.find_browser()  # before the work
+    if source.suffix.lower() in _TABLES and not source.is_dir():
+        inputs = [source, about] if about else [source]
+        target = pipeline.table_folder(inputs, folder or Path("out"), force=force)
+        return _report_table(out, inputs, target, law, wish)
+    if about is not None:
+        raise BadParameter("a campaign has a [report] of its own", param_hint="--about")
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
             raise BadParameter("a folder of results is written to itself", param_hint="--out")
@@ -321,4 +361,34 @@ def report(
     loaded = campaigns.load_campaign(campaign)
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
-    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, force=force)
+    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, wish=wish, force=force)
+
+
+_TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".xls", ".ods")
+
+
+def _report_table(
+    out: Output, inputs: Sequence[Path], target: "folders.OutputFolder", law: str, wish: "front.Wish"
+) -> Answer:
+    """Answer a table of forces, and write its report into a folder."""
+    if law:
+        laws.ALL_LAWS[law]
+    about = campaigns.load_about(inputs[1]) if len(inputs) > 1 else campaign_model.AboutTable()
+    table = options.read_table(inputs[0], out)
+    options.lend_fonts_a_place(target.path)
+    with target:
+        with Progress(out, "fit") as fitting, Progress(out, "report") as reporting:
+            answer = pipeline.answer_trials(
+                table, design=about.design, law=law, progress=lambda name, i, n: fitting.update(i, n, name)
+            )
+            written = pipeline.write_answer(answer, target)
+            written += pages.write_table_report(
+                answer, inputs, target, words=about.report, wish=wish, progress=reporting.update
+            )
+        target.publish("answer")
+    said = options.written_to(target.path, "report.html, fits/, comparison.csv, …")
+    return Answer(
+        answer.to_dict() | {"written": [*written]},
+        [*pages.answer_sections(answer), said],
+        exit_code_of(answer.verdict),
+    )

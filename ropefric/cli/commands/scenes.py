@@ -15,6 +15,7 @@ from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, fl
 from ropefric.cli.output import Output, Progress, json_text
 
 with on_first_use():
+    from ropefric import executors
     from ropefric.accuracy import measure
     from ropefric.accuracy import studies as all_studies
     from ropefric.files import folder as folders
@@ -55,6 +56,7 @@ def solve(
     table: TableFormat = Option(
         TableFormat.CSV, "--table", help="How the table of a sweep is written; Parquet needs pyarrow."
     ),
+    cluster: options.Cluster = "",
     force: Force = False,
 ) -> Answer:
     """Solve a scene: a hoist, belt press, band saw, traction sheave or belt drive, with the effects it calls for.
@@ -85,8 +87,14 @@ def solve(
             write = None
             if target is not None:
                 write = stack.enter_context(sweep_table.sweep_table(axes, target, f"sweep.{table}")).add
+            executor = stack.enter_context(executors.cluster(cluster))
             found = sweeping.sweep_scene(
-                loaded, axes, progress=progress.update, write=write, keep=sweeping.KEPT_POINTS
+                loaded,
+                axes,
+                progress=progress.update,
+                write=write,
+                keep=sweeping.KEPT_POINTS,
+                executor=executor,
             )
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}
@@ -176,6 +184,7 @@ def cost(
     ),
     quick: bool = flag("--quick", "Some settings only, and little time for each."),
     full: bool = flag("--full", "For uncertainty: every law, size and scatter, 1000 campaigns each; hours."),
+    cluster: options.Cluster = "",
     force: Force = False,
 ) -> Answer:
     """Measure what accuracy costs in time on this machine.
@@ -202,8 +211,10 @@ def cost(
     ) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
-        with Progress(out, "cost") as progress:
-            results = measure.measure_studies(chosen, quick=quick, progress=progress.update)
+        with executors.cluster(cluster) as executor, Progress(out, "cost") as progress:
+            results = measure.measure_studies(
+                chosen, quick=quick, progress=progress.update, executor=executor
+            )
         written = cost_page.write_cost(results, machine, target)
     data = {
         "machine": asdict(machine),

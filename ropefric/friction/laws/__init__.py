@@ -10,7 +10,17 @@ _IN_ORDER = (
 LAWS: Registry[FrictionLaw] = Registry("friction law", declared_in(__name__, _IN_ORDER, "LAW"))
 """The laws that a comparison fits."""
 
-ALL_LAWS: Registry[FrictionLaw] = Registry(
+
+class _AllLaws(Registry[FrictionLaw]):
+    def add(self, member: FrictionLaw) -> None:
+        """Take a plugin's law in, among those that a comparison fits, too; and its variant."""
+        LAWS.add(member)
+        super().add(member)
+        if member.variant is not None:
+            super().add(member.variant)
+
+
+ALL_LAWS: Registry[FrictionLaw] = _AllLaws(
     "friction law", [*LAWS.values(), *(law.variant for law in LAWS.values() if law.variant is not None)]
 )
 """The same with the forms that count the wrap from zero, for everything that looks a law up by name."""

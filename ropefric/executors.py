@@ -1,0 +1,155 @@
+"""The same work wherever it is done: here, in other processes, or on the machines of a cluster.
+
+Work is cut into pieces that do not depend on who does them. `spread` hands them to an executor, a few ahead of the
+results, and gives these back in the order of the pieces; what comes of them is the same to the last bit.
+"""
+
+import hashlib
+import os
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import ExitStack, contextmanager
+from functools import lru_cache
+from importlib import import_module
+from importlib.metadata import version
+from itertools import islice
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ropefric.errors import InputError, RopefricError
+
+A = TypeVar("A")
+T = TypeVar("T")
+
+AHEAD = 128
+"""Pieces in hand at most: what is kept of work and results that wait, and how many workers can be kept busy."""
+
+CONNECT_S = 30.0
+"""Time for a scheduler to answer."""
+
+_MADE_BY = ("numpy", "scipy", "pandas")
+_ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
+
+
+def usable_cores() -> int:
+    """Return the number of processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):  # a container may own fewer cores than the machine has
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@lru_cache(maxsize=1)
+def software() -> str:
+    """Return what numbers are made by: the code of this package and the versions of its numerical libraries."""
+    package, found = Path(__file__).parent, hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        found.update(path.read_bytes())
+    libraries = ", ".join(f"{name} {version(name)}" for name in _MADE_BY)
+    return f"ropefric {version('ropefric')} ({found.hexdigest()[:12]}), {libraries}"
+
+
+def spread(
+    work: Callable[[A], T],
+    pieces: Iterable[A],
+    executor: Any = None,
+    *,
+    again: Callable[[A, BaseException], T] | None = None,
+    patience_s: float | None = None,
+) -> Generator[T]:
+    """Yield what comes of each piece of work, in order: done by an executor, or here without one.
+
+    An executor is what `concurrent.futures` calls so, or a client of dask. At most `AHEAD` pieces are with it. A piece
+    whose worker died, or that fails in any way but a `RopefricError`, is done here, by `again` where there is one; so is
+    the oldest piece once an executor has been silent for `patience_s`. Close the iterator to call off the rest.
+    """
+    if executor is None:
+        yield from map(work, pieces)
+        return
+    if hasattr(executor, "get_executor"):  # dask's client, whose own futures are of another kind
+        executor = executor.get_executor(pure=False)
+    ahead: deque[tuple[A, Future[T]]] = deque()
+    left = iter(pieces)
+    try:
+        while True:
+            ahead.extend(
+                (piece, _handed(executor, work, piece)) for piece in islice(left, AHEAD - len(ahead))
+            )
+            if not ahead:
+                return
+            piece, future = ahead[0]
+            try:
+                _wait_for(future, [one for _, one in ahead], patience_s)
+                found = future.result(0.0)
+            except RopefricError:
+                raise
+            # As with one process: what a piece brings about by itself, it brings about here as well.
+            except Exception as error:  # noqa: BLE001
+                future.cancel()
+                found = work(piece) if again is None else again(piece, error)
+            ahead.popleft()
+            yield found
+    finally:
+        for _, future in ahead:
+            future.cancel()
+
+
+def _handed(executor: Executor, work: Callable[[A], T], piece: A) -> "Future[T]":
+    """Return the future of a piece; of an executor that is broken, one that failed."""
+    try:
+        return executor.submit(_there, software(), work, piece)
+    except Exception as error:  # noqa: BLE001
+        future: Future[T] = Future()
+        future.set_exception(error)
+        return future
+
+
+def _wait_for(future: "Future[Any]", every: "list[Future[Any]]", patience_s: float | None) -> None:
+    """Wait for a result, as long as any comes."""
+    waiting = {one for one in every if not one.done()}
+    while not future.done():
+        done, waiting = wait(waiting, patience_s, FIRST_COMPLETED)
+        if not done:
+            raise TimeoutError
+
+
+def _there(made_by: str, work: Callable[[A], T], piece: A) -> T:
+    """Do a piece in another process, if that is of the same make."""
+    if software() != made_by:
+        raise InputError(
+            f"a worker runs {software()}, this process {made_by}: numbers may differ",
+            key="executor",
+            fix="install the same versions on all machines, and start the workers again",
+        )
+    return work(piece)
+
+
+@contextmanager
+def cluster(address: str, n_workers: int = 0) -> Iterator["Executor | None"]:
+    """Yield an executor on the workers of a dask scheduler, or of one on this machine ("local"); None without address.
+
+    A local worker is a process with one thread; there are `n_workers` of them, at least two.
+    """
+    if not address:
+        yield None
+        return
+    try:
+        distributed: Any = import_module("distributed")
+    except ImportError:
+        fix = 'pip install "ropefric[cluster]", or leave --cluster out'
+        message = "a cluster needs dask.distributed, which is not installed"
+        raise InputError(message, code="RF107", key="--cluster", fix=fix) from None
+    with ExitStack() as stack:
+        if address == "local":
+            import_module("dask").config.set({"distributed.nanny.pre-spawn-environ": _ONE_THREAD})
+            local = distributed.LocalCluster(
+                n_workers=max(2, n_workers or usable_cores()), threads_per_worker=1, dashboard_address=None
+            )
+            address = stack.enter_context(local)
+        try:
+            client = stack.enter_context(distributed.Client(address, timeout=CONNECT_S, set_as_default=False))
+        except (OSError, ValueError) as error:
+            message = f"no scheduler answers at {address!r}: {str(error) or type(error).__name__}"
+            fix = "start one with `dask scheduler`, give its address as tcp://HOST:8786, or say local"
+            raise InputError(message, code="RF110", key="--cluster", fix=fix) from None
+        yield client.get_executor(pure=False)

@@ -1,0 +1,188 @@
+"""What users hand over in the forms they have it in: tables, arrays, quantities with their units; SI comes out."""
+
+import os
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import InputError, RopefricWarning, UnknownNameError
+from ropefric.quantities import parse_quantity, split_unit_suffix, unit_factor
+from ropefric.registry import did_you_mean
+from ropefric.traces.readers.table import SAFE_NAMES
+from ropefric.traces.trace import ForceTrace
+from ropefric.trials import cells
+from ropefric.trials.table import QUANTITIES, TrialTable, table_from_frame
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Columns = Mapping[str, str] | Sequence[str] | None
+"""Names that columns are to have: by those they have, or one after the other for an array without names."""
+
+_ODD = {
+    "wrap_angle_rad": (20.0 * np.pi, "{:g} rad is a wrap of {:.3g} turns", 0.5 / np.pi, "deg"),
+    "wheel_radius_m": (5.0, "{:g} m is a wheel of {:.3g} m diameter", 2.0, "mm"),
+    "rope_radius_m": (0.5, "{:g} m is a rope of {:.3g} m diameter", 2.0, "mm"),
+}
+"""Above what a setting is hardly meant, how to say it, and the unit it was probably given in."""
+
+
+def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
+    """Return numbers in SI: bare ones as they stand, text with a unit (`"35 mm"`) and pint quantities converted."""
+    if hasattr(value, "to") and hasattr(value, "magnitude"):
+        try:
+            value = value.to(si_unit or "dimensionless").magnitude
+        except Exception as error:  # noqa: BLE001  (whatever pint says of another dimension)
+            text = f"{name}: {value} cannot be given in {si_unit or '1'}: {error}"
+            raise InputError(text, code="RF130", key=name) from None
+    elif isinstance(value, str):
+        value = parse_quantity(value, si_unit, name=name)
+    elif isinstance(value, Sequence) or getattr(getattr(value, "dtype", None), "kind", "") in {"O", "U"}:
+        value = [in_si(one, si_unit, name) for one in value]
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: {value!r:.60} is no number", key=name, fix="give numbers") from None
+
+
+def settings(**given: Any) -> dict[str, FloatArray]:
+    """Return the settings that are given (not None) in SI, by name, and warn of what is hardly meant."""
+    known = {name: value for name, value in given.items() if value is not None}
+    found = {name: in_si(value, split_unit_suffix(name)[1], name) for name, value in known.items()}
+    warn_of_odd(found)
+    return found
+
+
+def warn_of_odd(values: Mapping[str, FloatArray]) -> None:
+    """Warn where a wrap was probably meant in degrees, or a size in millimetres."""
+    for name, (most, what, factor, unit) in _ODD.items():
+        largest = (
+            float(np.max(values[name], initial=0.0, where=np.isfinite(values[name])))
+            if name in values
+            else 0.0
+        )
+        if largest > most:
+            said = what.format(largest, factor * largest)
+            text = f'{name}: {said}. Fix: if {unit} was meant, write it with its unit, "{largest:g} {unit}"'
+            warnings.warn(RopefricWarning(text), stacklevel=_levels_to_user())
+
+
+def _levels_to_user() -> int:
+    """Return how many calls up the first line is that is not of this package, for a warning to point at."""
+    inside, level, frame = os.path.dirname(__file__), 1, sys._getframe(1)  # noqa: PTH120, SLF001
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(inside):
+        level, frame = level + 1, frame.f_back
+    return level
+
+
+def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
+    """Return a DataFrame of a frame, a mapping of columns, or an array, its columns renamed, quantities as SI."""
+    import pandas as pd  # noqa: PLC0415  (slow to load, and few calls need it)
+
+    renamed = dict(columns) if isinstance(columns, Mapping) else {}
+    if isinstance(table, Mapping):
+        known = {**QUANTITIES, **{name: ("", unit, 1.0) for name, unit in (("time", "s"), ("force", "N"))}}
+        plain = {}
+        for name, values in table.items():
+            header = renamed.get(name, name)
+            stem = split_unit_suffix(str(header))[0]
+            meant = known.get(cells.word_of(stem))
+            if meant is not None and _has_units(values):
+                header, values = f"{stem} [{meant[1]}]", in_si(values, meant[1], str(name))  # noqa: PLW2901
+            plain[header] = values if np.ndim(values) else [values]
+        longest = max((len(values) for values in plain.values()), default=0)
+        spread = {
+            name: np.repeat(values, longest) if len(values) == 1 else values for name, values in plain.items()
+        }
+        return _whole(pd.DataFrame, spread)
+    if not hasattr(table, "columns"):
+        names = None if columns is None or renamed or table.dtype.names else list(columns)
+        table = _whole(pd.DataFrame, table, columns=names)
+    strangers = [name for name in renamed if name not in table.columns]
+    if strangers:
+        fix = did_you_mean(str(strangers[0]), map(str, table.columns))
+        raise UnknownNameError(f"there is no column {strangers[0]!r} to be renamed", key="columns", fix=fix)
+    frame: pd.DataFrame = table.rename(columns=renamed)
+    if any(
+        not pd.api.types.is_numeric_dtype(frame[name]) and _has_units(frame[name]) for name in frame.columns
+    ):
+        return as_frame({name: frame[name].tolist() for name in frame.columns})
+    return frame
+
+
+def _whole(make: Any, table: Any, **options: Any) -> "pd.DataFrame":
+    try:
+        frame: pd.DataFrame = make(table, **options)
+    except ValueError as error:
+        raise InputError(
+            f"this is no table: {error}", key="columns", fix="give columns of one length"
+        ) from None
+    return frame
+
+
+def _has_units(values: Any) -> bool:
+    """Return whether a column holds pint quantities or texts such as "35 mm"."""
+    if hasattr(values, "magnitude") or isinstance(values, str):
+        first = values
+    else:
+        first = next(iter(values), None) if np.ndim(values) else None
+    if isinstance(first, str):
+        return first[:1].isdigit() and not first[-1].isdigit()
+    return hasattr(first, "magnitude")
+
+
+def as_table(table: Any, columns: Columns = None) -> TrialTable:
+    """Return the trial table of what `as_frame` takes."""
+    found = table_from_frame(as_frame(table, columns))
+    warn_of_odd({name: getattr(found, name)[found.used] for name in _ODD})
+    return found
+
+
+def wheels_of(table: Any, columns: Columns = None) -> dict[str, FloatArray]:
+    """Return the settings of a table of wheels, with headers as in a trial table; other columns are passed over."""
+    frame, found = as_frame(table, columns), {}
+    for header in frame.columns:
+        stem, unit = split_unit_suffix(str(header))
+        field, si_unit, factor = cells.SETTINGS.get(cells.word_of(stem), ("", "", 0.0))
+        if field and not unit:
+            text = f"the column {header!r} does not say its unit"
+            raise InputError(
+                text, key=str(header), fix=f"call it {stem}_{si_unit}, or rename it with columns="
+            )
+        if field:
+            found[field] = in_si(frame[header].to_numpy(), "", header) * unit_factor(unit, si_unit) * factor
+    return settings(**found)
+
+
+def as_trace(trace: Any, force_N: Any = None, columns: Columns = None) -> ForceTrace:
+    """Return a trace of itself, of times and forces, or of a table with a column of each."""
+    if isinstance(trace, ForceTrace):
+        return trace
+    if force_N is not None:
+        return ForceTrace(time_s=in_si(trace, "s", "time_s"), force_N=in_si(force_N, "N", "force_N"))
+    if not (isinstance(trace, Mapping) or hasattr(trace, "columns") or hasattr(trace, "dtype")):
+        text = f"{type(trace).__name__} is no recording"
+        raise InputError(
+            text, key="trace", fix="give a ForceTrace, a table, or times and forces; read_trace reads files"
+        )
+    frame = as_frame(trace, columns)
+    arrays = []
+    for channel, unit in (("time", "s"), ("force", "N")):
+        names = [
+            name
+            for name in map(str, frame.columns)
+            if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]
+        ]
+        if len(names) != 1 or not split_unit_suffix(names[0])[1]:
+            text = (
+                f"{len(names)} columns are a {channel} with its unit, of {', '.join(map(str, frame.columns))}"
+            )
+            fix = f'name the one that is meant: columns={{"…": "{channel}_{unit}"}}'
+            raise InputError(text, key="columns", fix=fix)
+        factor = unit_factor(split_unit_suffix(names[0])[1], unit)
+        arrays.append(factor * in_si(frame[names[0]].to_numpy(), "", names[0]))
+    return ForceTrace(time_s=arrays[0], force_N=arrays[1])

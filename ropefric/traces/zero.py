@@ -1,0 +1,180 @@
+"""The zero of a recording: its drift while the rope is at rest, and a level at rest that is none."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ropefric.arrays import FloatArray, IntArray
+from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.events import half_climb
+from ropefric.traces.noise import runs_of
+from ropefric.traces.segments import AT_REST, Blocks, Prepared
+from ropefric.traces.trace import ForceTrace
+
+SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
+"""Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
+STANDS, SLOPE_SIGMAS = 0.3, 7.0
+"""A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
+PIECES, LEAST = 8, 8
+"""A stretch at rest is looked at in so many pieces, of so many samples at least."""
+DRIFT_SIGMAS = 4.0
+STEP, BUMP, AGREE = 0.8, 3.0, 3.0
+"""A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
+
+
+def with_its_zero(
+    trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
+) -> Breakaway:
+    """Return a result with what the rope at rest says of the zero: its drift, and a level that is none.
+
+    A recording in newtons that was not tared may begin at a pretension, which belongs to F_A, or at an error of the
+    zero, which does not.
+    """
+    n, blocks = prepared.blocks.n_rest, prepared.blocks
+    if result.status is not Status.OK or not n or result.peak_N <= 0.0:
+        return result
+    rests = rests_of(blocks, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
+    # What was hung on or taken up while the rope was at rest is no zero.
+    zero_N = float(prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])].mean())
+    drift_N, walk_std_N = drift(blocks, rests, result.peak_time_s)
+    std_N = float(np.hypot(np.hypot(result.peak_std_N, drift_N / np.sqrt(3.0)), walk_std_N))
+    result = replace(result, peak_std_N=std_N)
+    event = ForceEvent(
+        kind="break-away",
+        time_s=result.peak_time_s,
+        force_N=result.peak_N,
+        drop_N=result.drop_N,
+        fall_s=0.0,
+        evidence="as read",
+    )
+    if drift_N > SMALL_ZERO * result.peak_N:
+        why = f"the zero drifts by about {drift_N:.2g} N between the rope at rest and the peak"
+        return _undecided(result, f"{result.peak_N:.4g} N: {why}", (event,))
+    if trace.calibration is not None or settings.rest == "pretension":
+        return result
+    if settings.rest == "zero":
+        said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
+        return replace(
+            result,
+            peak_N=result.peak_N - zero_N,
+            peak_raw_N=result.peak_raw_N - zero_N,
+            two_line_N=result.two_line_N - zero_N,
+            kinetic_N=result.kinetic_N - zero_N,
+            notes=(*result.notes, said),
+        )
+    if not SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
+        return result
+    why = (
+        f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
+        '[protocol] rest = "zero") or a pretension (rest = "pretension")'
+    )
+    tared = replace(event, force_N=result.peak_N - zero_N, evidence="from the level at rest")
+    return _undecided(result, f"{result.peak_N:.4g} N or {tared.force_N:.4g} N: {why}", (event, tared))
+
+
+def _undecided(result: Breakaway, detail: str, candidates: tuple[ForceEvent, ...]) -> Breakaway:
+    """Return a result that was found, as one that is doubtful."""
+    return Breakaway(
+        status=Status.DOUBTFUL,
+        detail=detail,
+        noise_std_N=result.noise_std_N,
+        candidates=candidates,
+        events=result.events,
+        notes=result.notes,
+        phases=result.phases,
+    )
+
+
+def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
+    """Return the stretches before the climb to a top in which the rope is at rest, in blocks.
+
+    A slack that is taken up, weights that are hung on and a snag part them.
+    """
+    force_N = blocks.force_N
+    half, low_N = half_climb(force_N, 0, top), float(force_N[: top + 1].min())
+    rate = (float(force_N[top]) - float(force_N[half])) / max(1, top - half)
+    if half < 2 * LEAST or rate <= 0.0:
+        return []
+    # Means over w blocks that follow each other differ by noise of √(2/w), that is √2 w^-1.5 in slope.
+    w = int(np.ceil((SLOPE_SIGMAS * np.sqrt(2.0) * blocks.noise_N / (STANDS * rate)) ** (2.0 / 3.0)))
+    if half <= 2 * w:
+        return []
+    sums = np.concatenate([[0.0], np.cumsum(force_N[:half] - force_N[0])])
+    slope = np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) / w**2
+    low = force_N[w : half - w + 1] < low_N + AT_REST * (float(force_N[top]) - low_N)
+    flat = runs_of((slope < STANDS * rate) & low) + w
+    flat[flat == w] = 0  # from the beginning on
+    return [part for start, stop in flat.tolist() for part in _parted(force_N, start, stop)]
+
+
+def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]:
+    """Return the parts of a stretch between steps, which a line through all of it describes less well."""
+    values, n = force_N[start:stop] - force_N[start], stop - start
+    if n < 2 * LEAST:
+        return [(start, stop)] if n >= LEAST else []
+    x, k = np.arange(n) - 0.5 * (n - 1), np.arange(LEAST, n - LEAST + 1)
+    up, total = np.cumsum(values)[k - 1], float(values.sum())
+    # What is left of the sum of squares: of a line, and of two levels for every place of the step.
+    line = float(values @ values) - total**2 / n - float(x @ values) ** 2 / float(x @ x)
+    steps = float(values @ values) - up**2 / k - (total - up) ** 2 / (n - k)
+    at = int(np.argmin(steps))
+    if steps[at] >= STEP * line:
+        return [(start, stop)]
+    return [*_parted(force_N, start, start + int(k[at])), *_parted(force_N, start + int(k[at]), stop)]
+
+
+def drift(blocks: Blocks, rests: list[tuple[int, int]], at_s: float) -> tuple[float, float]:
+    """Return how far the zero drifts, and wanders, from the first of some stretches at rest until a time [N].
+
+    Their levels differ by what was hung on, unless a bump lies between; the slope that they share goes on where it
+    stands out of the noise, and so does their random walk: the means of pieces differ by more than white noise lets
+    them.
+    """
+    force_N = blocks.force_N
+    n = max((stop - start for start, stop in rests), default=0) // PIECES
+    if n * blocks.size < LEAST:
+        return 0.0, 0.0
+    means: list[FloatArray] = []
+    at: list[FloatArray] = []
+    bumps, ends = [], 0
+    for start, stop in rests:
+        # The ends may belong to what parts it from the next, the last of it to a soft start.
+        first, count = start + (stop - start) // 8, (3 * (stop - start) // 4) // n
+        if count < 2:
+            continue
+        pieces, times = (
+            some[first : first + count * n].reshape(count, n).mean(axis=1)
+            for some in (force_N, blocks.time_s)
+        )
+        if means:
+            edges = float(means[-1][-1]), float(pieces[0])
+            bump_N = float(force_N[ends : start + 1].max()) - max(edges)
+            bumps.append(bump_N >= BUMP * abs(edges[0] - edges[1]))
+        means.append(pieces)
+        at.append(times)
+        ends = stop
+    if not means:
+        return 0.0, 0.0
+    white_N = blocks.noise_N / np.sqrt(n)
+    own = np.repeat(np.arange(len(means)), [each.size for each in means])
+    slope, std = _common_slope(np.concatenate(at), np.concatenate(means), own, white_N)
+    if any(bumps):
+        one = np.cumsum([0, *np.logical_not(bumps)])[own]
+        shared, shared_std = _common_slope(np.concatenate(at), np.concatenate(means), one, white_N)
+        # Where the stretches themselves do not rise, something was taken up in between after all.
+        if abs(shared - slope) < AGREE * std:
+            slope, std = shared, shared_std
+    drift_N = abs(slope) * float(at_s - at[0].mean()) if abs(slope) >= DRIFT_SIGMAS * std else 0.0
+    walk_N2 = float(np.mean(np.concatenate([np.diff(each) for each in means]) ** 2)) - 2.0 * white_N**2
+    if walk_N2 < DRIFT_SIGMAS * white_N**2:
+        walk_N2 = 0.0
+    since = max(at_s - at[0][-1], 0.0) / float(at[0][1] - at[0][0])
+    return drift_N, float(np.sqrt(walk_N2 * since))
+
+
+def _common_slope(x: FloatArray, y: FloatArray, group: IntArray, white_N: float) -> tuple[float, float]:
+    """Return the slope that groups share, each with a level of its own, and its standard error."""
+    x, y = (some - (np.bincount(group, some) / np.bincount(group))[group] for some in (x, y))
+    slope = float(x @ y) / float(x @ x)
+    left_N = float(np.sqrt(((y - slope * x) ** 2).sum() / max(1, x.size - int(group[-1]) - 2)))
+    return slope, max(white_N, left_N) / float(np.sqrt(x @ x))

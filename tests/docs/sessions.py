@@ -1,0 +1,170 @@
+"""What a page shows is what a command prints: sessions in the pages, run and compared, or written anew.
+
+A ```console block is a session: a line that begins with `$ ` is run, what follows is its output, and a line `…` stands
+for any number of lines left out. `ropefric` (with or without `2>&1`), `cat FILE` and `echo $?` can be run; a command
+that ends with another code than 0 has `echo $?` behind it. A ```pycon block is a doctest. All blocks of a page run in
+their order in one folder that holds the checkout's `data`, `fits` and `docs`.
+"""
+
+import contextlib
+import doctest
+import io
+import os
+import re
+import shlex
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ropefric.cli.app import main
+
+ROOT = Path(__file__).parents[2]
+PAGES = [
+    ROOT / "README.md",
+    *(page for page in sorted(ROOT.glob("docs/**/*.md")) if page.parent.name != "generated"),
+]
+LEFT_OUT = "…"
+_BLOCK = re.compile(r"^```(console|pycon)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+@dataclass
+class Step:
+    """One command of a session, as the page has it."""
+
+    command: str
+    shown: list[str] = field(default_factory=list)
+
+
+def steps_of(block):
+    """Return the commands of a console block with what it says they print."""
+    steps = []
+    for line in block.splitlines():
+        if line.startswith("$ "):
+            steps.append(Step(line[2:]))
+        else:
+            assert steps, f"a session begins with a command, not with: {line}"
+            steps[-1].shown.append(line)
+    return steps
+
+
+def sessions(page):
+    """Return the kind and the text of every block of a page that is run."""
+    return _BLOCK.findall(page.read_text(encoding="utf-8"))
+
+
+def prepare(folder):
+    """Put what a checkout holds within reach of the commands."""
+    for name in ("data", "fits", "docs"):
+        (folder / name).symlink_to(ROOT / name, target_is_directory=True)
+
+
+class Shell:
+    """Runs the commands of one page in the working folder and remembers how the last one ended."""
+
+    def __init__(self):
+        self.code = 0
+
+    def run(self, line):
+        """Return the lines that a command prints."""
+        words = shlex.split(line)
+        if words == ["echo", "$?"]:
+            code, self.code = self.code, 0
+            return [str(code)]
+        assert self.code == 0, f"ended with {self.code}, and the page does not say so; before: {line}"
+        if words[0] == "cat":
+            return "".join(Path(name).read_text(encoding="utf-8") for name in words[1:]).splitlines()
+        assert words[0] == "ropefric", f"not a command a page may show: {line}"
+        out, err = io.StringIO(), io.StringIO()
+        both = words[-1] == "2>&1"
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out if both else err):
+            self.code = main(words[1 : len(words) - both])
+        assert self.code != 1, err.getvalue()
+        return [line.rstrip() for line in out.getvalue().strip("\n").splitlines()]
+
+
+def agrees(shown, printed):
+    """Say whether lines on a page are what was printed, `…` standing for what was left out."""
+    at = 0
+    for place, part in enumerate(_parts(shown)):
+        starts = [at] if place == 0 else range(at, len(printed) - len(part) + 1)
+        found = next((start for start in starts if printed[start : start + len(part)] == part), None)
+        if found is None:
+            return False
+        at = found + len(part)
+    return at == len(printed) or bool(shown and shown[-1].strip() == LEFT_OUT)
+
+
+def written_anew(shown, printed):
+    """Return what was printed with the same parts left out as on the page: a part is found by its first word."""
+    if not any(line.strip() == LEFT_OUT for line in shown):
+        return printed
+    kept, at = [], 0
+    for place, part in enumerate(_parts(shown)):
+        if place:
+            kept.append(LEFT_OUT)
+        if not part:
+            continue
+        keys = [_key(line) for line in printed]
+        start = 0 if place == 0 else next((n for n in range(at, len(keys)) if keys[n] == _key(part[0])), None)
+        assert start is not None, f"nothing printed begins like: {part[0]}"
+        kept += printed[start : start + len(part)]
+        at = start + len(part)
+    return kept
+
+
+def _parts(shown):
+    parts = [[]]
+    for line in shown:
+        if line.strip() == LEFT_OUT:
+            parts.append([])
+        else:
+            parts[-1].append(line)
+    return parts
+
+
+def _key(line):
+    return re.split(r"\s{2,}|[:=\d]", line.strip())[0] or line.strip()[:4]
+
+
+def run_page(page, *, anew=False):
+    """Run a page's blocks in the working folder; return its text, with what is printed now where `anew`.
+
+    What does not agree is an AssertionError that shows both.
+    """
+    shell, names = Shell(), {}
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+
+    def done(found):
+        kind, block = found.groups()
+        if kind == "pycon":
+            test = doctest.DocTestParser().get_doctest(block, names, page.name, str(page), 0)
+            said = io.StringIO()
+            runner.run(test, out=said.write, clear_globs=False)
+            names.update(test.globs)
+            assert not said.getvalue(), said.getvalue()
+            return found[0]
+        lines = []
+        for step in steps_of(block):
+            printed = shell.run(step.command)
+            if not anew and not agrees(step.shown, printed):
+                raise AssertionError(
+                    f"{page.name}: $ {step.command}\nprints\n" + "\n".join(printed) + "\nand not\n"
+                    "" + "\n".join(step.shown) + "\nrun python tests/regenerate_readme.py sessions"
+                )
+            lines += [f"$ {step.command}", *(written_anew(step.shown, printed) if anew else step.shown)]
+        return "```console\n" + "".join(f"{line}\n" for line in lines) + "```"
+
+    text = _BLOCK.sub(done, page.read_text(encoding="utf-8"))
+    assert shell.code == 0, (
+        f"{page.name}: the last command ended with {shell.code}, and the page does not say so"
+    )
+    return text
+
+
+@contextlib.contextmanager
+def quiet_terminal():
+    """Take away what a terminal or a user's settings would change in what is printed."""
+    kept = {name: os.environ.pop(name, None) for name in ("COLUMNS", "LINES", "FORCE_COLOR")}
+    try:
+        yield
+    finally:
+        os.environ.update({name: value for name, value in kept.items() if value is not None})

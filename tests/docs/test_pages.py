@@ -1,0 +1,176 @@
+"""The pages keep their word: what they print is printed, links lead somewhere, commands and options exist."""
+
+import importlib.util
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+import sessions
+
+import ropefric
+from ropefric.cli.app import build_app
+
+ROOT = sessions.ROOT
+PAGES = [*sessions.PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CODE_OF_CONDUCT.md"]
+QUICK = ("README.md", "docs/machines/beltdrive.md")
+"""Pages whose sessions are run by default; `-m slow` runs all."""
+OF_OTHERS = ("docs/paper/",)
+
+
+def name_of(page):
+    return page.relative_to(ROOT).as_posix()
+
+
+def with_sessions():
+    """Every page with something to run."""
+    for page in sessions.PAGES:
+        if sessions.sessions(page):
+            marks = () if name_of(page) in QUICK else pytest.mark.slow
+            yield pytest.param(page, id=name_of(page), marks=marks)
+
+
+@pytest.mark.parametrize("page", [*with_sessions()])
+def test_what_a_page_prints_is_printed(page, tmp_path, monkeypatch):
+    sessions.prepare(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    with sessions.quiet_terminal():
+        sessions.run_page(page)
+
+
+def test_the_readme_is_short():
+    assert (ROOT / "README.md").stat().st_size <= 8500
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_links_lead_somewhere(page):
+    """Pages and figures that are made while the site is built are looked for there."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+        path = (page.parent / target).resolve()
+        made = path.parent == ROOT / "docs" / "generated"
+        assert made or "://" in target or path.exists(), f"{name_of(page)}: {target}"
+
+
+def test_every_page_is_in_the_navigation():
+    listed, waiting = set(), [ROOT / "docs" / "index.md"]
+    while waiting:
+        page = waiting.pop()
+        if page in listed:
+            continue
+        listed.add(page)
+        for tree in re.findall(
+            r"^```\{toctree\}\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        ):
+            entries = [line for line in tree.splitlines() if line and not line.startswith(":")]
+            waiting += [page.parent / f"{entry}.md" for entry in entries if "generated/" not in entry]
+    assert listed == {
+        page for page in PAGES if (ROOT / "docs") in page.parents and not name_of(page).startswith(OF_OTHERS)
+    }
+
+
+def commands_named():
+    """Every command line in a page: in its shell and console blocks, and in its sentences."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for block in re.findall(r"^```(?:sh|console)\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+            yield from (
+                (name_of(page), line.removeprefix("$ ")) for line in block.splitlines() if "ropefric " in line
+            )
+        for said in re.findall(r"`(ropefric [^`]+)`", text):
+            yield name_of(page), said
+
+
+def test_every_command_named_exists_with_its_options():
+    import typer
+
+    group = typer.main.get_command(build_app())
+    known = {
+        name: {word for one in command.params for word in (*one.opts, *one.secondary_opts)}
+        for name, command in group.commands.items()
+    }
+    of_all = {word for one in group.params for word in one.opts} | {"-h", "--help"}
+    seen = set()
+    for page, line in commands_named():
+        found = re.search(r"(?:^|\s|/)ropefric ((?:--?)?[a-z-]+)(.*)", line)
+        if not found or line.startswith((">>>", "ropefric COMMAND")):
+            continue
+        verb, rest = found.groups()
+        if verb.startswith("-"):
+            assert verb in of_all, f"{page}: {line}"
+            continue
+        if verb not in known and not line.startswith(("ropefric", ".venv/bin/ropefric")):
+            continue  # a sentence that is printed
+        assert verb in known, f"{page}: {line}"
+        seen.add(verb)
+        used = {word.split("=")[0] for word in shlex.split(rest.split("…")[0]) if re.match(r"--?[a-z]", word)}
+        assert used <= known[verb] | of_all, f"{page}: {line}: no {used - known[verb] - of_all}"
+    assert len(seen) >= 15, f"only {sorted(seen)} are named at all"
+
+
+def test_samples_are_what_their_script_writes():
+    spec = importlib.util.spec_from_file_location("samples", ROOT / "docs" / "samples" / "make.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    made = module.files()
+    assert len(made) == 24
+    for path, content in made.items():
+        assert path.read_bytes() == content, f"{path}: run python docs/samples/make.py"
+
+
+def test_one_version():
+    cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)[
+        1
+    ]
+    built = re.search(
+        r'^version = "(\S+)"$', (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE
+    )[1]
+    assert cited == built == ropefric.__version__
+
+
+def test_citations_of_the_paper_are_in_its_list():
+    folder = ROOT / "docs" / "paper"
+    cited = set(re.findall(r"@(\w+)", (folder / "paper.md").read_text(encoding="utf-8")))
+    assert cited == set(
+        re.findall(r"^@\w+\{(\w+),", (folder / "paper.bib").read_text(encoding="utf-8"), re.MULTILINE)
+    )
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_warning_and_loads_nothing_from_elsewhere(tmp_path):
+    for name in ("sphinx", "myst_parser", "furo", "latex2mathml"):
+        pytest.importorskip(name)
+    site = tmp_path / "site"
+    built = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-q",
+        "-W",
+        "-b",
+        "html",
+        "-d",
+        str(tmp_path / "trees"),
+        "docs",
+        str(site),
+    ]
+    done = subprocess.run(built, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    pages = list(site.rglob("*.html"))
+    assert len(pages) >= 20
+    for path in [*pages, *site.rglob("*.css")]:
+        text = path.read_text(encoding="utf-8")
+        loaded = re.findall(r'<(?:script|img|iframe|source)[^>]*?\ssrc="([^"]+)"', text)
+        loaded += re.findall(
+            r'<link[^>]*?rel="(?:stylesheet|preload|icon|preconnect)"[^>]*?href="([^"]+)"', text
+        )
+        loaded += re.findall(
+            r'<link[^>]*?href="([^"]+)"[^>]*?rel="(?:stylesheet|preload|icon|preconnect)"', text
+        )
+        loaded += re.findall(r"(?:url\(|@import )[\"']?([^\"')]+)", text)
+        assert not [one for one in loaded if re.match(r"(?:https?:)?//", one)], path
+        assert str(ROOT) not in text, path
+        for missing in re.findall(r'<img[^>]*?\ssrc="([^"]+)"', text):
+            assert (path.parent / missing).exists(), f"{path}: {missing}"
+    assert "coupled" in (site / "searchindex.js").read_text(encoding="utf-8")

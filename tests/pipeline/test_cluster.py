@@ -1,0 +1,232 @@
+"""A real cluster of two worker processes: the same bytes as one process, though a worker dies in the middle."""
+
+import io
+import os
+import runpy
+import signal
+import sys
+from concurrent.futures import Executor
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+
+import ropefric as rf
+from ropefric.accuracy import measure
+from ropefric.accuracy.studies.uncertainty import KINDS, Design
+from ropefric.accuracy.studies.uncertainty import STUDY as UNCERTAINTY
+from ropefric.cli.app import main
+from ropefric.errors import DataError
+from ropefric.scenes.sweep import parse_axis, sweep_scene
+from ropefric.scenes.sweep_table import SweepTable
+from ropefric.trials import extract as extracting
+from ropefric.trials.campaign import load_campaign
+from ropefric.trials.result import write_tables
+
+ROOT = Path(__file__).parents[2]
+BENCH = ROOT / "data" / "prth-bench"
+
+
+@pytest.fixture(scope="module")
+def client():
+    """Two processes behind a scheduler, reached by its address as a remote one would be."""
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as local,
+        Client(local) as one,
+    ):
+        yield one
+
+
+@pytest.fixture
+def bench():
+    loaded = load_campaign(BENCH / "campaign.toml")
+    return loaded.model_copy(update={"trials": loaded.trials[:40]})
+
+
+def written(extraction, folder):
+    return {path.name: path.read_bytes() for path in write_tables(extraction, folder)}
+
+
+class Killing(Executor):
+    """Kills a worker when half of twenty pieces are handed over, before any of them can be done."""
+
+    def __init__(self, client):
+        self.client, self.executor, self.submitted = client, client.get_executor(pure=False), 0
+
+    def submit(self, work, *arguments):
+        self.submitted += 1
+        if self.submitted == 10:
+            kill_one(self.client)
+        return self.executor.submit(work, *arguments)
+
+
+def kill_one(client):
+    os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL")
+def test_recordings_give_the_same_bytes_though_a_worker_is_killed(client, bench, tmp_path, monkeypatch):
+    monkeypatch.setattr(extracting, "_PIECE", 2)
+    monkeypatch.chdir(tmp_path)  # the workers' own folder is another
+    seen = []
+    found = rf.extract(
+        bench,
+        executor=Killing(client),
+        cache_dir="cache",
+        progress=lambda done, total, _: seen.append((done, total)),
+    )
+    assert seen == [(i, 40) for i in range(1, 41)]
+    alone = rf.extract(bench)
+    assert written(found, tmp_path / "two") == written(alone, tmp_path / "one")
+    # What the workers found is kept for the next run.
+    assert rf.extract(bench, executor=client, cache_dir="cache").n_reused == 40
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
+def test_recordings_that_workers_do_not_find_are_an_error_and_no_bad_recordings(client, bench, monkeypatch):
+    monkeypatch.chdir(BENCH / "traces")  # what follows names another folder in each process
+    trials = (
+        *bench.trials[:3],
+        replace(bench.trials[3], path=Path("/proc/self/cwd") / bench.trials[3].path.name),
+    )
+    hidden = bench.model_copy(update={"trials": trials})
+    assert [trial.breakaway.status for trial in rf.extract(hidden).trials].count("unreadable") == 0
+    with pytest.raises(DataError, match="a worker does not find this file") as caught:
+        rf.extract(hidden, executor=client)
+    assert "under the same name" in caught.value.fix
+
+
+MORE_DRAWS = [(6, "bootstrap"), (36, "bootstrap-t")]
+
+
+@pytest.mark.parametrize(
+    ("conditions", "method"),
+    [
+        (36, "bootstrap"),
+        (6, "bootstrap-t"),
+        *(pytest.param(n, m, marks=pytest.mark.slow) for n, m in MORE_DRAWS),
+    ],
+)
+def test_resamples_are_the_same(client, method, conditions):
+    """With few conditions scatter is drawn about the law, with many whole conditions are."""
+    table = Design("coupled", conditions, 5).table(1)[0]
+    one, two = (
+        rf.fit(table, "constant", intervals=method, resamples=1700, executor=by) for by in (None, client)
+    )
+    assert repr(one.parameters) == repr(two.parameters)
+    assert (
+        one.provenance["intervals"] == two.provenance["intervals"] == {"method": method, "n": 1700, "seed": 0}
+    )
+
+
+@pytest.mark.slow
+def test_shares_of_a_study_of_coverage_are_the_same(client, monkeypatch):
+    monkeypatch.setattr(measure, "time_call", lambda *_: measure.Timing(1.0, 1.0, 1.0, 1, 1))
+    study = replace(UNCERTAINTY, cases=UNCERTAINTY.cases[10:11])
+    one, two = (measure.measure_studies([study], quick=True, executor=by)[0] for by in (None, client))
+    assert repr(one.points) == repr(two.points)  # a NaN is not equal to itself
+    assert {point.method for point in one.points} == set(KINDS)
+
+
+SWEEPS = {
+    "planned for its box": ("hoist", ["wheel.wrap=90deg:1440deg:300", "rope.diameter=1mm:80mm:400"]),
+    "some without an answer": ("press-start-up", ["friction.mu=0.001,0.1,0.3"]),
+    "point by point": ("belt-press", ["belts.upper.width=1m:2m:45"]),
+}
+
+
+@pytest.mark.parametrize(
+    "name", ["planned for its box", *(pytest.param(one, marks=pytest.mark.slow) for one in [*SWEEPS][1:])]
+)
+def test_the_table_of_a_sweep_is_the_same(client, name):
+    scene = rf.load_scene(BENCH.parent / "scenes" / f"{SWEEPS[name][0]}.toml")
+    axes = tuple(parse_axis(scene, text) for text in SWEEPS[name][1])
+
+    def swept(executor):
+        stream, seen = io.BytesIO(), []
+        table = SweepTable(axes, stream)
+        found = sweep_scene(
+            scene, axes, write=table.add, progress=lambda *told: seen.append(told), executor=executor
+        )
+        table.close()
+        rest = {
+            one.name: getattr(found, one.name) for one in fields(found) if one.name not in {"axes", "columns"}
+        }
+        return stream.getvalue(), seen, repr(rest), repr(found.columns)
+
+    assert swept(None) == swept(client)
+
+
+@pytest.mark.slow
+def test_the_commands_take_the_address_of_a_cluster(client, tmp_path):
+    address, said = client.scheduler.address, ["--quiet", "--no-cache", "--no-figures"]
+    assert main(["simulate", str(tmp_path / "lab"), "--conditions", "2", "--repeats", "6", "--quiet"]) == 0
+    sweep = [
+        "solve",
+        str(BENCH.parent / "scenes" / "hoist.toml"),
+        "--sweep",
+        "wheel.wrap=90deg:1440deg:50",
+        "--quiet",
+    ]
+    for name, more in {"one": [], "two": ["--cluster", address]}.items():
+        folder = ["--out", str(tmp_path / name)]
+        assert main(["extract", str(tmp_path / "lab"), *folder, *said, *more]) == 0
+        assert main([*sweep, "--out", str(tmp_path / f"{name}-sweep"), *more]) == 0
+    for name in ("one", "one-sweep"):
+        files = {path.name: path.read_bytes() for path in (tmp_path / name).iterdir() if path.is_file()}
+        other = tmp_path / name.replace("one", "two")
+        assert files == {path.name: path.read_bytes() for path in other.iterdir() if path.is_file()}
+
+
+@pytest.mark.slow
+def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, tmp_path):
+    hostile = runpy.run_path(str(ROOT / "tests" / "trials" / "test_hostile_files.py"))
+    (tmp_path / "nested.mat").write_bytes(hostile["mat_of_nested_cells"](5000))
+    fatal = replace(bench.trials[20], path=tmp_path / "nested.mat")
+    spoilt = bench.model_copy(update={"trials": (*bench.trials[:20], fatal, *bench.trials[21:])})
+    found = rf.extract(spoilt, executor=client)
+    assert repr(found) == repr(rf.extract(spoilt))
+    assert found.trials[20].breakaway.status == "unreadable"
+
+
+@pytest.mark.slow
+def test_twenty_thousand_recordings_and_a_worker_killed_in_the_middle(client, tmp_path):
+    lab = many_pulls(tmp_path / "lab", 20_000)
+
+    def progress(done, _total, _said):
+        if done == 10_000:
+            kill_one(client)
+
+    campaign = rf.load_campaign(lab)
+    found = rf.extract(campaign, executor=client, progress=progress)
+    assert len(found.trials) == 20_000
+    assert len(found.conditions) == 2_000
+    alone = rf.extract(campaign)
+    assert written(found, tmp_path / "two") == written(alone, tmp_path / "one")
+
+
+def many_pulls(folder, n):
+    """A campaign of `n` recordings of 400 samples, ten a condition; a hundred different ones, and links to them."""
+    time_s = np.arange(400) / 200.0
+    (folder / "traces").mkdir(parents=True)
+    rows = []
+    for i in range(n):
+        path = folder / "traces" / f"{i:05}.csv"
+        if i < 100:
+            rng = np.random.default_rng(i)
+            force_N = (60.0 + 0.4 * i) * np.interp(time_s, [0.3, 1.3, 1.32], [0.0, 1.0, 0.8])
+            force_N += rng.normal(0.0, 0.05, time_s.size)
+            lines = [f"{t:.3f},{f:.4f}" for t, f in zip(time_s, force_N, strict=True)]
+            path.write_text("\n".join(["time_s,force_N", *lines, ""]), encoding="utf-8")
+        else:
+            os.link(folder / "traces" / f"{i % 100:05}.csv", path)
+        rows.append(f"traces/{path.name},40,{90 + i // 10 % 40},{10 + i // 400 * 0.5}")
+    header = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
+    (folder / "trials.csv").write_text("\n".join([header, *rows, ""]), encoding="utf-8")
+    settings = (
+        'schema = "ropefric.campaign/1"\nname = "many"\ntrials = "trials.csv"\n[rope]\ndiameter = "9.8 mm"\n'
+    )
+    (folder / "campaign.toml").write_text(settings, encoding="utf-8")
+    return folder / "campaign.toml"

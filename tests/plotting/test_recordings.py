@@ -1,0 +1,131 @@
+"""Small multiples and single recordings: nothing is lost of a recording, a page stays small, laws keep their colour."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+
+from ropefric.fitting.compare import compare_laws
+from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.plotting.design import draw_ladder
+from ropefric.plotting.fits import draw_capstan, draw_corner, draw_fit_band, draw_mu_facets
+from ropefric.plotting.recordings import MOST, _in_cell, draw_recording, draw_recordings, pages_of_recordings
+from ropefric.plotting.style import law_look
+from ropefric.plotting.svg import svg_text
+from ropefric.trials.result import Outline
+from ropefric.trials.table import TrialTable
+
+
+def outline(n=900, spike=371):
+    force_N = np.linspace(10.0, 20.0, n)
+    force_N[spike] = 90.0
+    curve = {"low_N": force_N - 1.0, "high_N": force_N + 1.0, "smoothed_N": force_N}
+    return Outline(time_s=np.linspace(0.0, 3.0, n), **curve)
+
+
+@pytest.fixture
+def trial(make_trial):
+    return lambda name, force=90.0, **more: replace(make_trial(name, force, **more), outline=outline())
+
+
+def test_a_peak_of_one_sample_is_not_lost_in_its_cell(trial):
+    curve, _, numbers = _in_cell(trial("a"), outline())
+    assert len(curve) <= 2 * 44
+    assert curve[:, 1].min() == pytest.approx(0.86 - 0.5)  # the spike, on top of the cell
+    assert numbers[0][2] == "10 to 90 N"
+    assert numbers[1][2] == "3 s"
+
+
+def test_the_pick_stands_on_the_curve(trial):
+    found = trial("a")
+    found = replace(found, breakaway=replace(found.breakaway, peak_time_s=float(outline().time_s[371])))
+    curve, pick, _ = _in_cell(found, found.outline)
+    assert np.abs(curve - np.array(pick)).sum(axis=1).min() < 1e-9
+
+
+def test_a_campaign_of_thousands_stays_a_page(trial):
+    many = [trial(f"t{i:04d}") for i in range(3000)]
+    many[2900] = replace(many[2900], excluded="by hand")
+    pages = list(pages_of_recordings(many))
+    assert sum(map(len, pages)) == MOST
+    assert any(one.trial == "t2900" for page in pages for one in page)
+    names = [one.trial for page in pages for one in page]
+    assert names == sorted(names)
+    one_page = len(svg_text(draw_recordings(pages[0])))
+    assert one_page * len(pages) < 1_500_000
+
+
+def test_all_of_a_small_campaign_are_there_in_order(trial):
+    few = [trial(f"t{i}") for i in range(150)]
+    assert [one for page in pages_of_recordings(few) for one in page] == few
+
+
+def test_one_recording_names_its_pick(trial):
+    found = trial("a", 88.25)
+    drawn = draw_recording(found)
+    assert "88.25 N" in drawn.alt
+    assert any("88.25 N" in text.get_text() for text in drawn.figure.legends[0].get_texts())
+
+
+@pytest.fixture(scope="module")
+def comparison():
+    rng, wraps = np.random.default_rng(3), np.repeat([2.0, 4.0, 6.0, 8.0, 10.0, 12.0], 3)
+    wheels = np.tile([0.02, 0.03, 0.05], 6)
+    table = TrialTable(
+        trial=tuple(map(str, range(wraps.size))), wheel_radius_m=wheels, rope_radius_m=0.005,
+        wrap_angle_rad=wraps, end_tension_N=20.0,
+        peak_N=20.0 * np.exp((0.1 + wheels) * wraps + 0.01 * rng.standard_normal(wraps.size)),
+    )  # fmt: skip
+    return compare_laws(table, ["constant", "size-exponential", "size-power", "coupled"])
+
+
+def test_no_two_laws_look_alike_and_variants_look_like_their_law():
+    looks = {str(sorted(law_look(law).items(), key=str)) for law in LAWS}
+    assert len(looks) == len(LAWS)
+    for law in ALL_LAWS:
+        assert law_look(law) == law_look(law.removesuffix("-from-zero"))
+
+
+def test_a_law_has_one_colour_in_every_figure(comparison):
+    fits = [entry.fit for entry in comparison.ranking]
+    for drawn in (draw_mu_facets(fits), draw_capstan(fits)):
+        lines = {
+            line.get_label(): to_hex(line.get_color()) for axes in drawn.figure.axes for line in axes.lines
+        }
+        for fit in fits:
+            label = (
+                fit.law if fit.law in lines else next(name for name in lines if name.startswith("straight"))
+            )
+            assert lines[label] == to_hex(law_look(fit.law)["color"])
+    for fit in fits:
+        wanted = to_hex(law_look(fit.law)["color"])
+        band = draw_fit_band(fit).figure.axes[0]
+        assert to_hex(next(one for one in band.lines if one.get_label() == "mean law").get_color()) == wanted
+    ladder = draw_ladder(comparison).figure.axes[0]
+    marks = [line for line in ladder.lines if line.get_marker() in {"D", "o"}]
+    ranked = [entry.law for entry in comparison.ranking if entry.counted]
+    assert [to_hex(mark.get_color()) for mark in marks] == [to_hex(law_look(law)["color"]) for law in ranked]
+
+
+def test_the_ellipses_of_a_corner_are_those_of_the_covariance(comparison):
+    fit = next(entry.fit for entry in comparison.ranking if entry.law == "size-power" and entry.fit)
+    drawn = draw_corner(fit)
+    shown = np.flatnonzero(fit.shown)
+    n = shown.size
+    assert n > 1
+    covariance = fit.covariance[np.ix_(shown, shown)]
+    std = np.sqrt(np.diag(covariance))
+    panels = np.array(drawn.figure.axes).reshape(n, n)
+    for row in range(1, n):
+        for column in range(row):
+            for reach, patch in zip((1.0, 2.0), panels[row, column].patches, strict=True):
+                offset = patch.get_xy()[:-1] * std[[column, row]]  # in the parameters' own units
+                block = covariance[np.ix_([column, row], [column, row])]
+                distance = np.einsum("ij,ij->i", offset, np.linalg.solve(block, offset.T).T)
+                assert distance == pytest.approx(np.full(len(offset), reach**2), rel=1e-6)
+    numbers = [float(text.get_text().replace("−", "-")) for text in panels[-1, 0].get_xticklabels()]
+    value = fit.parameters[shown[0]].value
+    assert numbers == pytest.approx([value + side * std[0] for side in (-2, 0, 2)], rel=6e-3)
+    assert math.isfinite(sum(row[4] for row in drawn.tables[0].rows))

@@ -1,0 +1,109 @@
+"""Results show themselves: short in a terminal, a table in a notebook, a frame, a figure."""
+
+import inspect
+import re
+import typing
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ropefric as rf
+from ropefric.shown import Shown, in_words
+
+ROOT = Path(__file__).parents[1]
+TRIALS, COUPLED = ROOT / "fits" / "prth-trials.csv", ROOT / "fits" / "prth-coupled.json"
+HOIST = ROOT / "data" / "scenes" / "hoist.toml"
+PUBLIC = [name for name in rf.__all__ if inspect.isfunction(getattr(rf, name))]
+WHEEL = {"wheel_radius_m": 0.035, "wrap_angle_rad": 7.0, "end_tension_N": 60.0}
+time_s = np.arange(2500) / 1000
+force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80]) + 0.1 * np.sin(1e4 * time_s)
+MADE = {
+    "table": lambda: rf.trial_table(TRIALS),
+    "fit": lambda: rf.load_fit(COUPLED),
+    "comparison": lambda: rf.compare(TRIALS, ["wrap-power"]),
+    "diagnosis": lambda: rf.diagnose(TRIALS, rf.compare(TRIALS, ["wrap-power"])),
+    "prediction": lambda: rf.predict(COUPLED, **WHEEL),
+    "design": lambda: rf.design(COUPLED, lift_N=900.0, wheel_radius_m=[0.03, 0.04], end_tension_N=80.0),
+    "budget": lambda: rf.budget(COUPLED, **WHEEL, draws=20_000),
+    "export": lambda: rf.friction_table(COUPLED, wheel_radius_m=["20 mm", "40 mm"]),
+    "series": lambda: rf.reject([7.18, 7.64, 8.00, 7.40, 9.14, 7.82]),
+    "smoothed": lambda: rf.smooth({"time_s": time_s, "force_N": force_N}, 0.01),
+    "solution": lambda: rf.solve(HOIST),
+    "explanation": lambda: rf.explain(HOIST),
+    "sweep": lambda: rf.sweep(HOIST, "wheel.wrap=1turn,2turn", "wheel.radius=20mm,40mm,50mm"),
+    "plan": lambda: rf.plan_tests(
+        COUPLED, wheels_m=["20 mm"], wraps_rad=["1 turn", "2 turn"], end_tensions_N=[20, 40], **WHEEL,
+        n_conditions=2, repeats=3, largest_force_N="1 kN",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_result_shows_itself_in_every_form(name):
+    from matplotlib.figure import Figure
+
+    result = MADE[name]()
+    lines = repr(result).splitlines()
+    assert lines[0] == type(result).__name__
+    assert 2 < len(lines) <= 12
+    assert max(map(len, lines)) < 120
+    assert re.search(r"\d", "".join(lines[1:]))
+    assert result._repr_html_().count("<tr>") >= 2
+    frame = result.to_frame()
+    assert isinstance(frame, pd.DataFrame)
+    assert len(frame) >= 1
+    assert isinstance(result.plot(), Figure)
+
+
+def test_everything_the_interface_returns_does():
+    plain = {"lmfit_model", "save_fit", "write_scenes"}
+    for name in set(PUBLIC) - plain:
+        returned = inspect.signature(getattr(rf, name)).return_annotation
+        if typing.get_origin(returned) is tuple:
+            returned = typing.get_args(returned)[0]
+        assert issubclass(returned, Shown), name
+
+
+def test_the_numbers_carry_unit_and_uncertainty():
+    said = repr(rf.predict(COUPLED, **WHEEL))
+    assert re.search(r"lift force +\d+\.\d\d ± 0\.\d\d N\n", said)
+    fit = rf.load_fit(COUPLED)
+    assert re.search(r"mu_inf +0\.4612 ± 0\.0034\n", repr(fit))
+    frame = fit.to_frame().set_index("name")
+    assert frame.loc["mu_inf", "value"] == fit["mu_inf"].value
+    assert (frame.loc["mu_inf", "ci95_low"], frame.loc["mu_inf", "ci95_high"]) == fit["mu_inf"].ci95
+    grid = rf.sweep(HOIST, "wheel.wrap=1turn,2turn", "wheel.radius=20mm,40mm,50mm")
+    wide = grid.to_frame()
+    assert wide["wheel.radius"].tolist() == [0.02, 0.04, 0.05] * 2
+    assert wide["lift_force_N"].tolist() == grid.columns["lift_force_N"].tolist()
+
+
+def test_a_break_away_is_drawn_on_its_recording():
+    found = rf.find_breakaway(time_s, force_N)
+    with pytest.raises(rf.RopefricError, match=r"write found.plot\(trace\)"):
+        found.plot()
+    axes = found.plot({"time_s": time_s, "force_N": force_N}).axes[0]
+    assert axes.get_ylabel() == "Force [N]"
+    assert "status" in found.to_frame().columns
+    assert found.to_frame()["peak_N"].tolist() == [found.peak_N]
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "said"),
+    [
+        (70.1234, 0.0512, "70.123 ± 0.051 N"),
+        (70.1234, 0.0996, "70.123 ± 0.100 N"),
+        (12345.6, 250.0, "12350 ± 250 N"),
+        (1e-30, 1e-32, "1e-30 ± 1e-32 N"),
+        (np.inf, 1.0, "inf N"),
+        (np.nan, 1.0, ""),
+        (5.0, np.nan, "5 N"),
+        (5.0, 0.0, "5 N"),
+        (True, None, "yes"),
+        (np.array([[1.0, 2.0]]), None, "1 to 2 N"),
+    ],
+)
+def test_numbers_in_words(value, std, said):
+    assert in_words(value, "N", std) == said

@@ -414,7 +414,8 @@ PAPER = Paper(
     system="hoist",
     scene="climbing-hoist",
     machine=_machine,
-    of="the climbing hoist and the simulated trials that ropefric brings along",
+    of="the climbing hoist that ropefric brings along",
+    beside="the conditions its fit rests on, simulated",
     items=(
         Item(number="(1), Fig. 1", says="the element with its mass, and the slip angle θ of the wrap φ", where="1",
             rows=_figure_1, charts=_chart_1),

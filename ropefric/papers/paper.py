@@ -166,7 +166,7 @@ class Reading:
         lines = (
             self.paper.source,
             f"for {self.of}",
-            *([f"{said}; the others have a remark"] if self.printed else []),
+            *([said + "; the others have a remark" * (agree < len(self.printed))] if self.printed else []),
         )
         yield Part(self.paper.title, lines=lines, notes=self.paper.notes)
         for item, rows in self.rows:

@@ -468,5 +468,6 @@ def reduction_of(trials: TrialTable) -> tuple[list[Part], list[Shown]]:
     if not found.reduction.series:
         return [], []
     rows = {item: tuple(item.rows(found)) for item in PAPER.items[3:-1]}
-    charts = [one for item in rows for one in item.charts(found)]
+    # A report shows the coefficients over each setting, of all conditions, anyway.
+    charts = [one for item in rows for one in item.charts(found) if not one.stem.endswith(_MU[0])]
     return [part_of(item, some) for item, some in rows.items() if some], charts

@@ -192,7 +192,7 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
         text = "This report was made without figures; `ropefric report` adds them."
         of_trials.append(Alert("note", "No figures", text))
     blocks: dict[str, Iterable[Block]] = {
-        "result": front_blocks(subject, of_answer, pictures.get("front", ())),
+        "result": front_blocks(subject, of_answer, len(of_trials), pictures.get("front", ())),
         "warnings": [of_trials] if of_trials else [],
         "trials": [*(_trial_sections(run, evidence) if run else ()), *pictures.get("trials", ())],
         "recordings": pictures.get("recordings", ()),

@@ -1,5 +1,6 @@
 """The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -12,7 +13,7 @@ from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
-from ropefric.cli.output import Output, Progress, json_text
+from ropefric.cli.output import Output, Progress, json_text, width_of
 
 with on_first_use():
     from ropefric import executors
@@ -99,7 +100,9 @@ def solve(
             )
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}
-        return Answer(data, pages.sweep_sections(found), exit_code_of(found.keeps_accuracy))
+        return Answer(
+            data, pages.sweep_sections(found, width_of(sys.stdout)), exit_code_of(found.keeps_accuracy)
+        )
 
 
 def _solved_names() -> tuple[str, ...]:

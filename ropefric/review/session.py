@@ -285,6 +285,10 @@ class Review:
 
     def _changed_since(self, state: _State, trial: str) -> dict[str, Any]:
         before, now = state.rows, self._state.rows
+        if before.keys() != now.keys():  # what was one trial has become several
+            self._change = None
+            self._recompute()
+            return self.overview()
         self._change = {
             "trial": trial,
             "was": before[trial] | {"condition_was": state.condition(trial)},

@@ -1,4 +1,4 @@
-"""A CSV table about trials as cells: separator found out, columns bound by name and unit, numbers in SI, with lines."""
+"""A table about trials as cells: separator found out, columns bound by name and unit, numbers in SI, with lines."""
 
 import csv
 import os
@@ -12,6 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ropefric.errors import DataError, InputError, Problem
+from ropefric.files.parquet import parquet_as_csv
 from ropefric.files.read import use_file
 from ropefric.files.text import Source, load_text
 from ropefric.quantities import in_range, parse_quantity, split_unit_suffix, unit_factor
@@ -145,7 +146,7 @@ class Column:
 
 
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
-    r"""Return the cells of a CSV file or of the first sheet of a workbook, and what is wrong with single rows.
+    r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and what is wrong with single rows.
 
     Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row;
     empty lines and lines that start with "#" are left out.
@@ -183,6 +184,8 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
 def _text(source: Source) -> tuple[str, str]:
     if source.path.suffix.lower() in READER.suffixes:
         return sheet_as_csv(source)
+    if source.path.suffix.lower() == ".parquet":
+        return parquet_as_csv(source.raw_bytes(), source.shown), ""
     return load_text(source).whole().data.decode(), ""
 
 

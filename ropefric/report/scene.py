@@ -29,12 +29,14 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
     headings, rows = _quantities(whole, solution.level, scene.kind.words) if whole else ((), ())
     title = f"{scene.kind.name}: {scene.document.path}"
     bound = "not known" if math.isinf(plan.error_bound) else f"at most {plan.error_bound:.2g}"
-    simulated = (
+    beyond = "; ".join(scene.kind.beyond[name] for name in solution.beyond_bound)
+    simulated = [
         f"effects: {', '.join(plan.simulated) or 'none'}",
         f"left out: {', '.join(plan.left_out) or 'none'}",
         f"method: {_method(plan)}",
         f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
-    )
+        *([f"not bounded, but of the effects simulated: {beyond}"] if beyond else []),
+    ]
     return [
         Section(title, lines, headings, rows, notes=solution.warnings),
         *(Section(**part._asdict()) for part in scene.kind.sections(tree)),
@@ -153,7 +155,7 @@ def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:
         return [Section(title, lines, headings, rows, notes=sweep.warnings)]
     points = product(*((axis.values / axis.factor).tolist() for axis in sweep.axes))
     columns = [
-        (f"{axis.key} [{axis.unit}]" if axis.unit else axis.key, [f"{value:.5g}" for value in values])
+        (axis.label, [f"{value:.5g}" for value in values])
         for axis, values in zip(sweep.axes, zip(*points, strict=True), strict=True)
     ]
     columns += [

@@ -50,6 +50,7 @@ def extract(
     folder: Path = out_folder("Where tables and figures go.", Path("out")),
     jobs: options.Jobs = "auto",
     cluster: options.Cluster = "",
+    parquet: options.Parquet = False,
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
     cache: options.Cache = True,
     force: Force = False,
@@ -71,7 +72,7 @@ def extract(
             extraction = extracting.extract_campaign(
                 loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
             )
-        result.write_tables(extraction, target)
+        result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
         if figures:
             start_figures(
@@ -214,6 +215,7 @@ def run(
     law: str = Option("", help="Use this law, whichever wins."),
     jobs: options.Jobs = "auto",
     cluster: options.Cluster = "",
+    parquet: options.Parquet = False,
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
@@ -237,6 +239,7 @@ def run(
         law=law,
         n_jobs=n_jobs,
         cluster=cluster,
+        parquet=parquet,
         cache=cache,
         drawing=drawing,
         force=force,
@@ -251,6 +254,7 @@ def work_through(
     law: str = "",
     n_jobs: int = 1,
     cluster: str = "",
+    parquet: bool = False,
     cache: bool = True,
     drawing: frozenset[str] = frozenset({"report"}),
     wish: "front.Wish | None" = None,
@@ -291,6 +295,7 @@ def work_through(
                     jobs=n_jobs,
                     cache_dir=cache_dir,
                     executor=executor,
+                    parquet=parquet,
                     extract_progress=extracting.update,
                     fit_progress=lambda name, done, total: fitting.update(done, total, name),
                     on_extracted=draw,

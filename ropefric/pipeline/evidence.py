@@ -330,6 +330,9 @@ def recorded_run(folder: Path) -> tuple[Path, str]:
     known = isinstance(tree, dict) and tree.get("schema") == SCHEMA
     if not known or not all(isinstance(tree.get(key), str) for key in ("campaign", "law")):
         raise DataError(
-            f"this is no {SCHEMA}", code="RF101", path=path.as_posix(), fix="give the campaign itself"
+            f"this is no {SCHEMA}",
+            code="RF101",
+            path=path.as_posix(),
+            fix="give the campaign or the table itself",
         )
     return Path(os.path.normpath(folder / tree["campaign"])), tree["law"]

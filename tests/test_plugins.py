@@ -116,6 +116,7 @@ def test_a_campaign_names_reader_rule_and_protocol(lab, capsys):
     assert [trial.peak_N for trial in extraction.trials] == pytest.approx(
         [100, 101, 99.5, 100.4, 130], abs=0.3
     )
+    assert set(rf.load_campaign("campaign.toml").plugins) == {"my_reader.py", "my_rule.py", "my_protocol.py"}
     tree = campaign.resolved()
     assert [one["file"] for one in tree["plugins"]] == ["my_reader.py", "my_rule.py", "my_protocol.py"]
 

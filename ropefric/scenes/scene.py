@@ -41,6 +41,7 @@ class FrictionSource:
     dof: float = math.inf
     tested: Mapping[str, tuple[float, float]] | None = None
     warnings: tuple[str, ...] = ()
+    fit: FitResult | None = None
 
 
 def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | None:
@@ -58,6 +59,7 @@ def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | N
             "covariance": np.asarray(fit.covariance),
             "dof": degrees_of_freedom(fit),
             "tested": {name: (float(low), float(high)) for name, (low, high) in fit.validity.items()},
+            "fit": fit,
             "warnings": () if sound else (f"the fit's status is {fit.status.value}", *fit.advice),
         }
     else:

@@ -60,6 +60,8 @@ def everything(folder: Path) -> None:
         for stem, figure in drawn.items()
     }
     folder.mkdir(exist_ok=True)
+    for old in {path.name for path in folder.iterdir()} - pages.keys() - pictures.keys():
+        (folder / old).unlink()
     for name, text in (pages | pictures).items():
         path = folder / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:

@@ -256,8 +256,8 @@ def registered_page() -> str:
         _table("Friction laws", ("name", "equation", "parameters", "source"), law_rows),
         _table(
             "File formats",
-            ("name", "endings"),
-            [(f"`{one.name}`", ", ".join(one.suffixes)) for one in READERS.values()],
+            ("name", "what", "endings"),
+            [(f"`{one.name}`", one.description, ", ".join(one.suffixes)) for one in READERS.values()],
         ),
         _described("Protocols", PROTOCOLS),
         _described("Rejection rules", RULES),

@@ -22,10 +22,11 @@ LEVELS = {
     "trials": 3, "rig": 3,
     "fitting": 4, "given": 4,
     "scenes": 5,
-    "pipeline": 6, "accuracy": 6, "contracts": 6,
+    "pipeline": 6, "accuracy": 6, "contracts": 6, "papers": 6,
     "plotting": 7,
     "report": 8,
-    "cli": 9, "api": 9,
+    "review": 9,
+    "cli": 10, "api": 10,
 }  # fmt: skip
 # The package's own face and its `python -m` door stand outside the house: they may look at everything.
 DOORS = {"__init__", "__main__"}

@@ -90,7 +90,10 @@ CampaignArgument = Annotated[
 ]
 TableArgument = Annotated[
     Path,
-    typer.Argument(metavar="TRIALS.csv", help="A trial table: what `extract` writes, or one of your own."),
+    typer.Argument(
+        metavar="TRIALS.csv",
+        help="A trial table, CSV, Excel or Parquet: what `extract` writes, or one of your own.",
+    ),
 ]
 SceneArgument = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A stored fit.")]
@@ -104,6 +107,9 @@ Cluster = Annotated[
     typer.Option(
         "--cluster", metavar="local|ADDRESS", help="Work on a dask cluster, tcp://HOST:8786 as a rule."
     ),
+]
+Parquet = Annotated[
+    bool, typer.Option("--parquet", help="Write trials.parquet beside trials.csv, with the same numbers.")
 ]
 Level = Annotated[float, typer.Option(help="Level of the intervals, between 0 and 1.")]
 

@@ -31,12 +31,12 @@ _RANKING = (
     *("delta_aicc", "weight", "bic", "loco_error", "note"),
 )
 _EXTRACTED = (
-    *("trials.csv", "conditions.csv", "problems.csv"),
+    *("trials.csv", "conditions.csv", "problems.csv", "trials.parquet"),
     *(f"figures/Rw*deg_F*.{end}" for end in ("csv", "png", "svg", "pdf")),
 )
 _FIGURES = (
     *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder", "corner"),
-    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_"),
+    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_", "paper_"),
 )
 _ANSWERED = (
     *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),
@@ -163,6 +163,7 @@ def run_campaign(
     jobs: int = 1,
     cache_dir: Path | None = None,
     executor: Any = None,
+    parquet: bool = False,
     extract_progress: Callable[[int, int, str], None] | None = None,
     fit_progress: Progress | None = None,
     on_extracted: Callable[[Extraction], None] | None = None,
@@ -170,15 +171,15 @@ def run_campaign(
     """Return the result of a campaign, and write its tables, fits, comparison and prediction into a folder.
 
     Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
-    prediction.json; the same campaign gives the same bytes, whatever `jobs`, the executor that
-    reads in their stead, and the cache.
+    prediction.json, and trials.parquet if it is wanted; the same campaign gives the same bytes, whatever `jobs`, the
+    executor that reads in their stead, and the cache.
     """
     found = extract_campaign(
         campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress, executor=executor
     )
     extraction = set_aside_impossible(found, campaign)
     target = as_folder(folder)
-    tables = write_tables(extraction, target)
+    tables = write_tables(extraction, target, parquet=parquet)
     target.publish("tables")
     if on_extracted is not None:
         on_extracted(extraction)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from importlib import import_module
 from math import prod
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -10,18 +9,15 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
 from ropefric.files.folder import Folder
+from ropefric.files.parquet import arrow
 from ropefric.files.plain_text import csv_cell, csv_text
-from ropefric.scenes.sweep import Axis, Sweep
-
-_BLOCK = 50_000
+from ropefric.scenes.sweep import BLOCK, Axis, Sweep
 
 
 def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]:
     """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
-    keys = (f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in axes)
-    return (*keys, *columns)
+    return (*(axis.label for axis in axes), *columns)
 
 
 class SweepTable:
@@ -33,7 +29,7 @@ class SweepTable:
     def __init__(self, axes: tuple[Axis, ...], stream: BinaryIO, *, parquet: bool = False) -> None:
         self._axes, self._stream = axes, stream
         self._written = self._waiting = 0
-        self._parquet: Any = _parquet() if parquet else None
+        self._parquet: Any = arrow("--table") if parquet else None
         self._writer: Any = None
         # An axis has few values, so each is put into words once.
         self._words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in axes]
@@ -51,7 +47,7 @@ class SweepTable:
                 self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
         values = np.stack([columns[name] for name in self._names], axis=-1)
         while self._waiting > count:
-            size = min(self._waiting - count, _BLOCK)
+            size = min(self._waiting - count, BLOCK)
             self._write(np.full((size, len(self._names)), np.nan))
         self._write(values)
 
@@ -71,11 +67,11 @@ class SweepTable:
             self._stream.write(_rows(words, rows, values[first - start : last - start]).encode())
 
     def _write_group(self, start: int, stop: int, values: FloatArray) -> None:
-        arrow, parquet = self._parquet
+        pyarrow, parquet = self._parquet
         grid = np.unravel_index(np.arange(start, stop), [axis.values.size for axis in self._axes])
         swept = [axis.values[i] / axis.factor for axis, i in zip(self._axes, grid, strict=True)]
-        arrays = [arrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
-        group = arrow.table(arrays, names=list(header_of(self._axes, self._names)))
+        arrays = [pyarrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
+        group = pyarrow.table(arrays, names=list(header_of(self._axes, self._names)))
         if self._writer is None:
             self._writer = parquet.ParquetWriter(self._stream, group.schema)
         self._writer.write_table(group)
@@ -86,18 +82,6 @@ class SweepTable:
             self._write(np.full((self._waiting, len(self._names)), np.nan))
         if self._writer is not None:
             self._writer.close()
-
-
-def _parquet() -> tuple[Any, Any]:
-    try:
-        return import_module("pyarrow"), import_module("pyarrow.parquet")
-    except ImportError:
-        raise InputError(
-            "Parquet needs pyarrow, which is not installed",
-            code="RF107",
-            key="--table",
-            fix='pip install "ropefric[parquet]", or write CSV',
-        ) from None
 
 
 @contextmanager
@@ -113,9 +97,9 @@ def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
     """Write a sweep that is at hand as CSV or Parquet, as `SweepTable` does; return the path."""
     with sweep_table(sweep.kept, folder, name) as table:
         size = prod(axis.values.size for axis in sweep.kept)
-        for start in range(0, size, _BLOCK):
-            block = {key: values[start : start + _BLOCK] for key, values in sweep.columns.items()}
-            table.add(block, min(_BLOCK, size - start))
+        for start in range(0, size, BLOCK):
+            block = {key: values[start : start + BLOCK] for key, values in sweep.columns.items()}
+            table.add(block, min(BLOCK, size - start))
     return folder.path / name
 
 

@@ -1,4 +1,4 @@
-"""A CSV table about trials as cells: separator found out, columns bound by name and unit, numbers in SI, with lines."""
+"""A table about trials as cells: separator found out, columns bound by name and unit, numbers in SI, with lines."""
 
 import csv
 import os
@@ -12,6 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ropefric.errors import DataError, InputError, Problem
+from ropefric.files.parquet import parquet_as_csv
 from ropefric.files.read import use_file
 from ropefric.files.text import Source, load_text
 from ropefric.quantities import in_range, parse_quantity, split_unit_suffix, unit_factor
@@ -145,7 +146,7 @@ class Column:
 
 
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
-    r"""Return the cells of a CSV file or of the first sheet of a workbook, and what is wrong with single rows.
+    r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and what is wrong with single rows.
 
     Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row;
     empty lines and lines that start with "#" are left out.
@@ -160,12 +161,12 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
             raise
         fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
         raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
-    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if _counts(line)]
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if is_row(line)]
     if not lines:
         fix = "write a header such as file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
         raise DataError("the table is empty", path=shown, fix=fix)
     header_line, head = lines[0]
-    separator = next((mark for mark in (";", "\t") if mark in head), ",")
+    separator = separator_of(head)
     quoted = '"' in text
     split = [(number, _split(line, separator, quoted=quoted)) for number, line in lines]
     header = split[0][1]
@@ -183,10 +184,18 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
 def _text(source: Source) -> tuple[str, str]:
     if source.path.suffix.lower() in READER.suffixes:
         return sheet_as_csv(source)
+    if source.path.suffix.lower() == ".parquet":
+        return parquet_as_csv(source.raw_bytes(), source.shown), ""
     return load_text(source).whole().data.decode(), ""
 
 
-def _counts(line: str) -> bool:
+def separator_of(head: str) -> str:
+    """Return what separates the cells of a table with this header line."""
+    return next((mark for mark in (";", "\t") if mark in head), ",")
+
+
+def is_row(line: str) -> bool:
+    """Return whether a line holds cells, not only blanks or a comment."""
     bare = line.strip()
     # A spreadsheet writes empty rows as ";;;;" and quotes a comment that holds a separator.
     return bool(bare.strip(",;\t ")) and not bare.lstrip('"').startswith("#")

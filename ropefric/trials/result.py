@@ -17,6 +17,7 @@ from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import DataError, Problem
 from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
+from ropefric.files.parquet import parquet_bytes
 from ropefric.files.plain_text import csv_cell, csv_text
 from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status
@@ -345,8 +346,10 @@ _RESIDUE = 1e-12
 """What a number in newtons or seconds is that should be zero."""
 
 
-def write_tables(extraction: Extraction, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
-    """Write trials.csv, conditions.csv and problems.csv; return their paths.
+def write_tables(
+    extraction: Extraction, folder: Folder | str | os.PathLike[str], *, parquet: bool = False
+) -> tuple[Path, ...]:
+    """Write trials.csv, conditions.csv and problems.csv, and trials.parquet if it is wanted; return their paths.
 
     UTF-8, comma, decimal point, one header line with units in the names, empty cells where there is no number;
     what was measured to nine significant digits, so that the same recordings give the same bytes on every machine.
@@ -357,13 +360,14 @@ def write_tables(extraction: Extraction, folder: Folder | str | os.PathLike[str]
         _rounded(trial.to_dict(), known="peak_N" if trial.measures_slack else "end_tension_N")
         for trial in extraction.trials
     ]
-    return as_folder(folder).write(
-        {
-            "trials.csv": _text(trials),
-            "conditions.csv": _text([_rounded(condition.to_dict()) for condition in extraction.conditions]),
-            "problems.csv": _text(problems, columns=_PROBLEM_COLUMNS),
-        }
-    )
+    tables: dict[str, str | bytes] = {
+        "trials.csv": _text(trials),
+        "conditions.csv": _text([_rounded(condition.to_dict()) for condition in extraction.conditions]),
+        "problems.csv": _text(problems, columns=_PROBLEM_COLUMNS),
+    }
+    if parquet:
+        tables["trials.parquet"] = parquet_bytes(trials, key="--parquet")
+    return as_folder(folder).write(tables)
 
 
 def _rounded(row: Mapping[str, Any], *, known: str = "") -> dict[str, Any]:

@@ -126,7 +126,7 @@ def test_what_is_called_off_is_cancelled():
 
 def test_workers_of_another_make_are_refused(monkeypatch):
     def there(_made_by, work, piece):
-        return executors._there("ropefric 0.0.1", work, piece)
+        return executors._there("ropefric 0.0.1", (), work, piece)
 
     monkeypatch.setattr(executors, "_handed", lambda pool, work, piece: pool.submit(there, "", work, piece))
     with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match=r"a worker runs .*numpy .*0\.0\.1"):

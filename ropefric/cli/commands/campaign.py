@@ -50,6 +50,7 @@ def extract(
     folder: Path = out_folder("Where tables and figures go.", Path("out")),
     jobs: options.Jobs = "auto",
     cluster: options.Cluster = "",
+    parquet: options.Parquet = False,
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
     cache: options.Cache = True,
     force: Force = False,
@@ -71,10 +72,12 @@ def extract(
             extraction = extracting.extract_campaign(
                 loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
             )
-        result.write_tables(extraction, target)
+        result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
         if figures:
-            start_figures(extraction, target, out, drawing_pool(extraction, n_jobs, stack))()
+            start_figures(
+                extraction, loaded.report.language, target, out, drawing_pool(extraction, n_jobs, stack)
+            )()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -109,12 +112,18 @@ def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack)
 
 
 def start_figures(
-    extraction: "result.Extraction", folder: "folders.Folder", out: Output, executor: "Executor | None"
+    extraction: "result.Extraction",
+    language: str,
+    folder: "folders.Folder",
+    out: Output,
+    executor: "Executor | None",
 ) -> Callable[[], None]:
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
+    write = start_condition_figures(
+        extraction, folder, under="figures/", language=language, executor=executor
+    )
 
     def finish() -> None:
         with Progress(out, "figures") as progress:
@@ -206,6 +215,7 @@ def run(
     law: str = Option("", help="Use this law, whichever wins."),
     jobs: options.Jobs = "auto",
     cluster: options.Cluster = "",
+    parquet: options.Parquet = False,
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
@@ -229,6 +239,7 @@ def run(
         law=law,
         n_jobs=n_jobs,
         cluster=cluster,
+        parquet=parquet,
         cache=cache,
         drawing=drawing,
         force=force,
@@ -243,6 +254,7 @@ def work_through(
     law: str = "",
     n_jobs: int = 1,
     cluster: str = "",
+    parquet: bool = False,
     cache: bool = True,
     drawing: frozenset[str] = frozenset({"report"}),
     wish: "front.Wish | None" = None,
@@ -267,7 +279,7 @@ def work_through(
         if "conditions" in drawing:
             # Other processes draw while this one fits; what is published is one part at a time.
             pool[0] = drawing_pool(extraction, n_jobs, stack)
-            to_finish.append(start_figures(extraction, target, out, pool[0]))
+            to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
 
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:
@@ -283,6 +295,7 @@ def work_through(
                     jobs=n_jobs,
                     cache_dir=cache_dir,
                     executor=executor,
+                    parquet=parquet,
                     extract_progress=extracting.update,
                     fit_progress=lambda name, done, total: fitting.update(done, total, name),
                     on_extracted=draw,

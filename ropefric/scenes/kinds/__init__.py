@@ -22,5 +22,11 @@ class Kinds(Registry[Kind]):
 
 
 KINDS = Kinds()
-# Other processes have the functions of a kind already, and find it by its name.
-copyreg.pickle(Kind, lambda kind: (KINDS.__getitem__, (kind.name,)))
+
+
+def kind_named(name: str) -> Kind:
+    """Return a kind by its name: how another process, which has its functions already, comes by it."""
+    return KINDS[name]
+
+
+copyreg.pickle(Kind, lambda kind: (kind_named, (kind.name,)))

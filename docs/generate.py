@@ -8,7 +8,6 @@ import json
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
-from importlib import import_module
 from pathlib import Path
 
 import typer
@@ -20,6 +19,7 @@ from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
 from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
+from ropefric.papers.paper import PAPERS, read_paper
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
 from ropefric.plotting.figure import FigureWithData, drawing
@@ -50,9 +50,7 @@ def everything(folder: Path) -> None:
         "scene-keys.md": scene_keys_page(),
     }
     drawn = dict(figures())
-    if "paper" in find_commands():
-        for name in ("prth", "press", "saw"):
-            pages[f"paper-{name}.md"] = paper_page(name, drawn)
+    pages |= {f"paper-{name}.md": paper_page(name, drawn) for name in PAPERS}
     # A piece of a page becomes a file of its own.
     namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
     pictures = {
@@ -214,7 +212,7 @@ def _results(names: Iterable[str]) -> list[type]:
 
 def paper_page(name: str, drawn: dict[str, FigureWithData]) -> str:
     """Return the page of every number of a paper beside the printed one; its figures are added to those drawn."""
-    found = import_module("ropefric.papers.paper").read_paper(name)
+    found = read_paper(name)
     first, *items = found.parts()
     parts = [
         f"# {first.title}: every number\n",
